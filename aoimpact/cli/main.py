@@ -12,18 +12,15 @@ from typing import Any
 from .. import __version__
 from ..base import AOImpactError, InputError
 
-Command = Callable[[argparse.Namespace], None]
-
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; return 0, 2 for a wrong input, 1 for a computation that failed."""
     parser = _parser()
     options = parser.parse_args(arguments)
-    command: Command = options.command
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a terminal may have no "µ"
     try:
-        command(options)
+        options.command(options)
     except InputError as error:
         print(f"{parser.prog}: error: {error}", file=sys.stderr)
         return 2
@@ -45,11 +42,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"%(prog)s {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="<command>", required=True)
 
-    def add(command: Command, summary: str, out: str, **more: Any) -> argparse.ArgumentParser:
+    def add(
+        command: Callable[..., None], summary: str, out: str, **more: Any
+    ) -> argparse.ArgumentParser:
         name = command.__name__.strip("_")
-        added: argparse.ArgumentParser = commands.add_parser(
-            name, help=summary, description=command.__doc__
-        )
+        added = commands.add_parser(name, help=summary, description=command.__doc__)
         if name != "paper":
             added.add_argument("scene", metavar="SCENE.toml", help="the scene file")
         nothing = "%(default)s" if more else "nothing is written"
@@ -105,11 +102,10 @@ def _run(options: argparse.Namespace) -> None:
             f"{scene.path}: --workers and --checkpoint need a [sweep], which this file lacks"
         )
     result: Any
-    files: tuple[Path, ...]
+    files: tuple[Path, ...] = ()
     with held_warnings() as warnings:
         if scene.grid:
             result = sweep_file(scene, workers=options.workers, checkpoint=options.checkpoint)
-            files = ()
             if options.out:
                 files = (writable_folder(options.out) / "sweep.csv",)
                 result.to_csv(files[0])

@@ -886,8 +886,7 @@ class _Section:
         options = self.card.options
         found = self.material(options.get("MATERIAL", ""))
         if isinstance(found, Orthotropic) and (name := options.get("ORIENTATION")):
-            axes: Any = self.axes(name)[0]
-            return replace(found, axes=axes)
+            return replace(found, axes=self.axes(name)[0])  # type: ignore[arg-type]
         return found
 
     def shell(self) -> OneMaterial:

@@ -319,8 +319,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
         M_rows, M_cols = rows[inertia.rows], rows[inertia.cols]
         inertia = replace(inertia, size=stiffness.size, rows=M_rows, cols=M_cols, labels=labels)
     elif stiffness.size != inertia.size:
-        rows_of_both = f"K has {stiffness.size} rows and M {inertia.size}"
-        raise InputError(f"{rows_of_both}: is one cut short?")
+        raise InputError(f"K has {stiffness.size} rows and M {inertia.size}: is one cut short?")
     K, M = stiffness.symmetric(), inertia.symmetric()
     for name, matrix in (("K", K), ("M", M)):
         without = np.flatnonzero((matrix.diagonal() == 0.0) & (abs(matrix).sum(axis=1) > 0.0))

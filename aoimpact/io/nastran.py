@@ -449,11 +449,8 @@ def _sets(control: Lines, bulk: BulkData) -> dict[str, tuple[tuple[str, ...], st
             line += " " + next(lines, "")
         if match := _SET.match(line):
             name, text = f"SET {int(match[1])}", " ".join(match[2].replace(",", " ").split())
-            if (
-                text
-                and not _MEMBER.sub("", text)
-                and found.setdefault(name, (_BOTH, text))[1] != text
-            ):
+            valid = text and not _MEMBER.sub("", text)
+            if valid and found.setdefault(name, (_BOTH, text))[1] != text:
                 twice.add(name)
     if twice:
         listed = ", ".join(sorted(twice))
@@ -690,8 +687,7 @@ def _solid(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
     if card.text(6) not in ("", "SMECH"):
         raise card.error(f"FCTN={card.text(6)} is no solid")
     if isinstance(found, Orthotropic) and (system := card.integer(2, "CORDM")):
-        axes: Any = deck.axes(system, own, card)
-        return replace(found, axes=axes)
+        return replace(found, axes=deck.axes(system, own, card))  # type: ignore[arg-type]
     return found
 
 

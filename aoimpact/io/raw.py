@@ -176,8 +176,7 @@ def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
 def repeats(labels: IntArray) -> IntArray:
     """Return the rows whose label another row before them has, in the order of the labels."""
     order = np.argsort(labels, kind="stable")
-    again: IntArray = order[1:][np.diff(labels[order]) == 0]
-    return again
+    return np.asarray(order[1:][np.diff(labels[order]) == 0])
 
 
 def labels_of(arrays: Any, name: str, count: int) -> IntArray | None:

@@ -138,11 +138,8 @@ def read_for(
 ) -> Mesh:
     """Return `read_mesh` of a file, with groups of surface and line cells `thin` in the body."""
     factor = positive("scale", scale)
-    named = list(thin)
-    if isinstance(part, str):
-        named.append(part)
-    elif isinstance(part, (list, tuple)):  # what else it may be is refused below
-        named += [name for name in part if isinstance(name, str)]
+    parts = part if isinstance(part, (list, tuple)) else [part]
+    named = [*thin, *(name for name in parts if isinstance(name, str))]  # others are refused below
     if order is not None and not (isinstance(order, (int, np.integer)) and order == 2):
         raise InputError(f"order must be 2 or None, got {order!r}")
     if isinstance(source, Mesh):

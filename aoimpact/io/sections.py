@@ -248,8 +248,7 @@ class Axes:
 def unit(vectors: FloatArray) -> FloatArray:
     """Return vectors, shape (n, 3), of length one."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    found: FloatArray = vectors / np.maximum(length, _TINY)
-    return found
+    return np.asarray(vectors / np.maximum(length, _TINY))
 
 
 def triad(
@@ -273,9 +272,8 @@ def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
     along = np.einsum("ni,ni->n", np.broadcast_to(vectors, directions.shape), directions)
     part = vectors - along[:, None] * directions
     length = np.linalg.norm(part, axis=1, keepdims=True)
-    return unit(
-        np.where(length > _SAME * np.linalg.norm(vectors, axis=-1, keepdims=True), part, 0.0)
-    )
+    least = _SAME * np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return unit(np.where(length > least, part, 0.0))
 
 
 def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...]:

@@ -18,7 +18,6 @@ from xml.etree import ElementTree
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray
 from ..mesh import right_handed
 from .raw import RawBlock, RawMesh, check_count, firsts, integers, nodes_in, numbers_of
 
@@ -44,29 +43,6 @@ _COMPRESSORS: dict[str, Any] = {
     "vtkZLibDataCompressor": zlib.decompress,
     "vtkLZMADataCompressor": lzma.decompress,
 }
-
-
-def _raw_mesh(points: FloatArray, types: IntArray, ends: IntArray, nodes: IntArray) -> RawMesh:
-    """Return the mesh of cells whose nodes end at `ends` in `nodes`."""
-    starts = np.concatenate([[0], ends])[:-1]
-    counts = ends - starts
-    if len(types) != len(ends) or counts.sum() != len(nodes) or (counts < 0).any():
-        raise ValueError("the numbers of cells, types and nodes do not fit each other")
-    blocks = []
-    for type_ in np.setdiff1d(types, _WITHOUT_VOLUME).tolist():
-        of = np.flatnonzero(types == type_)
-        if type_ not in _KINDS:
-            blocks.append(RawBlock(f"VTK type {type_}", np.zeros((len(of), 1), np.int64)))
-            continue
-        kind, width = _KINDS[type_], nodes_in(_KINDS[type_])
-        if wrong := set(counts[of].tolist()) - {width}:
-            raise ValueError(f"a {kind} has {width} nodes, not {wrong.pop()}")
-        cells = nodes[starts[of][:, None] + np.arange(width)][:, _ORDERS.get(type_, slice(None))]
-        # Wedges of VTK's own are left-handed, those of other programs are not.
-        if kind in ("wedge", "wedge15") and 0 <= cells.min() <= cells.max() < len(points):
-            cells = right_handed(kind, points, cells)
-        blocks.append(RawBlock(kind, cells))
-    return RawMesh(points, tuple(blocks))
 
 
 def _from_bytes(content: bytes, dtype: np.dtype[Any], count: int) -> npt.NDArray[Any]:
@@ -99,8 +75,6 @@ def read(file: Path) -> RawMesh:
     meshes = [_piece(piece, arrays) for piece in root.findall("UnstructuredGrid/Piece")]
     if not meshes:
         raise ValueError("it has no piece of an unstructured grid")
-    if len(meshes) == 1:
-        return meshes[0]
     blocks = [
         RawBlock(block.kind, block.cells + shift)
         for mesh, shift in zip(meshes, firsts(mesh.nodes for mesh in meshes), strict=False)
@@ -121,11 +95,30 @@ def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
     n_points = int(piece.get("NumberOfPoints", ""))
     if len(points) != 3 * n_points:
         raise ValueError(f"{n_points} points are announced, but {len(points)} coordinates")
+    points = points.reshape(-1, 3)
     nodes, ends, types = (
         integers(arrays.of(cells[name])) for name in ("connectivity", "offsets", "types")
     )
     check_count("cells", int(piece.get("NumberOfCells", "")), len(types))
-    return _raw_mesh(points.reshape(-1, 3), types, ends, nodes)
+    starts = np.concatenate([[0], ends])[:-1]
+    counts = ends - starts
+    if len(types) != len(ends) or counts.sum() != len(nodes) or (counts < 0).any():
+        raise ValueError("the numbers of cells, types and nodes do not fit each other")
+    blocks = []
+    for type_ in np.setdiff1d(types, _WITHOUT_VOLUME).tolist():
+        of = np.flatnonzero(types == type_)
+        if type_ not in _KINDS:
+            blocks.append(RawBlock(f"VTK type {type_}", np.zeros((len(of), 1), np.int64)))
+            continue
+        kind, width = _KINDS[type_], nodes_in(_KINDS[type_])
+        if wrong := set(counts[of].tolist()) - {width}:
+            raise ValueError(f"a {kind} has {width} nodes, not {wrong.pop()}")
+        table = nodes[starts[of][:, None] + np.arange(width)][:, _ORDERS.get(type_, slice(None))]
+        # Wedges of VTK's own are left-handed, those of other programs are not.
+        if kind in ("wedge", "wedge15") and 0 <= table.min() <= table.max() < len(points):
+            table = right_handed(kind, points, table)
+        blocks.append(RawBlock(kind, table))
+    return RawMesh(points, tuple(blocks))
 
 
 class _Arrays:

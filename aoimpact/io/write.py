@@ -59,7 +59,6 @@ def write_matrices(
     """
     if isinstance(what, AOModel):
         matrices: dict[str, Any] = dict(zip("KMb", what.matrices(), strict=True))
-        body = None
     elif isinstance(what, (FEModel, ContactPoint)):
         body = what.body if isinstance(what, ContactPoint) else what
         matrices = {"K": body.K, "M": body.M}
@@ -80,7 +79,7 @@ def write_matrices(
         what.to_json(files["json"])
         files["deck"] = path / "star.inp"
         files["deck"].write_text(_deck(what))
-    if body is not None:
+    else:
         files |= _write_rows(body, path)
     return files
 

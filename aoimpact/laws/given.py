@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import functools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -167,31 +166,26 @@ class UserLaw(ContactLaw, kind="user", by_caller=True):
             )
 
     def _entries(self) -> tuple[Any, ...]:
-        names = ("function", "stiffness", "damping", "energy")
-        return tuple(_entry(name, getattr(self, name)) for name in names)
+        """Return Python functions as they are, and C functions as their addresses."""
+        found: list[Any] = []
+        for name in ("function", "stiffness", "damping", "energy"):
+            entry = getattr(self, name)
+            if isinstance(entry, LowLevelCallable):
+                given = entry.signature
+                if given.replace(" ", "") != _SIGNATURE.replace(" ", ""):
+                    raise InputTypeError(f"{name} must be a C function {_SIGNATURE}, got {given}")
+                of = ctypes.pythonapi.PyCapsule_GetPointer
+                of.argtypes, of.restype = [ctypes.py_object, ctypes.c_char_p], ctypes.c_void_p
+                entry = int(of(tuple.__getitem__(entry, 0), given.encode()))
+            elif entry is not None and (isinstance(entry, _CTYPES_FUNCTION) or not callable(entry)):
+                raise InputTypeError(
+                    f"{name} must be a Python function, or a C function {_SIGNATURE} in a "
+                    f"scipy.LowLevelCallable, got {entry!r}"
+                )
+            found.append(entry)
+        return tuple(found)
 
     def _data(self) -> Any:
         # The objects themselves go along: they must outlive the call.
         functions = (self.function, self.stiffness, self.damping, self.energy)
         return self._entries(), self.depends_on_rate, self.pulls, functions
-
-
-def _entry(name: str, function: Any) -> Callable[..., Any] | int | None:
-    """Return a Python function as it is, and a C function as its address."""
-    if function is None:
-        return None
-    if isinstance(function, LowLevelCallable):
-        signature = function.signature
-        if signature.replace(" ", "") != _SIGNATURE.replace(" ", ""):
-            raise InputTypeError(f"{name} must be a C function {_SIGNATURE}, got {signature}")
-        capsule = tuple.__getitem__(function, 0)
-        pointer = ctypes.pythonapi.PyCapsule_GetPointer
-        pointer.argtypes, pointer.restype = [ctypes.py_object, ctypes.c_char_p], ctypes.c_void_p
-        return int(pointer(capsule, signature.encode()))
-    if isinstance(function, _CTYPES_FUNCTION) or not callable(function):
-        raise InputTypeError(
-            f"{name} must be a Python function, or a C function {_SIGNATURE} in a "
-            f"scipy.LowLevelCallable, got {function!r}"
-        )
-    python: Callable[..., Any] = function
-    return python

@@ -73,9 +73,14 @@ def law_between(
     True
     """
     one, two = projectile_surface, target_surface
-    angle = _angle(one, two, projectile_direction, target_direction)
-    if angle is not None:
-        return _at_angle(one, two, angle)
+    if any(surface.radii[0] == surface.radii[1] for surface in (one, two)):
+        return _at_angle(one, two, 0.0)
+    first, second = projectile_direction, target_direction
+    if not (first is None or second is None or one.directions is None or two.directions is None):
+        along = unit_vector("projectile_direction", first), unit_vector("target_direction", second)
+        if along[0] @ along[1] >= _ONE_FRAME:
+            across, same = np.array(two.directions)[::-1] @ np.array(one.directions[0])
+            return _at_angle(one, two, math.atan2(abs(float(across)), abs(float(same))))
     laws = [_at_angle(one, two, turn) for turn in (0.0, 0.5 * math.pi)]
     low, high = sorted(found.law.k for found in laws)
     apart = high / low - 1.0
@@ -87,24 +92,6 @@ def law_between(
         )
     middle = _at_angle(one, two, 0.25 * math.pi)
     return LawFromSurfaces(middle.law, apart + max(found.error for found in laws))
-
-
-def _angle(
-    one: ContactSurface,
-    two: ContactSurface,
-    first: npt.ArrayLike | None,
-    second: npt.ArrayLike | None,
-) -> float | None:
-    """Angle between the first principal directions, rad; None where it is not known."""
-    if any(surface.radii[0] == surface.radii[1] for surface in (one, two)):
-        return 0.0
-    if first is None or second is None or one.directions is None or two.directions is None:
-        return None
-    along = unit_vector("projectile_direction", first), unit_vector("target_direction", second)
-    if along[0] @ along[1] < _ONE_FRAME:
-        return None
-    across, same = np.array(two.directions)[::-1] @ np.array(one.directions[0])
-    return math.atan2(abs(float(across)), abs(float(same)))
 
 
 def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFromSurfaces:

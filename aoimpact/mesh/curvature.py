@@ -18,6 +18,7 @@ import scipy
 import scipy.sparse as sp
 
 from ..base import FloatArray, Frozen, InputError, IntArray, plain
+from .mesh import twins
 from .surface import SHARP, Surface, plane_of
 
 # Cosine of 75°: beyond it the edge between two faces is sharp for certain; up to it the body may be
@@ -191,8 +192,7 @@ def _spacing(surface: Surface, face: IntArray) -> float:
 def _curved(surface: Surface, face: IntArray) -> npt.NDArray[np.bool_]:
     """Return which faces have nodes between their corners that lie off the chords."""
     gap = np.linalg.norm(surface.bulges(face), axis=2).max(axis=1)
-    curved: npt.NDArray[np.bool_] = gap > _IN_PLANE * surface.edges(face)
-    return curved
+    return np.asarray(gap > _IN_PLANE * surface.edges(face))
 
 
 def _flat(
@@ -248,10 +248,7 @@ def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_
     key = np.sort(np.stack([corners, following], axis=2).reshape(-1, 2), axis=1)
     row = np.repeat(np.arange(len(face)), corners.shape[1])
     normal = surface.normal(face[row], surface.edge_middles(face).reshape(-1, 2))
-    order = np.lexsort(key.T)
-    one, two = order[1:], order[:-1]
-    same = (key[one] == key[two]).all(axis=1) & (key[one, 0] < key[one, 1])
-    one, two = one[same], two[same]
+    two, one = (of[key[of, 0] < key[of, 1]] for of in twins(key))
     cosine = np.einsum("ni,ni->n", normal[one], normal[two])
     smooth = cosine > SHARP
     shape = (len(face), len(face))
@@ -264,38 +261,18 @@ def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_
 
 
 def _fitted(region: _Region, here: FloatArray, normal: FloatArray, reach: float) -> SurfaceShape:
-    """Return the shape of the height over the tangent plane that fits the nodes within reach."""
-    offset = region.nodes[region.distance <= reach] - here
-    rounding = _rounding(region.nodes) / reach
-    across = plane_of(normal)
-    slope, bend, deviation = _regression(
-        offset @ across.T / reach, offset @ normal / reach, rounding
-    )
-    length = np.sqrt(1.0 + slope @ slope)
-    tangents = across + np.outer(slope, normal)
-    kappa, vectors = scipy.linalg.eigh(-bend / (length * reach), tangents @ tangents.T)
-    error = _DEVIATIONS * deviation / reach + _LEAST_ERROR * float(np.abs(kappa).max())
-    return SurfaceShape(
-        (normal - slope @ across) / length,
-        kappa[::-1].copy(),
-        vectors[:, ::-1].T @ tangents,
-        error + _doubt(region.bends, reach),
-        reach,
-    )
-
-
-def _regression(
-    u: FloatArray, height: FloatArray, rounding: float
-) -> tuple[FloatArray, FloatArray, float]:
-    """Return slope, second derivatives and their standard deviation at the origin.
+    """Return the shape of the height over the tangent plane that fits the nodes within reach.
 
     Bayesian regression with the prior widths A λ^(k-2) of the terms of degree k and noise A s in
     the nodes. A is integrated out, λ and s are averaged over by their evidence.
     """
-    x, y = (np.vander(along, 7, increasing=True) for along in u.T)
-    n, (i, j) = len(u), np.array(_POWERS).T
+    offset = region.nodes[region.distance <= reach] - here
+    across, height = plane_of(normal), offset @ normal / reach
+    x, y = (np.vander(along, 7, increasing=True) for along in (offset @ across.T / reach).T)
+    n, (i, j) = len(offset), np.array(_POWERS).T
     q, r = np.linalg.qr(x[:, i] * y[:, j])
     seen = q.T @ height
+    rounding = _rounding(region.nodes) / reach
     beyond = max(float(height @ height - seen @ seen), 0.0) + n * rounding**2
     free = max(n - 3, 1)
     left, size, right = np.linalg.svd(r * _WIDTHS[:, None], full_matrices=False)
@@ -313,5 +290,16 @@ def _regression(
     share /= share.sum()
     mean = np.tensordot(share, means, axes=2)
     spread = np.tensordot(share, variances + (means - mean) ** 2, axes=2)[3:]
-    bend = np.array([[2.0 * mean[3], mean[4]], [mean[4], 2.0 * mean[5]]])
-    return mean[1:3], bend, float(np.sqrt(spread @ [4.0, 2.0, 4.0]))
+    slope, bend = mean[1:3], np.array([[2.0 * mean[3], mean[4]], [mean[4], 2.0 * mean[5]]])
+    deviation = float(np.sqrt(spread @ [4.0, 2.0, 4.0]))
+    length = np.sqrt(1.0 + slope @ slope)
+    tangents = across + np.outer(slope, normal)
+    kappa, vectors = scipy.linalg.eigh(-bend / (length * reach), tangents @ tangents.T)
+    error = _DEVIATIONS * deviation / reach + _LEAST_ERROR * float(np.abs(kappa).max())
+    return SurfaceShape(
+        (normal - slope @ across) / length,
+        kappa[::-1].copy(),
+        vectors[:, ::-1].T @ tangents,
+        error + _doubt(region.bends, reach),
+        reach,
+    )

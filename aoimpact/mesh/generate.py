@@ -83,7 +83,18 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     x, y, z = np.moveaxis(every[((x >= y) & (y >= z)).all(axis=2)], 2, 0)
     weights = np.stack([n - x, x - y, y - z, z], axis=-1).reshape(-1, 4)
     barycentric, tets = np.unique(weights, axis=0, return_inverse=True)
-    keys, places = _cone_points(directions, cones, barycentric, n)
+    # The first coordinate belongs to the centre: the layer is the sum of the others. The direction
+    # comes from sines of their shares, which leaves the spacing on the sphere nearly even.
+    share = barycentric[:, 1:]
+    layer = share.sum(axis=1)
+    angle = share / np.maximum(layer, 1)[:, None] * _ICOSAHEDRON_ANGLE
+    places = np.einsum("pk,fkc->fpc", np.sin(angle), directions[cones])
+    norm = np.linalg.norm(places, axis=2, keepdims=True)
+    places *= (layer / n)[:, None] / np.where(norm > 0.0, norm, 1.0)
+    # A point is known by its vertices with a positive share, each as one number, in order.
+    label = np.where(share[None] > 0, cones[:, None, :] * (n + 1) + share[None] + 1, 0)
+    label.sort(axis=2)
+    keys = label @ np.array([(12 * (n + 1) + 1) ** 2, 12 * (n + 1) + 1, 1])
     _, first, number = np.unique(keys.reshape(-1), return_index=True, return_inverse=True)
     corners = places.reshape(-1, 3)[first]
     cells = number.reshape(len(cones), -1)[:, tets.ravel()].reshape(-1, 4)
@@ -111,28 +122,6 @@ def _icosahedron() -> tuple[FloatArray, IntArray]:
         if all(near[i, j] for i, j in combinations(corners, 2))
     ]
     return directions, np.array(faces)
-
-
-def _cone_points(
-    directions: FloatArray, cones: IntArray, barycentric: IntArray, n: int
-) -> tuple[IntArray, FloatArray]:
-    """Place the points of every cone in the unit ball, with one key for points that coincide.
-
-    The first barycentric coordinate belongs to the centre: the layer is the sum of the others, and
-    the direction comes from sines of their shares, which leaves the spacing on the sphere nearly
-    even.
-    """
-    share = barycentric[:, 1:]
-    layer = share.sum(axis=1)
-    angle = share / np.maximum(layer, 1)[:, None] * _ICOSAHEDRON_ANGLE
-    places = np.einsum("pk,fkc->fpc", np.sin(angle), directions[cones])
-    norm = np.linalg.norm(places, axis=2, keepdims=True)
-    places *= (layer / n)[:, None] / np.where(norm > 0.0, norm, 1.0)
-    # A point is known by its vertices with a positive share, each as one number, in order.
-    label = np.where(share[None] > 0, cones[:, None, :] * (n + 1) + share[None] + 1, 0)
-    label.sort(axis=2)
-    base = 12 * (n + 1) + 1
-    return (label[..., 0] * base + label[..., 1]) * base + label[..., 2], places
 
 
 def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "hexahedron") -> Mesh:
@@ -166,10 +155,7 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
     >>> box_mesh((1.0, 0.02, 0.02), (50, 2, 2))
     Mesh(459 nodes, 200 hexahedron, sets: xmin, xmax, ymin, ymax, zmin, zmax)
     """
-    sides, counts = _sides(lengths, divisions, 3)
-    choice("kind", kind, KINDS)
-    _refuse_monster(8.0 * float(min(math.prod(counts), 10**30)), "divisions", counts)
-    return _lattice(sides, counts, kind)
+    return _lattice(lengths, divisions, kind, KINDS, 3)
 
 
 def sheet_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "quad") -> Mesh:
@@ -201,17 +187,23 @@ def sheet_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = 
     >>> ao.sheet_mesh((0.3, 0.2), (6, 4))
     Mesh(35 nodes, 24 quad, sets: xmin, xmax, ymin, ymax, rim)
     """
-    sides, counts = _sides(lengths, divisions, 2)
-    choice("kind", kind, ("quad", "triangle"))
-    _refuse_monster(float(min((counts[0] + 1) * (counts[1] + 1), 10**30)), "divisions", counts)
-    sheet = _lattice(sides, counts, kind)
+    sheet = _lattice(lengths, divisions, kind, ("quad", "triangle"), 2)
     rim = np.unique(np.concatenate(list(sheet.node_sets.values())))
     return Mesh(sheet.nodes, sheet.cells, kind, {**sheet.node_sets, "rim": rim})
 
 
-def _lattice(sides: FloatArray, counts: list[int], kind: str) -> Mesh:
+def _lattice(lengths: Any, divisions: Any, kind: str, kinds: Sequence[str], axes: int) -> Mesh:
     """The mesh of a box or rectangle of equal bricks, each cut into elements of one kind."""
-    element, axes = reference_element(kind), len(counts)
+    sides = finite_array("lengths", lengths, shape=(axes,), unit="m")
+    for i, side in enumerate(sides):
+        positive(f"lengths[{i}]", float(side), unit="m")
+    given = sequence("divisions", divisions)
+    if len(given) != axes:
+        raise InputError(f"divisions must be {axes} integers, got {given!r}")
+    counts = [integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(given)]
+    element = reference_element(choice("kind", kind, kinds))
+    most = 8 * math.prod(counts) if axes == 3 else math.prod(count + 1 for count in counts)
+    _refuse_monster(float(min(most, 10**30)), "divisions", counts)
     # Nodes of all elements on the lattice of quarter bricks, shape (n_cells, n_nodes, axes).
     local = 4.0 * (element.linear.shape(element.nodes) @ element.cell.of_brick)[..., :axes]
     bricks = 4 * np.array(list(product(*(range(count) for count in counts))))
@@ -233,14 +225,3 @@ def _lattice(sides: FloatArray, counts: list[int], kind: str) -> Mesh:
 def _refuse_monster(n_nodes: float, name: str, value: object) -> None:
     if n_nodes > _MOST_NODES:
         raise InputError(f"{name}={value} would make some {n_nodes:.2g} nodes; is it in metres?")
-
-
-def _sides(lengths: Any, divisions: Any, axes: int) -> tuple[FloatArray, list[int]]:
-    """Return the lengths of the sides, m, and the number of elements along each."""
-    sides = finite_array("lengths", lengths, shape=(axes,), unit="m")
-    for i, side in enumerate(sides):
-        positive(f"lengths[{i}]", float(side), unit="m")
-    given = sequence("divisions", divisions)
-    if len(given) != axes:
-        raise InputError(f"divisions must be {axes} integers, got {given!r}")
-    return sides, [integer(f"divisions[{i}]", value, low=1) for i, value in enumerate(given)]

@@ -133,10 +133,8 @@ class Mesh(Frozen):
             own = checked_cells(cells, reference_element(kind), len(nodes))
             blocks.append(Block(kind, own, first))
             first += len(own)
-        used = np.zeros(len(nodes), dtype=bool)
-        for block in blocks:
-            used[block.cells] = True
-        unused = np.flatnonzero(~used)
+        table = _table(blocks)
+        unused = np.flatnonzero(np.bincount(table.ravel(), minlength=len(nodes)) == 0)
         if len(unused):
             which = f"{len(unused)} of {len(nodes)}, the first {unused[0]}, belong to no element"
             raise MeshError(f"nodes: {which}. Leave them out, or let read_mesh do so")
@@ -151,7 +149,7 @@ class Mesh(Frozen):
             _check_elements(nodes, block, *labels)
         checked = {
             "nodes": nodes,
-            "cells": _table(blocks),
+            "cells": table,
             "kind": blocks[0].kind if len(blocks) == 1 else "mixed",
             "node_sets": _sets("node_sets", self.node_sets, len(nodes), "node"),
             "cell_sets": _sets("cell_sets", self.cell_sets, first, "element"),
@@ -322,6 +320,13 @@ def _sets(name: str, given: Any, count: int, what: str) -> dict[str, IntArray]:
     }
 
 
+def twins(table: IntArray) -> tuple[IntArray, IntArray]:
+    """Return which rows of a table are equal, in pairs; of two the first comes first."""
+    order = np.lexsort(table.T)
+    same = (table[order[1:]] == table[order[:-1]]).all(axis=1)
+    return order[:-1][same], order[1:][same]
+
+
 def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
     """Return node numbers of elements, shape (n, nodes per element), in range."""
     array = integers("cells", cells, "integer node numbers")
@@ -352,12 +357,10 @@ def _check_elements(
         return own
 
     corners = np.sort(cells[:, : block.element.n_corners], axis=1)
-    order = np.lexsort(corners.T)  # stable: of equal elements the first comes first
-    same = np.flatnonzero((corners[order[1:]] == corners[order[:-1]]).all(axis=1))
-    if len(same):  # stiffness and mass would count twice
-        earlier, later = order[same[0]], order[same[0] + 1]
+    both = np.stack(twins(corners), axis=1)
+    for earlier, later in both[:1]:  # stiffness and mass would count twice
         two = f"element {element(later)} repeats {element(earlier)}, nodes {nodes_of(earlier)}"
-        raise MeshError(f"{len(same)} of {len(cells)} elements are there twice: {two}. Remove them")
+        raise MeshError(f"{len(both)} of {len(cells)} elements are there twice: {two}. Remove them")
     repeats = (corners[:, 1:] == corners[:, :-1]).any(axis=1)
     if block.element.thin:
         flat, inverted = _misshapen(nodes[cells])

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 
 from ..base import PRINTED, ROUNDING, FloatArray, IntArray, MeshError
 from .elements import ReferenceFace, reference_faces
-from .mesh import Mesh
+from .mesh import Mesh, twins
 
 # Radius of a ball that holds a curved side, over that of the ball around its nodes.
 _BULGE = 1.2
@@ -168,8 +168,7 @@ class Surface:
                 cell = int(self.cell[face[flat][still]][0])
                 nodes = self.mesh.cells[cell].tolist()
                 raise MeshError(f"mesh: a side of element {cell}, nodes {nodes}, has no area")
-        unit: FloatArray = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-        return unit
+        return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
     def _crossed(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
         """Return the product of the tangents, and where they are parallel or zero."""
@@ -212,8 +211,7 @@ class Surface:
         corner = self.mesh.nodes[self.corners(face)]
         triangle = self._triangle[self.side[face]]
         lengths = np.linalg.norm(np.diff(corner, axis=1, append=corner[:, :1]), axis=2)
-        mean: FloatArray = lengths.sum(axis=1) / np.where(triangle, 3, 4)
-        return mean
+        return np.asarray(lengths.sum(axis=1) / np.where(triangle, 3, 4))
 
     def middle(self, face: IntArray) -> FloatArray:
         """Return the coordinates (u, v) of the faces' middles, shape (n, 2)."""
@@ -254,7 +252,11 @@ class Surface:
             x, tangents = self.at(face, uv)
             gap = np.einsum("nui,ni->nu", tangents, point - x)
             before = uv
-            uv = self._clamped(face, uv + _solved(tangents @ tangents.swapaxes(1, 2), gap))
+            step = _solved(tangents @ tangents.swapaxes(1, 2), gap)
+            u, v = np.clip(uv + step, 0.0, 1.0).T  # then the nearest place on a triangle
+            excess = np.where(self._triangle[self.side[face]], np.maximum(u + v - 1.0, 0.0), 0.0)
+            u = np.clip(u - 0.5 * excess, 0.0, 1.0)
+            uv = np.stack([u, np.minimum(v, np.where(excess > 0.0, 1.0 - u, 1.0))], axis=1)
             if np.abs(uv - before).max() <= _CONVERGED:
                 break
         x = self.at(face, uv)[0]
@@ -384,13 +386,6 @@ class Surface:
         uv[missed] = np.inf
         return uv, x, np.cross(tangents[:, 0], tangents[:, 1]) @ axis
 
-    def _clamped(self, face: IntArray, uv: FloatArray) -> FloatArray:
-        """Move coordinates to the nearest ones on the face."""
-        u, v = np.clip(uv, 0.0, 1.0).T
-        excess = np.where(self._triangle[self.side[face]], np.maximum(u + v - 1.0, 0.0), 0.0)
-        u = np.clip(u - 0.5 * excess, 0.0, 1.0)
-        return np.stack([u, np.minimum(v, np.where(excess > 0.0, 1.0 - u, 1.0))], axis=1)
-
     @cached_property
     def _triangle(self) -> npt.NDArray[np.bool_]:
         return np.array([face.n_corners == 3 for _, face in self.sides])
@@ -423,10 +418,8 @@ def boundary(mesh: Mesh) -> Surface:
         cells.append(np.arange(block.first, block.first + len(block.cells)))
         numbers.append(np.full(len(block.cells), side))
     key, cell, side_of = (np.concatenate(parts) for parts in (corners, cells, numbers))
-    order = np.lexsort(key.T)
-    same = (key[order[1:]] == key[order[:-1]]).all(axis=1)
     single = np.ones(len(key), dtype=bool)
-    one, other = order[1:][same], order[:-1][same]
+    other, one = twins(key)
     single[one] = single[other] = False
     joined = np.stack([cell[one], cell[other]], axis=1)
     surface = Surface(mesh, cell[single], side_of[single], joined, sides)
@@ -446,11 +439,10 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
     square = corners[:, 3] >= 0
     triples = np.concatenate([np.delete(corners[square], i, axis=1) for i in range(4)])
     lone = np.concatenate([corners[~square, :3], np.unique(triples, axis=0)])
-    order = np.lexsort(lone.T)
-    same = (lone[order[1:]] == lone[order[:-1]]).all(axis=1)
-    if same.any():
-        nodes = lone[order[1:][same]][0].tolist()
-        which = f"{int(same.sum())} triangular sides, the first on nodes {nodes}"
+    again, _ = twins(lone)
+    if len(again):
+        nodes = lone[again[0]].tolist()
+        which = f"{len(again)} triangular sides, the first on nodes {nodes}"
         raise MeshError(f"mesh: {which}, lie on quadrilateral ones. Put pyramids between them")
 
 

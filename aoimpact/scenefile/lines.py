@@ -44,7 +44,19 @@ def line_of(text: str, place: Place) -> int | None:
         place = place[:-1]
     if not place:
         return None
-    lines, closings = text.split("\n"), _closings(text)
+    lines = text.split("\n")
+    # What closes the string, arrays and braces that are open at the end of each line.
+    closings: list[str] = []
+    brackets = ""
+    for token in map(re.Match.group, _TOKEN.finditer(text)):
+        if token in "[{":
+            brackets = "]}"["[{".index(token)] + brackets
+        elif token in "]}":
+            brackets = brackets[1:]
+        elif token == "\n":
+            closings.append(brackets)
+        else:
+            closings += [token[:3] + brackets] * token.count("\n")
 
     def begun(line: int) -> bool:
         return holds(tomllib.loads("\n".join((*lines[:line], closings[line - 1]))), place)
@@ -60,19 +72,3 @@ def holds(data: Any, place: Place) -> bool:
         except (LookupError, TypeError):
             return False
     return True
-
-
-def _closings(text: str) -> list[str]:
-    """Characters that close the string, arrays and braces open at the end of each line."""
-    found: list[str] = []
-    brackets = ""
-    for token in map(re.Match.group, _TOKEN.finditer(text)):
-        if token in "[{":
-            brackets = "]}"["[{".index(token)] + brackets
-        elif token in "]}":
-            brackets = brackets[1:]
-        elif token == "\n":
-            found.append(brackets)
-        else:
-            found += [token[:3] + brackets] * token.count("\n")
-    return found

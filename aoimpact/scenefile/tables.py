@@ -57,11 +57,7 @@ _MATERIALS = (
 
 def _named(which: str) -> Reader:
     """The name of a material or body."""
-
-    def read(binder: SceneBinder, name: str, place: Place) -> Any:
-        return binder.entry(which, name, place)
-
-    return Reader(f"a name from [{which}]", (str,), read)
+    return Reader(f"a name from [{which}]", (str,), lambda binder, *at: binder.entry(which, *at))
 
 
 _MATERIAL = _named("materials")
