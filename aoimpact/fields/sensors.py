@@ -126,9 +126,8 @@ class History(Generic[S]):
             most = float(np.abs(self.displacement(finer, looks)).max())
             least = _AT_REST * most / self.source.duration
         largest = np.nanmax(np.abs(right), initial=least)
-        apart = np.abs(self.values - right[np.searchsorted(looks, self.t)])
-        found: FloatArray = apart.reshape(len(self.t), -1).max(axis=1)
-        return _DIFFERENCES * found / (largest if largest > 0.0 else 1.0)
+        apart = np.abs(self.values - right[np.searchsorted(looks, self.t)]).reshape(len(self.t), -1)
+        return np.asarray(_DIFFERENCES * apart.max(axis=1) / (largest if largest > 0.0 else 1.0))
 
     @property
     def doubt(self) -> FloatArray:

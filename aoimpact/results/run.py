@@ -217,8 +217,7 @@ class BodyResult(Frozen, Measured):
         else:
             assert model.modal.whole.velocity is not None
             rows = model.modal.whole.velocity
-        _, rates = run.recorder.motion(self._number).observed(rows, times)
-        return np.asarray(rates)
+        return np.asarray(run.recorder.motion(self._number).observed(rows, times)[1])
 
     @property
     def centre_velocity(self) -> FloatArray:

@@ -46,7 +46,6 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
             f"solver={solver!r} takes friction of elastic laws only, and a law is damped; "
             "take Newmark(), or leave it out"
         )
-    kind = Run if plan.scene else Result
     try:
         with held_warnings() as said:
             recorder, error = (
@@ -54,12 +53,10 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
                 if isinstance(solver, Adaptive)
                 else solve_newmark(plan, solver)
             )
-        return kind(plan, recorder, error, said=tuple(said))
+        return (Run if plan.scene else Result)(plan, recorder, error, said=tuple(said))
     except LawLimitError as error:
-        if error.contact is None:
-            raise
-        contact = plan.contacts[error.contact]
-        if not isinstance(contact.law, PatchLaw):
+        contact = None if error.contact is None else plan.contacts[error.contact]
+        if contact is None or not isinstance(contact.law, PatchLaw):
             raise
         factor = wider(contact.law, plan.reduced_mass(contact), plan.fastest)
         if factor is None:

@@ -48,9 +48,8 @@ _HISTORIES = {
 def _history(run: Run, kind: str, number: int, name: str) -> FloatArray | None:
     """A history by its name, shape (n,) or (n, 3); None where the run has none."""
     of: Any = {"contact": run.each_contact, "body": run.bodies, "run": (run,)}[kind][number]
-    if name in ("spin", "friction_energy") and run.plan.oblique is None:
-        return None
-    if name == "spin" and run.plan.bodies[number].constrained:
+    absent = run.plan.oblique is None or (name == "spin" and of.constrained)
+    if absent and name in ("spin", "friction_energy"):
         return None
     if not name.endswith("_energy"):
         found: FloatArray | None = getattr(of, name)
@@ -70,11 +69,9 @@ def columns(run: Run) -> dict[str, FloatArray]:
                 values = _history(run, kind, number, name)
                 if values is None:
                     continue
-                if values.ndim == 1:
-                    table[f"{heading} [{unit}]"] = values
-                    continue
-                for axis, component in zip("xyz", values.T, strict=True):
-                    table[f"{heading} {axis} [{unit}]"] = component
+                axes = ("",) if values.ndim == 1 else (" x", " y", " z")
+                for axis, component in zip(axes, np.atleast_2d(values.T), strict=True):
+                    table[f"{heading}{axis} [{unit}]"] = component
     return table
 
 
