@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import combinations, permutations, product
+from itertools import combinations, pairwise, permutations, product
 from typing import Any
 
 import numpy as np
@@ -301,60 +301,62 @@ def _cell(linear: str, corners: Any, normals: Any, of_brick: FloatArray | None =
     return Cell(linear, places, np.array(normals, dtype=np.float64), pieces)
 
 
+_AXES, _ORIGIN = np.eye(3), np.zeros(3)
+_SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
+_WEDGE_CORNERS = np.vstack([_SQUARE[[0, 1, 3]], _SQUARE[[0, 1, 3]] + _AXES[2]])
 _TETRAHEDRON = _cell(
     "tetra",
-    corners=((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    normals=((-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 1, 1)),
+    corners=np.vstack([_ORIGIN, _AXES]),
+    normals=np.vstack([-_AXES, np.ones(3)]),
     of_brick=_tetrahedra_of_a_brick(),
 )
 _HEXAHEDRON = _cell(
     "hexahedron",
-    corners=(
-        *((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)),
-        *((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
-    ),
-    normals=((-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    corners=np.vstack([_SQUARE, _SQUARE + _AXES[2]]),
+    normals=np.vstack([-_AXES, _AXES]),
 )
-_WEDGE_CORNERS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)])
 _WEDGE = _cell(
     "wedge",
     corners=_WEDGE_CORNERS,
-    normals=((-1, 0, 0), (0, -1, 0), (1, 1, 0), (0, 0, -1), (0, 0, 1)),
+    normals=np.vstack([-_AXES[:2], [(1, 1, 0)], -_AXES[2], _AXES[2]]),
     of_brick=np.stack([_WEDGE_CORNERS, _WEDGE_CORNERS * [-1, -1, 1] + [1, 1, 0]]),
 )
-
 _PYRAMID = _cell(
     "pyramid",
-    corners=((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1)),
-    normals=((-1, 0, 0), (0, -1, 0), (1, 0, 1), (0, 1, 1), (0, 0, -1)),
+    corners=np.vstack([_SQUARE, _AXES[2]]),
+    normals=np.vstack([-_AXES[:2], _AXES[:2] + _AXES[2], -_AXES[2]]),
     of_brick=_pyramids_of_a_brick(),
 )
 
 # Shells and beams: a surface has one side, seen from +z, and a line none.
-_LINE = _cell("line", ((0, 0, 0), (1, 0, 0)), ((-1, 0, 0), (1, 0, 0)))
-_SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
-_QUAD = _cell("quad", _SQUARE, ((-1, 0, 0), (0, -1, 0), (1, 0, 0), (0, 1, 0)))
+_LINE = _cell("line", np.vstack([_ORIGIN, _AXES[0]]), np.vstack([-_AXES[0], _AXES[0]]))
+_QUAD = _cell("quad", _SQUARE, np.vstack([-_AXES[:2], _AXES[:2]]))
 _TRIANGLE = _cell(
     "triangle",
     _SQUARE[[0, 1, 3]],
-    ((-1, 0, 0), (0, -1, 0), (1, 1, 0)),
+    np.vstack([-_AXES[:2], [(1, 1, 0)]]),
     of_brick=_SQUARE[[[0, 1, 2], [0, 2, 3]]],
 )
 
+
 # The nodes after the corners, each in the middle of these corners (VTK's file-format figures).
 _Middles = tuple[tuple[int, ...], ...]
-TETRAHEDRON_EDGES: _Middles = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
-_HEXAHEDRON_EDGES = (
-    *((0, 1), (1, 2), (2, 3), (0, 3)),
-    *((4, 5), (5, 6), (6, 7), (4, 7)),
-    *((0, 4), (1, 5), (2, 6), (3, 7)),
-)
+
+
+def _ring(n: int, first: int = 0) -> _Middles:
+    """The edges of a face whose corners follow each other."""
+    corners = range(first, first + n)
+    return (*pairwise(corners), (corners[0], corners[-1]))
+
+
+TETRAHEDRON_EDGES: _Middles = (*_ring(3), *((i, 3) for i in range(3)))
+_HEXAHEDRON_EDGES = (*_ring(4), *_ring(4, 4), *((i, i + 4) for i in range(4)))
 _HEXAHEDRON_MIDDLES = (
     *(*_HEXAHEDRON_EDGES, (0, 3, 4, 7), (1, 2, 5, 6), (0, 1, 4, 5), (2, 3, 6, 7)),
     *((0, 1, 2, 3), (4, 5, 6, 7), tuple(range(8))),
 )
-_WEDGE_EDGES = ((0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5), (0, 3), (1, 4), (2, 5))
-_PYRAMID_EDGES = ((0, 1), (1, 2), (2, 3), (0, 3), (0, 4), (1, 4), (2, 4), (3, 4))
+_WEDGE_EDGES = (*_ring(3), *_ring(3, 3), *((i, i + 3) for i in range(3)))
+_PYRAMID_EDGES = (*_ring(4), *((i, 4) for i in range(4)))
 
 
 def _space(degree: int, has: Callable[[int, int, int], bool]) -> tuple[_Powers, ...]:
