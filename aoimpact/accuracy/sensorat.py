@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..base import (
+    ArrayPair,
     FloatArray,
     InputError,
     InputTypeError,
@@ -181,7 +182,7 @@ class StrainAt(Sensor):
         super().__post_init__()
 
     @cached_property
-    def ends(self) -> tuple[FloatArray, FloatArray]:
+    def ends(self) -> ArrayPair:
         """Ends of the gauge, m, and the unit vector along it.
 
         :meta private:

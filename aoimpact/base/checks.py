@@ -26,6 +26,10 @@ from .errors import InputError, InputTypeError
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+ComplexArray = npt.NDArray[np.complex128]
+FilePath = str | os.PathLike[str]
+ArrayPair = tuple[FloatArray, FloatArray]
 
 # Takes an argument's name and value, and returns the value in the form that is kept.
 Check = Callable[[str, Any], Any]

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import InputError, InputTypeError, file_path, warn
+from ..base import FilePath, InputError, InputTypeError, file_path, warn
 from ..fem import FEModel
 
 # Value kept of a case, or its exception; and its warnings.
@@ -56,7 +56,7 @@ class Checkpoint:
         If lines are damaged: they are ignored.
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: FilePath) -> None:
         self._name = str(file_path("checkpoint", path))
         self._places: dict[str, int] = {}
         try:

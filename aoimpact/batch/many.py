@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 from ..accuracy import Keep, Named, keeper, shared_models
 from ..base import (
+    FilePath,
     InputError,
     InputTypeError,
     WorkerError,
@@ -54,7 +55,7 @@ def simulate_many(
     workers: Any = 1,
     *,
     keep: Any = None,
-    checkpoint: str | os.PathLike[str] | None = None,
+    checkpoint: FilePath | None = None,
     key: str | None = None,
     progress: bool = True,
 ) -> list[Any]:
@@ -134,7 +135,7 @@ def run_cases(
     total: int | None,
     workers: Any,
     keep: Any,
-    checkpoint: str | os.PathLike[str] | None,
+    checkpoint: FilePath | None,
     key: str | None,
     progress: bool,
 ) -> Iterator[Any]:

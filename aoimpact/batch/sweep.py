@@ -15,6 +15,7 @@ import numpy.typing as npt
 from ..accuracy import CONTROLLED, Named, keeper
 from ..base import (
     AOImpactError,
+    FilePath,
     Frozen,
     InputError,
     InputTypeError,
@@ -143,7 +144,7 @@ class SweepTable(Frozen):
         }
         return xarray.Dataset(data, coords=coordinates)
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
+    def to_csv(self, path: FilePath) -> None:
         """Write all columns, numbers so that they read back bit for bit, and "error" at the end.
 
         Examples
@@ -186,7 +187,7 @@ def sweep(
     *,
     keep: Any = COLUMNS,
     workers: Any = 1,
-    checkpoint: str | os.PathLike[str] | None = None,
+    checkpoint: FilePath | None = None,
     key: str | None = None,
     progress: bool = True,
 ) -> SweepTable:
@@ -251,7 +252,7 @@ def sweep(
 
 
 def sweep_file(
-    scene: SceneFile, *, workers: Any = None, checkpoint: str | os.PathLike[str] | None = None
+    scene: SceneFile, *, workers: Any = None, checkpoint: FilePath | None = None
 ) -> SweepTable:
     """Run the sweep that a scene file describes.
 

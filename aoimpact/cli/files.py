@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..accuracy import keeper
-from ..base import writable_folder, write_csv
+from ..base import FilePath, writable_folder, write_csv
 from ..batch import SweepTable
 from ..results import Result, Run
 from ..scenefile import SceneFile
@@ -23,7 +22,7 @@ _FIGURES = ("force", "indentation", "displacement", "energy")
 _FRAMES = 20
 
 
-def write_files(scene: SceneFile, result: Run, out: str | os.PathLike[str]) -> tuple[Path, ...]:
+def write_files(scene: SceneFile, result: Run, out: FilePath) -> tuple[Path, ...]:
     """Write all histories and probes (CSV), figures (PNG), and fields of bodies with a mesh (VTU).
 
     Raises

@@ -6,10 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
-from ..base import FloatArray
+from ..base import BoolArray, FloatArray
 
 # Frequencies that shape the force of an impact, over and below s = 10/T.
 _SPAN = 3.0
@@ -74,7 +71,7 @@ class Compliance:
     radius: float
     lagging: float = 0.0
     by_width: float = 0.0
-    near: npt.NDArray[np.bool_] | None = None
+    near: BoolArray | None = None
     beyond: float = math.nan
     splitting: Any = None
     mesh_field: Any = None

@@ -31,9 +31,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import FloatArray, IntArray, RoomError
+from ..base import ArrayPair, BoolArray, FloatArray, IntArray, RoomError
 from ..fem import (
     Material,
     Solid,
@@ -319,9 +318,7 @@ class Splitting:
             self.by_width = -float(whole) / math.log(2.0)
         del self.forces, self.self_term
 
-    def half_space_field(
-        self, x: FloatArray, radius: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+    def half_space_field(self, x: FloatArray, radius: FloatArray | None = None) -> ArrayPair:
         """Return χ u_B and its stress at places, for a force of 1 N on discs of some radii.
 
         Parameters
@@ -347,7 +344,7 @@ class Splitting:
             stress += np.einsum("ijkl,npk,pl->npij", self.space.stiffness, u, slope)
         return moved @ self.frame, self.frame.T @ stress @ self.frame
 
-    def _solved(self, moved_by: FloatArray, solver: LinearSolver) -> tuple[FloatArray, FloatArray]:
+    def _solved(self, moved_by: FloatArray, solver: LinearSolver) -> ArrayPair:
         """w by L on the free dofs, and -χ u_B on the constrained ones, where that is `moved_by`.
 
         And of R the parts that count once and -s² times.
@@ -389,7 +386,7 @@ class Splitting:
             )
         return found
 
-    def _cutoff(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _cutoff(self, y: FloatArray) -> ArrayPair:
         """χ and its gradient at local places."""
         if not self.behind:
             return np.ones(y.shape[:-1]), np.zeros(y.shape)
@@ -537,7 +534,7 @@ class Splitting:
         held = np.isin(self.mesh.cells, _supported(self.body))
         return self._assembled(np.asarray(held.any(axis=1)))
 
-    def _assembled(self, chosen: npt.NDArray[np.bool_]) -> tuple[IntArray, Any, Any]:
+    def _assembled(self, chosen: BoolArray) -> tuple[IntArray, Any, Any]:
         """Dofs, K and M of some elements."""
         cells = np.flatnonzero(chosen)
         K, M = stiffness_mass(taken(self.mesh, cells), taken_material(self.body.material, cells))

@@ -20,7 +20,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from ..base import FloatArray
+from ..base import ArrayPair, FloatArray
 from ..fem import Material
 
 # Distances below these shares of a are replaced by them: they change the field by their square.
@@ -74,7 +74,7 @@ class HalfSpace:
         """Return u at local points `y`, m, shape (..., 3), for a force of 1 N."""
         return self._fields(y, rough=rough)[0]
 
-    def displacement_stress(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def displacement_stress(self, y: FloatArray) -> ArrayPair:
         """Return u, m, shape (..., 3), and σ, Pa, shape (..., 3, 3), for a force of 1 N."""
         return self._fields(y, stress=True)
 
@@ -90,9 +90,7 @@ class HalfSpace:
         other.radius = radius
         return other
 
-    def _fields(
-        self, y: FloatArray, *, stress: bool = False, rough: bool = False
-    ) -> tuple[FloatArray, FloatArray]:
+    def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
         """Displacement, and stress, which is empty where it is not asked for."""
         raise NotImplementedError
 
@@ -112,9 +110,7 @@ class IsotropicHalfSpace(HalfSpace):
         self.stiffness, self.nu = material.tensor, material.nu
         self.modulus = material.plane_strain_modulus
 
-    def _fields(
-        self, y: FloatArray, *, stress: bool = False, rough: bool = False
-    ) -> tuple[FloatArray, FloatArray]:
+    def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
         a, nu = self.radius, self.nu
         a2, p0 = a * a, 1.5 / (math.pi * a * a)
         x1, x2, z = y[..., 0], y[..., 1], y[..., 2]
@@ -193,9 +189,7 @@ class ShearedHalfSpace(IsotropicHalfSpace):
         """Mean of u_x under the traction itself, m/N: 0.6 (2 - ν)/(4 G a)."""
         return 0.6 * (2.0 - self.nu) / (4.0 * self.material.shear_modulus * self.radius)
 
-    def _fields(
-        self, y: FloatArray, *, stress: bool = False, rough: bool = False
-    ) -> tuple[FloatArray, FloatArray]:
+    def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
         a, nu = self.radius, self.nu
         x1, x2, z = y[..., 0], y[..., 1], y[..., 2]
         r2 = np.maximum(x1 * x1 + x2 * x2, _ON_AXIS_SHEARED**2 * (a * a + z * z))
@@ -272,9 +266,7 @@ class AnisotropicHalfSpace(HalfSpace):
             waves.append((n, p, a * np.linalg.solve(traction, -m.astype(complex))))
         return waves
 
-    def _fields(
-        self, y: FloatArray, *, stress: bool = False, rough: bool = False
-    ) -> tuple[FloatArray, FloatArray]:
+    def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
         a, points = self.radius, y.reshape(-1, 3)
         depth = np.maximum(points[:, 2:], 1e-7 * a)
         u, slope = np.zeros(points.shape), np.zeros((len(points), 3, 3))

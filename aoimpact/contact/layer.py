@@ -25,10 +25,10 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from ..base import FloatArray, IntArray
+from ..base import BoolArray, ComplexArray, FloatArray, IntArray
 from ..fem import Laminate, Layers, Material, Shell, thin_stiffness_mass
 
-ComplexArray = npt.NDArray[np.complex128]
+ComplexArray = ComplexArray
 
 # Wave numbers of the integrals over k: how many, and how far beyond 1/λ and 1/a.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
@@ -360,7 +360,7 @@ def _by_wave_number(
     return still.T @ stiffness @ still, mixed - mixed.T, along.T @ stiffness @ along
 
 
-def rim_nodes(cells: Sequence[IntArray], n_nodes: int) -> npt.NDArray[np.bool_]:
+def rim_nodes(cells: Sequence[IntArray], n_nodes: int) -> BoolArray:
     """Return which nodes are on edges that belong to a single element, shape (n_nodes,)."""
     ends = [np.stack([group, np.roll(group, -1, axis=1)], axis=2).reshape(-1, 2) for group in cells]
     edges, count = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0, return_counts=True)

@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray
+from ..base import ArrayPair, FloatArray, IntArray
 from ..mesh import Block, Mesh, ReferenceElement, cofactors
 
 # Points in each direction of the product rules: exact to degree 5 on triangles, 3 on tetrahedra.
@@ -125,9 +125,7 @@ def _towards(
         rows = np.repeat(rows[large], len(split))
 
 
-def _evaluated(
-    element: ReferenceElement, vertices: FloatArray, shares: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _evaluated(element: ReferenceElement, vertices: FloatArray, shares: FloatArray) -> ArrayPair:
     """Shape functions and gradients at barycentric points of simplices, each different one once."""
     flat, place = np.unique(vertices.reshape(len(vertices), -1), axis=0, return_inverse=True)
     different = flat.reshape(-1, *vertices.shape[1:])
@@ -161,7 +159,7 @@ def _points(
 
 
 @cache
-def _simplex_rule(d: int) -> tuple[FloatArray, FloatArray]:
+def _simplex_rule(d: int) -> ArrayPair:
     """Barycentric points (q, d + 1) and weights of Gauss–Jacobi product rules (Stroud, 1971).
 
     x₁ = r₁, x₂ = r₂ (1 - r₁), … has the Jacobian (1 - r₁)^(d-1) (1 - r₂)^(d-2) …

@@ -6,10 +6,9 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
-from ..base import ROUNDING, FloatArray, IntArray
+from ..base import ROUNDING, BoolArray, FloatArray, IntArray
 from ..fem import (
     FOLD,
     Beam,
@@ -225,9 +224,7 @@ def _deflected(tip: Any, solver: LinearSolver) -> dict[str, Any]:
     return {"deflection": x, "strain": float(x @ (tip.body.K @ x)), "s": s}
 
 
-def _around(
-    tip: Any, parts: list[Piece], close: npt.NDArray[np.bool_]
-) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+def _around(tip: Any, parts: list[Piece], close: BoolArray) -> tuple[BoolArray, BoolArray]:
     """Which elements have close nodes and normals like the contact's, and which c makes good."""
     mesh = tip.body.mesh
     own, stepped = np.zeros((2, mesh.n_cells), dtype=bool)

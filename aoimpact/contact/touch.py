@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ROUNDING, FloatArray, InputError, IntArray, RoomError, plain, warn
+from ..base import ROUNDING, ArrayPair, FloatArray, InputError, IntArray, RoomError, plain, warn
 from ..fem import (
     Beam,
     Layers,
@@ -142,7 +142,7 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
     return Spread(weights, normal, under, share)
 
 
-def _disc_rule(radius: float) -> tuple[FloatArray, FloatArray]:
+def _disc_rule(radius: float) -> ArrayPair:
     """Points of the disc, shape (n, 2), and shares of the pressure on it, shape (n,).
 
     Gauss–Jacobi in ρ²/r², with the weight √(1 - ρ²/r²), and even angles.

@@ -14,7 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from ..base import PRINTED, FloatArray, InputError, checked, finite_array, positive, sequence
+from ..base import (
+    PRINTED,
+    ArrayPair,
+    FloatArray,
+    InputError,
+    checked,
+    finite_array,
+    positive,
+    sequence,
+)
 from .laminate import FAR_OFF
 from .material import Material
 
@@ -452,7 +461,7 @@ class Beam:
         return np.asarray(np.take_along_axis(stress, largest, axis=-2)[..., 0, :])
 
 
-def beam_frames(ends: FloatArray, beam: Beam) -> tuple[FloatArray, FloatArray]:
+def beam_frames(ends: FloatArray, beam: Beam) -> ArrayPair:
     """Return the elements' axes, rows of (n, 3, 3) with x along the beam, and their lengths."""
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1)
@@ -553,9 +562,7 @@ def _finite(stiffness: FloatArray) -> FloatArray:
     return np.where(np.isinf(stiffness), 0.0, stiffness)
 
 
-def _rows(
-    frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray) -> ArrayPair:
     """Displacements and rotations, and strains, at places: (n, n_places, 6, 12), global axes."""
     moved, strain = (np.zeros((len(length), len(places), 6, 12)) for _ in range(2))
     for end, share, slope in ((0, 1.0 - places, -1.0 / length), (6, places, 1.0 / length)):
@@ -603,9 +610,7 @@ def _global(rows: FloatArray, frames: FloatArray, beam: Beam) -> FloatArray:
     return turned.reshape(*rows.shape[:3], 12)
 
 
-def _rectangle_twisted(
-    y: FloatArray, z: FloatArray, short: float, long: float
-) -> tuple[FloatArray, FloatArray]:
+def _rectangle_twisted(y: FloatArray, z: FloatArray, short: float, long: float) -> ArrayPair:
     """τxy and τxz over Gθ' at places of a rectangle with its short side along y, m."""
     n, half = _TERMS * np.pi / short, 0.5 * long
     alternating = 4.0 * short * 2.0 / np.pi**2 / _TERMS**2 * np.sin(0.5 * np.pi * _TERMS)

@@ -26,9 +26,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import HUGE, FloatArray, Frozen, InputError, InputTypeError, choice, finite_array
+from ..base import (
+    HUGE,
+    ComplexArray,
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    choice,
+    finite_array,
+)
 from ..linalg import lowest
 from .damping import Damping, ModalDamping, Rayleigh
 from .model import FEModel
@@ -79,7 +87,7 @@ class FrequencyResponse(Frozen):
     """
 
     frequencies: FloatArray
-    values: npt.NDArray[np.complex128]
+    values: ComplexArray
     error: FloatArray
     kind: str
     modes: int = 0
@@ -150,7 +158,7 @@ def frequency_response(
 
 def _solved(
     body: FEModel, b: FloatArray, c: FloatArray, omega: FloatArray
-) -> tuple[npt.NDArray[np.complex128], FloatArray]:
+) -> tuple[ComplexArray, FloatArray]:
     """The receptance and its error, m/N, by a complex factorisation at each frequency."""
     from scipy.sparse.linalg import splu  # slow to import
 
@@ -175,7 +183,7 @@ def _solved(
 
 def _without_damping(
     damping: Damping | None, omega: FloatArray
-) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.complex128]]:
+) -> tuple[ComplexArray, ComplexArray]:
     """Return μ and 1 + iωβ, of which K - ω²M + iω(αM + βK) = (1 + iωβ)(K - μM)."""
     alpha, beta = (damping.alpha, damping.beta) if isinstance(damping, Rayleigh) else (0.0, 0.0)
     stiffer = 1.0 + 1j * beta * omega
@@ -210,7 +218,7 @@ def _by_modes(
     b: FloatArray,
     c: FloatArray,
     omega: FloatArray,
-) -> tuple[npt.NDArray[np.complex128], FloatArray]:
+) -> tuple[ComplexArray, FloatArray]:
     """Return the receptance and its bound, m/N, each of shape (n,)."""
     (natural, shapes, above), damping = modes, body.damping
     moved = body.M @ shapes

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import uuid
 from collections import deque
 from collections.abc import Callable, Hashable, Mapping, Sequence
@@ -19,6 +18,7 @@ import scipy.sparse as sp
 
 from ..base import (
     HUGE,
+    FilePath,
     FloatArray,
     Frozen,
     InputError,
@@ -220,7 +220,7 @@ class FEModel(Frozen):
     @classmethod
     def from_mesh(
         cls,
-        mesh: str | os.PathLike[str] | Mesh | Any,
+        mesh: FilePath | Mesh | Any,
         material: AnyMaterial | Mapping[str, OneMaterial],
         fixed: Sequence[Support] | None = None,
         *,
@@ -347,7 +347,7 @@ class FEModel(Frozen):
 
     def with_mesh(
         self,
-        mesh: str | os.PathLike[str] | Mesh | Any,
+        mesh: FilePath | Mesh | Any,
         material: AnyMaterial | Mapping[str, OneMaterial],
     ) -> FEModel:
         """Return this body, its K and M, with the mesh to which its nodes belong.

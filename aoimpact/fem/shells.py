@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import PRINTED, FloatArray, InputError, IntArray, plain
+from ..base import PRINTED, ArrayPair, FloatArray, InputError, IntArray, plain
 from ..mesh import dot, pairs, sides
 from .laminate import Layers
 
@@ -145,7 +145,7 @@ def element_mass(corners: FloatArray, layers: Layers) -> FloatArray:
     return matrix.reshape(n, 6 * nodes, 6 * nodes)
 
 
-def element_frames(corners: FloatArray, layers: Layers | None) -> tuple[FloatArray, FloatArray]:
+def element_frames(corners: FloatArray, layers: Layers | None) -> ArrayPair:
     """Return the elements' axes, rows of (n, 3, 3), and their nodes in them, (n, nodes, 3).
 
     x is the projection of the layers' reference, or about the first edge without one.
@@ -425,14 +425,14 @@ def _condensed(
     return condensed
 
 
-def _bilinear(places: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _bilinear(places: FloatArray) -> ArrayPair:
     """Shape functions at (r, s), and their slopes along r and s, (points, 4) and (points, 2, 4)."""
     r, s = places[:, :1], places[:, 1:]
     a, b = 1.0 + r * _CORNERS[:, 0], 1.0 + s * _CORNERS[:, 1]
     return 0.25 * a * b, 0.25 * np.stack([_CORNERS[:, 0] * b, _CORNERS[:, 1] * a], axis=1)
 
 
-def _areas(corners: FloatArray, normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _areas(corners: FloatArray, normal: FloatArray) -> ArrayPair:
     """Shape functions at the points of quadrature, and the points' areas in the mean plane."""
     if corners.shape[1] == 3:
         edges = corners[:, 1:] - corners[:, :1]
@@ -551,9 +551,7 @@ def _tied_shear(jacobian: FloatArray) -> FloatArray:
     return np.stack(tied, axis=1).transpose(2, 0, 1, 3, 4)
 
 
-def _optimal_membrane(
-    plane: FloatArray, area: FloatArray, stiffness: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _optimal_membrane(plane: FloatArray, area: FloatArray, stiffness: FloatArray) -> ArrayPair:
     """The basic, constant membrane strains of (u, v, θz), and the higher ones at the points.
 
     Shapes (n, 3, 3 nodes, 3) and (n, points, 3, 3 nodes, 3); the higher ones are linear and zero in

@@ -21,7 +21,7 @@ import numpy as np
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray, InputError, IntArray, SingularError
+from ..base import ArrayPair, FloatArray, InputError, IntArray, SingularError
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from ..mesh import motions_at
 from .assembly import stiffness_mass
@@ -111,7 +111,7 @@ def _by_grounding(body: FEModel, b: FloatArray, solver: LinearSolver) -> FloatAr
     return np.asarray(x - rigid @ (rigid.T @ (M @ x)))
 
 
-def whole_motion(model: FEModel) -> tuple[FloatArray, FloatArray]:
+def whole_motion(model: FEModel) -> ArrayPair:
     """Return the functionals of a body's motion as a whole, and the momenta that make it.
 
     Returns

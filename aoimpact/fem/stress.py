@@ -16,7 +16,7 @@ from functools import cache
 
 import numpy as np
 
-from ..base import FloatArray, IntArray, choice
+from ..base import ArrayPair, FloatArray, IntArray, choice
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
 from .composition import AnyMaterial, Layout, OneMaterial, Piece, each_of, layout, pieces
 from .material import PAIRS, PLACES, Material
@@ -159,9 +159,7 @@ def averaged_strain(
     return averaged
 
 
-def gauss_strain(
-    mesh: Mesh, piece: Piece, displacement: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def gauss_strain(mesh: Mesh, piece: Piece, displacement: FloatArray) -> ArrayPair:
     """Return the strain of elements at the Gauss points, and det J, shape (n_cells, n_gauss).
 
     The strain has the shape (6, ..., n_cells, n_gauss) for displacements (..., n_nodes, 3).

@@ -19,9 +19,8 @@ exact stress jumps: each material has an average of its own there.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import FloatArray
+from ..base import ArrayPair, BoolArray, FloatArray
 from .composition import Layout, OneMaterial, each_of, layout, pieces
 from .material import PLACES, SIX, Solid
 from .model import FEModel
@@ -45,9 +44,7 @@ def missing_energy(difference: FloatArray, own: FloatArray) -> float:
     return false / max(1.0 - false / whole, _LEAST_TRUE) if whole > 0.0 else 0.0
 
 
-def energy_error(
-    body: FEModel, field: FloatArray, loaded: npt.NDArray[np.bool_], s: float = 0.0
-) -> tuple[FloatArray, FloatArray]:
+def energy_error(body: FEModel, field: FloatArray, loaded: BoolArray, s: float = 0.0) -> ArrayPair:
     """Return twice the strain energy of averaged strain less the elements' own, and of their own.
 
     Parameters
@@ -96,9 +93,7 @@ def _energy(strain: FloatArray, material: OneMaterial) -> FloatArray:
     return np.asarray(direct.sum(axis=0) + 2.0 * shear.sum(axis=0))
 
 
-def _free_of_traction(
-    strain: FloatArray, body: FEModel, places: Layout, loaded: npt.NDArray[np.bool_]
-) -> None:
+def _free_of_traction(strain: FloatArray, body: FEModel, places: Layout, loaded: BoolArray) -> None:
     """Take the traction out of the strain at places on free surfaces, shape (6, n_places)."""
     surface, material = body.surface, body.material
     assert surface is not None

@@ -15,10 +15,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import PRINTED, FloatArray, InputError, IntArray, finite_array, text, warn
+from ..base import PRINTED, BoolArray, FloatArray, InputError, IntArray, finite_array, text, warn
 from ..mesh import Mesh, group
 from .beams import Beam, BeamSection, beam_frames, beam_rows
 from .composition import AnyMaterial, layout, pieces
@@ -118,7 +117,7 @@ class StressRows:
     """
 
     rows: sp.csr_array
-    known: npt.NDArray[np.bool_]
+    known: BoolArray
     _sections: tuple[_Sections, ...] = ()
     _layer: Layer = Layer()
     _strain: bool = False
@@ -314,7 +313,7 @@ def _averaged(wanted: _Wanted) -> sp.csr_array:
 
 
 def _corners(
-    wanted: _Wanted, nodes: npt.NDArray[np.bool_]
+    wanted: _Wanted, nodes: BoolArray
 ) -> tuple[IntArray, Iterator[tuple[IntArray, IntArray, FloatArray]]]:
     """Return the spots of elements at some nodes, and for corners there the rows of stress.
 

@@ -14,6 +14,7 @@ import scipy.sparse as sp
 
 from ..base import (
     PRINTED,
+    BoolArray,
     FloatArray,
     InputError,
     InputTypeError,
@@ -43,7 +44,7 @@ Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
 Support = tuple[Selector, str] | tuple[Selector, str, str]
 
 
-def constrained(free: IntArray, n_nodes: int) -> npt.NDArray[np.bool_]:
+def constrained(free: IntArray, n_nodes: int) -> BoolArray:
     """Return True for each component of a node that a support holds, shape (n_nodes, 3)."""
     mask = np.ones(3 * n_nodes, dtype=bool)
     mask[free[free < len(mask)]] = False

@@ -11,9 +11,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import FloatArray, IntArray
+from ..base import ArrayPair, BoolArray, FloatArray, IntArray
 from .beams import Beam, beam_inertial_error, beam_stiffness
 from .composition import Piece, pieces
 from .laminate import Layers
@@ -46,7 +45,7 @@ class ShellPiece(NamedTuple):
 
 
 def shell_pieces(
-    mesh: Any, material: Any, wanted: npt.NDArray[np.bool_] | None = None
+    mesh: Any, material: Any, wanted: BoolArray | None = None
 ) -> tuple[list[ShellPiece], IntArray]:
     """Return the shells of a body by kind, and the node of each place.
 
@@ -84,9 +83,7 @@ def shell_pieces(
     return found, places[:, 0].astype(np.int64)
 
 
-def thin_energy_error(
-    mesh: Any, material: Any, moved: FloatArray, s: float
-) -> tuple[FloatArray, FloatArray]:
+def thin_energy_error(mesh: Any, material: Any, moved: FloatArray, s: float) -> ArrayPair:
     """Return twice the strain energy of averaged strain less the elements' own, and of their own.
 
     For beams the first is twice the energy that they lack.

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from ..base import FloatArray, InputError, checked, positive, warn, with_unit
+from ..base import ArrayPair, FloatArray, InputError, checked, positive, warn, with_unit
 
 # SAE J211-1, appendix C: each of two poles over the class's frequency. The two passes are together
 # 3 dB down at 1.65 times the class.
@@ -128,7 +128,7 @@ def _check_long_enough(channel: Channel, duration: float) -> None:
 
 
 def filtered_acceleration(
-    motion: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+    motion: Callable[[FloatArray], ArrayPair],
     duration: float,
     channel: Channel,
     times: FloatArray,

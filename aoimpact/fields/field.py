@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,6 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import (
+    FilePath,
     FloatArray,
     InputError,
     choice,
@@ -152,7 +152,7 @@ def picture(
 
 
 def write_movie(
-    path: str | os.PathLike[str],
+    path: FilePath,
     fps: float,
     shown: Callable[[], tuple[Sequence[Shown], Sequence[float] | FloatArray]],
     times: FloatArray,
@@ -188,7 +188,7 @@ def write_movie(
     return file
 
 
-def _in_folder(path: str | os.PathLike[str]) -> Path:
+def _in_folder(path: FilePath) -> Path:
     file = file_path("path", path)
     if not file.parent.is_dir():
         raise InputError(f"path={str(file)!r}: there is no folder {str(file.parent)!r}")
@@ -207,7 +207,7 @@ def enlargement(bodies: Sequence[Shown]) -> float:
 
 
 def write_series(
-    path: str | os.PathLike[str],
+    path: FilePath,
     mesh: Mesh,
     times: FloatArray,
     data: Mapping[str, FloatArray],
@@ -384,7 +384,7 @@ class Field:
         added = self._half_space(found.points.reshape(-1, 3)).reshape(found.components.shape)
         return Stress(found.components + added, found.points)
 
-    def to_vtu(self, path: str | os.PathLike[str]) -> Path:
+    def to_vtu(self, path: FilePath) -> Path:
         """Write one .vtu file for each time, and a .pvd file that lists them, for ParaView.
 
         At the nodes: displacement (m), velocity (m/s), stress (xx, yy, zz, xy, yz, xz), von_mises
@@ -482,9 +482,7 @@ class Field:
         draw(number)
         return plotter
 
-    def movie(
-        self, path: str | os.PathLike[str], *, scale: float | None = None, fps: float = 15.0
-    ) -> Path:
+    def movie(self, path: FilePath, *, scale: float | None = None, fps: float = 15.0) -> Path:
         """Write a movie of the body, a frame a time, as `plot` draws it.
 
         `Result.movie` shows both bodies of an impact.

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, IntArray, finite_array
+from ..base import ArrayPair, FloatArray, InputError, IntArray, finite_array
 from ..contact import Compliance
 from ..fem import SIX, Damping, FEModel, Rayleigh, VirtualMotion
 from ..integrate import Events, Motion, Recorder
@@ -71,13 +71,13 @@ class Indentation:
     inward: float
     width: Callable[[FloatArray], FloatArray]
 
-    def pressing(self, motion: Motion, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def pressing(self, motion: Motion, times: FloatArray) -> ArrayPair:
         """Return what presses into the body, N, and its rate, N/s, shape (n,) each."""
         force = np.maximum(self.inward * motion.force(times)[self.port], 0.0)
         rate = self.inward * motion.force_rate(times)[self.port]
         return force, np.where(force > 0.0, rate, 0.0)
 
-    def at(self, x: FloatArray, force: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def at(self, x: FloatArray, force: FloatArray) -> ArrayPair:
         """Return displacement, m, (n, p, 3), and stress, Pa, (n, p, 6), at places (p, 3)."""
         u, stress = np.zeros((len(force), len(x), 3)), np.zeros((len(force), len(x), 6))
         pressed = np.flatnonzero(force > 0.0)
@@ -235,7 +235,7 @@ class Response:
         apart = _energy(product, np.vstack([mine, -right]))
         return np.sqrt(apart / (largest if largest > 0.0 else 1.0))
 
-    def _parts(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _parts(self, times: FloatArray) -> ArrayPair:
         """Shapes that deform the body, (n_dofs, k), and how much of each there is, (k, times)."""
         assert self.recovery is not None
         q, forces = self.motion.observed(None, times)[0], self.motion.force(times)
@@ -263,7 +263,7 @@ class Response:
             raise InputError("times must have at least one, got none")
         return wanted
 
-    def functionals(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def functionals(self, rows: Any, times: FloatArray) -> ArrayPair:
         """Return rows @ X and its rate for `rows` of shape (p, n_dofs), each shape (p, times)."""
         if self.recovery is None:
             u, v = self.motion.observed(rows, times)
@@ -274,9 +274,7 @@ class Response:
             v = v + of_forces @ self.motion.force_rate(times)
         return self._completed(rows, u, v, times)
 
-    def _completed(
-        self, rows: Any, u: FloatArray, v: FloatArray, times: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _completed(self, rows: Any, u: FloatArray, v: FloatArray, times: FloatArray) -> ArrayPair:
         """Add to rows @ X, or to X where rows is None, what neither model nor recovery contain."""
         for of in self.indentations:
             force, rate = of.pressing(self.motion, times)

@@ -7,7 +7,6 @@ its error is judged where it measures.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -21,6 +20,8 @@ import scipy.sparse as sp
 from ..base import (
     HUGE,
     ROUNDING,
+    ArrayPair,
+    FilePath,
     FloatArray,
     Found,
     InputError,
@@ -192,9 +193,7 @@ class At:
         weights = place_rows(body, places) if weights is None else weights
         return cls(places, axes, motion_rows(body, weights, axes), shape)
 
-    def motion(
-        self, response: Response, times: FloatArray, *, rates: bool = True
-    ) -> tuple[FloatArray, FloatArray]:
+    def motion(self, response: Response, times: FloatArray, *, rates: bool = True) -> ArrayPair:
         """Return displacement, m, and velocity, m/s; without `rates` this lacks half-spaces'."""
         motion = response.functionals(self.rows, times)
         added = response.half_space(self.places, times, rates=rates)
@@ -550,7 +549,7 @@ def errors_of(source: S, histories: Mapping[str, History[S]]) -> Mapping[str, Fl
 
 def gauge_ends(
     body: FEModel, point: FloatArray, direction: FloatArray, length: float, name: str = "direction"
-) -> tuple[FloatArray, FloatArray]:
+) -> ArrayPair:
     """Return both ends of a gauge, shape (2, 3), m, and the unit vector from one to the other.
 
     The ends lie on the surface: the mean strain along a chord is the change of its length. On a
@@ -855,7 +854,7 @@ class Measured:
         """
         return self._responding.field(times)
 
-    def to_vtu(self, path: str | os.PathLike[str], times: npt.ArrayLike | None = None) -> Path:
+    def to_vtu(self, path: FilePath, times: npt.ArrayLike | None = None) -> Path:
         """Write the body at some times for ParaView; see `field` and `Field.to_vtu`.
 
         Examples

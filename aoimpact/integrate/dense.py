@@ -17,7 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import FloatArray, IntArray, LawLimitError, MemoryLimitError
+from ..base import ArrayPair, FloatArray, IntArray, LawLimitError, MemoryLimitError
 from ..laws import CoreLaw
 from ..scene import Scenario
 from .events import Events
@@ -140,13 +140,13 @@ class DenseRecorder:
             return self.forces(times)
         return self.plan.layout.pushes(self.rows(times, energies=False))
 
-    def modes(self, times: FloatArray, body: int) -> tuple[FloatArray, FloatArray]:
+    def modes(self, times: FloatArray, body: int) -> ArrayPair:
         """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
         found = np.empty((len(times), 2, len(self.plan.modal[body].omega)))
         _core.track_states(self.track, _ascending(times), body, found)
         return found[:, 0].T, found[:, 1].T
 
-    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
+    def state(self, body: int) -> ArrayPair:
         ours = slice(*self.plan.first_modes[body : body + 2])
         return np.frombuffer(self.x)[ours], np.frombuffer(self.v)[ours]
 

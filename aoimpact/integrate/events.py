@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..base import ROUNDING, FloatArray
+from ..base import ROUNDING, ArrayPair, FloatArray
 
 # Least curvature at both samples beside a peak, over that at the peak. With less, the force has
 # jumped or is not resolved. A jump bends the curve up on one side of it, down on the other, and no
@@ -99,7 +99,7 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     return float(force[best]), float(t[best])
 
 
-def parabola_tops(values: FloatArray, middle: NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
+def parabola_tops(values: FloatArray, middle: NDArray[np.intp]) -> ArrayPair:
     """Return heights and places, in steps, of the tops of the parabolas around samples `middle`."""
     before, here, after = values[middle - 1], values[middle], values[middle + 1]
     slope, bend = 0.5 * (after - before), 2.0 * here - before - after

@@ -15,6 +15,7 @@ from .. import _core
 from ..base import (
     GIB,
     ROUNDING,
+    ArrayPair,
     ConvergenceError,
     FloatArray,
     Frozen,
@@ -84,7 +85,7 @@ class SteppedRecorder(Frozen):
     dt: float
     times: FloatArray
     record: FloatArray
-    final: tuple[tuple[FloatArray, FloatArray], ...]
+    final: tuple[ArrayPair, ...]
     seconds: float = 0.0
     dense: ClassVar[bool] = False
 
@@ -115,7 +116,7 @@ class SteppedRecorder(Frozen):
         found = [np.interp(times, self.times, row) for row in rows]
         return np.array(found).reshape(len(rows), len(times))
 
-    def state(self, body: int) -> tuple[FloatArray, FloatArray]:
+    def state(self, body: int) -> ArrayPair:
         return self.final[body]
 
     @cached_property

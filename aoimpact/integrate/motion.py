@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, SingularError
+from ..base import ArrayPair, FloatArray, SingularError
 from ..linalg import Factorization, factorize
 from ..scene import Equations
 
@@ -68,7 +68,7 @@ class Motion:
         rate: FloatArray = (self.force(after) - self.force(before)) / (after - before)
         return rate
 
-    def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def observed(self, rows: Any, times: FloatArray) -> ArrayPair:
         """Return rows @ q and rows @ q̇ at `times`, s; q and q̇ themselves where rows is None."""
         u, v = self.run.modes(times, self.body)
         return (u, v) if rows is None else (rows @ u, rows @ v)
@@ -90,7 +90,7 @@ class SteppedMotion(Motion):
 
     run: SteppedRecorder
 
-    def observed(self, rows: Any, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def observed(self, rows: Any, times: FloatArray) -> ArrayPair:
         u, v, _ = self._seen(rows, times)
         return u, v
 

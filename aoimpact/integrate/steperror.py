@@ -14,10 +14,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
-from ..base import FloatArray
+from ..base import BoolArray, FloatArray
 from ..scene import Scenario
 from .events import find_peak, parabola_tops
 from .settings import DRAWN, LESSER
@@ -249,7 +248,7 @@ def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray
     return missed
 
 
-def _highest_crest(free: npt.NDArray[np.bool_], ours: FloatArray, coarse: FloatArray) -> float:
+def _highest_crest(free: BoolArray, ours: FloatArray, coarse: FloatArray) -> float:
     """The largest indentation at which a contact without force turns back, or the record ends.
 
     free : whether it has none, at each step; ours, coarse : indentations with dt and 2 dt.

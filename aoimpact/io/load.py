@@ -10,7 +10,7 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from ..base import MemoryLimitError, MeshError, MissingFileError, file_path
+from ..base import FilePath, MemoryLimitError, MeshError, MissingFileError, file_path
 from . import abaqus, exodus, gmsh, med, nastran, viameshio, vtk
 from .abaqusdeck import looks_like_inp
 from .nastrandeck import is_nastran
@@ -33,7 +33,7 @@ _READERS: dict[str, _Reader] = {
 }
 
 
-def load(path: str | os.PathLike[str]) -> RawMesh:
+def load(path: FilePath) -> RawMesh:
     """Return the nodes, cells and groups of a file.
 
     Raises

@@ -14,6 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import (
+    FilePath,
     InputError,
     InputTypeError,
     IntArray,
@@ -54,18 +55,18 @@ _HOLDING = 1e30
 # nodes: K becomes a full matrix.
 _CONDENSED = 6000
 
-File = str | os.PathLike[str] | tuple[str | os.PathLike[str], str]
+File = FilePath | tuple[FilePath, str]
 
 
 def read_matrices(
     K: File,
     M: File | None = None,
     *,
-    dofs: str | os.PathLike[str] | Any = None,
-    nodes: str | os.PathLike[str] | Any = None,
+    dofs: FilePath | Any = None,
+    nodes: FilePath | Any = None,
     length: float = 1.0,
     mass: float = 1.0,
-    mesh: str | os.PathLike[str] | Any = None,
+    mesh: FilePath | Any = None,
     material: AnyMaterial | Mapping[str, OneMaterial] | None = None,
     damping: Damping | None = None,
     name: str = "",

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, MeshError, warn
+from ..base import ArrayPair, FloatArray, IntArray, MeshError, warn
 from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
 from ..mesh import jacobian_range, reference_element
 from .matrix import RawMatrix, labelled, passed_over
@@ -645,7 +645,7 @@ class NastranDeck:
             along[of == i] = self.axes(int(words[i]), own, card)[0]
         return common(along, normals)
 
-    def towards(self, own: IntArray) -> tuple[FloatArray, FloatArray]:
+    def towards(self, own: IntArray) -> ArrayPair:
         """Return the direction of plane 1 of each bar, and its offset; refuse hinges."""
         nodes, grids = self.source.raw.nodes, self.grids
         for table, layout in self.entries(own):

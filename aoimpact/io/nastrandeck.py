@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray, MeshError, decoded, require
+from ..base import BoolArray, FloatArray, IntArray, MeshError, decoded, require
 from .raw import joined, number, numbers, read_text, refused, repeats
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
@@ -459,7 +459,7 @@ class Table:
         return len(self.first)
 
     @cached_property
-    def blank(self) -> npt.NDArray[np.bool_]:
+    def blank(self) -> BoolArray:
         """Fields without content, shape (n, width)."""
         blank = np.ones((len(self), self.width), dtype=bool)
         shape = (*self.fields.shape, self.fields.itemsize // 8)
@@ -467,7 +467,7 @@ class Table:
         blank[:, : words.shape[1]] = ((words == 0) | (words == _SPACES)).all(axis=-1)
         return blank
 
-    def select(self, rows: IntArray | npt.NDArray[np.bool_]) -> Table:
+    def select(self, rows: IntArray | BoolArray) -> Table:
         """Return some of the entries."""
         return Table(self.lines, self.first[rows], self.fields[rows], self.width)
 
@@ -477,7 +477,7 @@ class Table:
         head = next(text for text in self.lines.text[line::-1] if text[:1].isalpha())
         return self.lines.refused(line, re.split(rb"[ ,*]", head[:8].strip())[0].decode(), why)
 
-    def refuse_first(self, wrong: npt.NDArray[np.bool_], why: str) -> None:
+    def refuse_first(self, wrong: BoolArray, why: str) -> None:
         """Raise the error for the first entry that is wrong, if there is one."""
         for row in np.flatnonzero(wrong)[:1].tolist():
             raise self.refused(row, why)
@@ -503,7 +503,7 @@ class Table:
         self._refuse_field(first, filled, np.isnan(found[filled]), "a real number")
         return found
 
-    def _filled(self, first: int, count: int) -> tuple[npt.NDArray[np.bool_], npt.NDArray[Any]]:
+    def _filled(self, first: int, count: int) -> tuple[BoolArray, npt.NDArray[Any]]:
         """Return which fields are not blank, shape (n, count), and these fields."""
         filled = ~self.blank[:, first : first + count]
         text = self.fields[:, first : first + count]
@@ -577,7 +577,7 @@ def _names(lines: Lines, starts: IntArray, heads: npt.NDArray[Any]) -> dict[str,
 
 def _in_order(
     lines: Lines,
-    continues: npt.NDArray[np.bool_],
+    continues: BoolArray,
     heads: npt.NDArray[Any],
     tails: npt.NDArray[Any],
 ) -> IntArray | None:

@@ -11,10 +11,11 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from ..base import (
+    BoolArray,
+    FilePath,
     FloatArray,
     InputError,
     InputTypeError,
@@ -55,7 +56,7 @@ _MIDDLE = np.repeat([-0.25, 0.5], 4)
 
 
 def read_mesh(
-    source: str | os.PathLike[str] | Any,
+    source: FilePath | Any,
     *,
     scale: float = 1.0,
     part: str | Sequence[str] | None = None,
@@ -298,7 +299,7 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
     return {name: ids.astype(np.int64) for name, ids in sets.items()}
 
 
-def _coordinates(points: Any, used: npt.NDArray[np.bool_]) -> FloatArray:
+def _coordinates(points: Any, used: BoolArray) -> FloatArray:
     """Return checked coordinates; those of nodes that no solid uses may be anything."""
     array = np.asarray(points)
     if array.ndim == 2 and array.shape[1] == 2:

@@ -9,6 +9,7 @@ from typing import get_args
 import numpy as np
 
 from ..base import (
+    FilePath,
     InputError,
     MeshError,
     held_warnings,
@@ -27,7 +28,7 @@ from .sections import Source
 
 
 def read_sections(
-    path: str | os.PathLike[str],
+    path: FilePath,
     *,
     scale: float = 1.0,
     force: float = 1.0,

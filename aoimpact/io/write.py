@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 import scipy.io
 import scipy.sparse as sp
 
-from ..base import FloatArray, InputTypeError, file_path, writable_folder
+from ..base import FilePath, FloatArray, InputTypeError, file_path, writable_folder
 from ..contact import ContactPoint
 from ..fem import FEModel
 from ..reduction import AOModel
@@ -19,9 +18,7 @@ from ..reduction import AOModel
 _DIGITS = 17
 
 
-def write_matrices(
-    what: FEModel | ContactPoint | AOModel, folder: str | os.PathLike[str]
-) -> dict[str, Path]:
+def write_matrices(what: FEModel | ContactPoint | AOModel, folder: FilePath) -> dict[str, Path]:
     """Write the matrices of a body, contact point or AO model as Matrix Market files.
 
     Parameters

@@ -9,10 +9,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray
+from ..base import BoolArray, FloatArray, IntArray
 
 # Nodes, and rows, of a part that is not cut further.
 _LEAF, _LEAF_ROWS = 64, 200
@@ -138,11 +137,11 @@ def _cut(
     order.append(nodes[between])
 
 
-def _below(places: FloatArray) -> npt.NDArray[np.bool_]:
+def _below(places: FloatArray) -> BoolArray:
     """The half of some nodes that is below the median along their longest side."""
     along = places[:, np.ptp(places, axis=0).argmax()]
     middle = np.partition(along, len(along) // 2)[len(along) // 2]
-    below: npt.NDArray[np.bool_] = along < middle
+    below: BoolArray = along < middle
     if not below.any():
         below = along <= middle
     return below if not below.all() else np.arange(len(along)) < len(along) // 2

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray
+from ..base import ArrayPair, FloatArray, IntArray
 from .blocks import Rows
 from .dissection import Fill, fill, nested_dissection
 
@@ -102,7 +102,7 @@ class Pencil:
             K = sp.csr_array((data, K.indices, K.indptr), shape=K.shape)
         return K + self.s2 * self.M
 
-    def products(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def products(self, x: FloatArray) -> ArrayPair:
         """Return K x and M x."""
         K, M = self._rows
         return K @ x, M @ x

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, bar, warn
+from ..base import ROUNDING, ArrayPair, ConvergenceError, FloatArray, SingularError, bar, warn
 from .pencil import Pencil
 from .rigidity import m_orthonormal
 from .solvers import LinearSolver, linear_solver
@@ -80,9 +80,7 @@ _MOST_BLOCKS = 12
 _MOST_STEPS = 100
 
 
-def dense_modes(
-    stiffness: FloatArray, mass: FloatArray, n: int | None = None
-) -> tuple[FloatArray, FloatArray]:
+def dense_modes(stiffness: FloatArray, mass: FloatArray, n: int | None = None) -> ArrayPair:
     """Return ω² and M-orthonormal φ of K φ = ω² M φ by LAPACK: the `n` lowest, or all.
 
     Motions without mass are no modes, so that there may be fewer.
@@ -203,7 +201,7 @@ def lowest(
     *,
     known: FloatArray | None = None,
     invert: Callable[[float], LinearSolver] | None = None,
-) -> tuple[FloatArray, FloatArray]:
+) -> ArrayPair:
     """Return the `n` lowest eigenpairs, none missed.
 
     Parameters
@@ -251,7 +249,7 @@ def _iterated(
     n: int,
     known: FloatArray | None,
     invert: Callable[[float], LinearSolver] | None,
-) -> tuple[FloatArray, FloatArray]:
+) -> ArrayPair:
     """Eigenpairs by V-cycles where the solver has them and factors are no quicker, or solutions."""
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
     near = None
@@ -285,7 +283,7 @@ def davidson(
     away_from: FloatArray | None = None,
     s2: float = 0.0,
     most: float = np.inf,
-) -> tuple[FloatArray, FloatArray]:
+) -> ArrayPair:
     """Return the `n` lowest eigenpairs of K φ = ω² M φ.
 
     The basis takes in T r_j for the residual r_j of each pair that has not converged, and every

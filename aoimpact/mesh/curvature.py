@@ -13,11 +13,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 import scipy.sparse as sp
 
-from ..base import FloatArray, Frozen, InputError, IntArray, plain
+from ..base import BoolArray, FloatArray, Frozen, InputError, IntArray, plain
 from .mesh import twins
 from .surface import SHARP, Surface, plane_of
 
@@ -189,7 +188,7 @@ def _spacing(surface: Surface, face: IntArray) -> float:
     return 0.5 * edge if _curved(surface, face).any() else edge
 
 
-def _curved(surface: Surface, face: IntArray) -> npt.NDArray[np.bool_]:
+def _curved(surface: Surface, face: IntArray) -> BoolArray:
     """Return which faces have nodes between their corners that lie off the chords."""
     gap = np.linalg.norm(surface.bulges(face), axis=2).max(axis=1)
     return np.asarray(gap > _IN_PLANE * surface.edges(face))
@@ -235,7 +234,7 @@ def _region(
     return _Region(nodes, np.linalg.norm(nodes - here, axis=1), bends, float(limit))
 
 
-def _linked(joined: sp.csr_array, start: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def _linked(joined: sp.csr_array, start: BoolArray) -> BoolArray:
     """Return which faces are connected with those to start from."""
     label = sp.csgraph.connected_components(joined, directed=False)[1]
     return np.isin(label, label[start])

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ROUNDING, FloatArray, IntArray
+from ..base import ROUNDING, ArrayPair, FloatArray, IntArray
 
 # Least 1 - z, at an apex: the inverse of its square is finite.
 _APEX = 1e-150
@@ -109,7 +109,7 @@ class ReferenceElement:
         """Return ∂φ_a/∂ξ_α at reference points (n, 3), shape (n, n_nodes, 3)."""
         return self.evaluate(points)[1]
 
-    def evaluate(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def evaluate(self, points: FloatArray) -> ArrayPair:
         """Return `shape` and `gradient` at once, for little more than one of them."""
         return self._basis(points)
 
@@ -158,7 +158,7 @@ class ReferenceFace:
     places: FloatArray
     _basis: _Basis
 
-    def evaluate(self, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def evaluate(self, uv: FloatArray) -> ArrayPair:
         """Return the nodes' shape functions, (n, n_nodes), and their slopes, (n, n_nodes, 2)."""
         shape, gradient = self._basis(np.pad(uv, ((0, 0), (0, 1))))
         return shape, gradient[..., :2]
@@ -220,7 +220,7 @@ class _Basis:
         gradient = (derivatives @ nodal).swapaxes(1, 2).reshape(len(every), -1)
         return cls(middle, found, shape, gradient)
 
-    def __call__(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def __call__(self, points: FloatArray) -> ArrayPair:
         values = _monomials(points - self.middle, self.powers).T
         shape = values @ self.shape
         return shape, (values @ self.gradient).reshape(*shape.shape, 3)
@@ -349,7 +349,7 @@ def _ring(n: int, first: int = 0) -> _Middles:
     return (*pairwise(corners), (corners[0], corners[-1]))
 
 
-TETRAHEDRON_EDGES: _Middles = (*_ring(3), *((i, 3) for i in range(3)))
+TETRAHEDRON_EDGES = (*_ring(3), *((i, 3) for i in range(3)))
 _HEXAHEDRON_EDGES = (*_ring(4), *_ring(4, 4), *((i, i + 4) for i in range(4)))
 _HEXAHEDRON_MIDDLES = (
     *(*_HEXAHEDRON_EDGES, (0, 3, 4, 7), (1, 2, 5, 6), (0, 1, 4, 5), (2, 3, 6, 7)),
@@ -377,8 +377,8 @@ _HEXAHEDRON_20 = _space(2, lambda i, j, k: (i, j, k).count(2) <= 1)
 _HEXAHEDRON_27 = _space(2, lambda i, j, k: True)
 _WEDGE_6 = _space(1, lambda i, j, k: i + j <= 1)
 _WEDGE_15 = _space(2, lambda i, j, k: i + j <= (2 if k < 2 else 1))
-_PYRAMID_5: tuple[_Powers, ...] = (*_TETRAHEDRON_4, (1, 1, 0, 1))
-_PYRAMID_13: tuple[_Powers, ...] = (*_TETRAHEDRON_10, (1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1))
+_PYRAMID_5 = (*_TETRAHEDRON_4, (1, 1, 0, 1))
+_PYRAMID_13 = (*_TETRAHEDRON_10, (1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1))
 
 
 # Those on a side, by its number of nodes.
@@ -492,7 +492,7 @@ def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:
     return found
 
 
-def cofactors(j: FloatArray) -> tuple[FloatArray, FloatArray]:
+def cofactors(j: FloatArray) -> ArrayPair:
     """Return det J and the cofactors C, J⁻ᵀ = C / det J, of `jacobians`."""
     cof = np.empty(j.shape)
     for i in range(3):

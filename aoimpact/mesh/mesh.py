@@ -8,9 +8,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from ..base import (
+    ArrayPair,
+    BoolArray,
     FloatArray,
     Frozen,
     InputError,
@@ -383,7 +384,7 @@ def _check_elements(
             raise MeshError(f"{int(bad.sum())} of {len(cells)} elements {what}; {first}. {how}")
 
 
-def _misshapen(corners: FloatArray) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+def _misshapen(corners: FloatArray) -> tuple[BoolArray, BoolArray]:
     """Return which surface or line elements have no area or length, and which are folded."""
     ahead = np.roll(corners, -1, axis=1) - corners
     size = np.abs(ahead).max(axis=(1, 2))
@@ -399,9 +400,7 @@ def _misshapen(corners: FloatArray) -> tuple[npt.NDArray[np.bool_], npt.NDArray[
     return flat, folded & ~flat
 
 
-def jacobian_range(
-    nodes: FloatArray, cells: IntArray, element: ReferenceElement
-) -> tuple[FloatArray, FloatArray]:
+def jacobian_range(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> ArrayPair:
     """Return the smallest and largest det J of each element over its size³, at Gauss points."""
     gradient = element.gradient(element.stiffness_rule.points)
     lowest, highest = np.empty(len(cells)), np.empty(len(cells))

@@ -6,18 +6,15 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray
+from ..base import BoolArray, FloatArray, IntArray
 from .surface import SHARP
 
 _TINY = float(np.finfo(float).tiny)
 
 
-def against_neighbours(
-    nodes: FloatArray, groups: Sequence[IntArray]
-) -> list[npt.NDArray[np.bool_]]:
+def against_neighbours(nodes: FloatArray, groups: Sequence[IntArray]) -> list[BoolArray]:
     """Return which elements lie the other way round than most of those they are joined with.
 
     Elements are joined by edges that belong to two of them. At an edge of more, as of a stiffener

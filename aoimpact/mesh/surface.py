@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
-from ..base import PRINTED, ROUNDING, FloatArray, IntArray, MeshError
+from ..base import PRINTED, ROUNDING, ArrayPair, BoolArray, FloatArray, IntArray, MeshError
 from .elements import ReferenceFace, reference_faces
 from .mesh import Mesh, twins
 
@@ -110,12 +109,12 @@ class Surface:
             row[len(face.nodes) :] = face.nodes[0]
         return np.take_along_axis(self.mesh.cells[self.cell], local[self.side], axis=1)
 
-    def thin(self, face: IntArray) -> npt.NDArray[np.bool_]:
+    def thin(self, face: IntArray) -> BoolArray:
         """Return which faces are surface elements themselves, which have two sides."""
         return np.array([self.mesh.blocks[i].element.thin for i, _ in self.sides])[self.side[face]]
 
     @cached_property
-    def balls(self) -> tuple[FloatArray, FloatArray]:
+    def balls(self) -> ArrayPair:
         """Centres, shape (n_faces, 3), and radii of balls that hold each face."""
         x = self.mesh.nodes[self.nodes]
         centre = x.mean(axis=1)
@@ -137,13 +136,13 @@ class Surface:
         """Return the shape functions of the faces' `nodes`, shape (n, as many)."""
         return self._evaluate(face, uv)[0]
 
-    def at(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def at(self, face: IntArray, uv: FloatArray) -> ArrayPair:
         """Return x, shape (n, 3), and ∂x/∂u, ∂x/∂v, shape (n, 2, 3), of points on faces."""
         nodes = self.mesh.nodes[self.nodes[face]]
         shape, gradient = self._evaluate(face, uv)
         return np.einsum("na,nai->ni", shape, nodes), gradient.swapaxes(1, 2) @ nodes
 
-    def _evaluate(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _evaluate(self, face: IntArray, uv: FloatArray) -> ArrayPair:
         """Return shape functions and gradients; zeros fill up those of small faces."""
         width = self.nodes.shape[1]
         shape, gradient = np.zeros((len(face), width)), np.zeros((len(face), width, 2))
@@ -170,7 +169,7 @@ class Surface:
                 raise MeshError(f"mesh: a side of element {cell}, nodes {nodes}, has no area")
         return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
-    def _crossed(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    def _crossed(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Return the product of the tangents, and where they are parallel or zero."""
         tangents = self.at(face, uv)[1]
         normal = np.cross(tangents[:, 0], tangents[:, 1])
@@ -280,7 +279,7 @@ class Surface:
         mean: FloatArray = normals.mean(axis=0)
         return mean / np.linalg.norm(mean)
 
-    def _continuing(self, face: IntArray, x: FloatArray, size: float) -> npt.NDArray[np.bool_]:
+    def _continuing(self, face: IntArray, x: FloatArray, size: float) -> BoolArray:
         """Return which faces at a place are of the skin that goes on there, where a web ends on it.
 
         Surface elements within 45° of each other are one skin. It goes on if two of its elements
@@ -358,7 +357,7 @@ class Surface:
             found[on, : count - n] = x[:, n:] - side.linear.evaluate(side.places[n:])[0] @ x[:, :n]
         return found
 
-    def bounds(self, face: IntArray, frame: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def bounds(self, face: IntArray, frame: FloatArray) -> ArrayPair:
         """Return between which coordinates along three axes the faces lie, shapes (3, n)."""
         corners = self.mesh.nodes[self.corners(face)] @ frame.T
         room = _BETWEEN * np.abs(self.bulges(face) @ frame.T).max(axis=1)
@@ -387,7 +386,7 @@ class Surface:
         return uv, x, np.cross(tangents[:, 0], tangents[:, 1]) @ axis
 
     @cached_property
-    def _triangle(self) -> npt.NDArray[np.bool_]:
+    def _triangle(self) -> BoolArray:
         return np.array([face.n_corners == 3 for _, face in self.sides])
 
 

@@ -7,14 +7,23 @@ lines and crosses. Each figure belongs to no window.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import COLOURS, bar, draw_curves, legend, styled, with_unit, writable_folder, write_csv
+from ..base import (
+    COLOURS,
+    FilePath,
+    bar,
+    draw_curves,
+    legend,
+    styled,
+    with_unit,
+    writable_folder,
+    write_csv,
+)
 from . import beam, sphere
 from .sphere import BALL, SPEEDS, pair
 from .table import Row, markdown, texts
@@ -185,7 +194,7 @@ TABLES = (
 )
 
 
-def reproduce(out: str | os.PathLike[str], *, progress: bool = True) -> list[Path]:
+def reproduce(out: FilePath, *, progress: bool = True) -> list[Path]:
     """Recompute all tables and Figures 3 to 11 of the paper, and write them to a folder.
 
     Parameters

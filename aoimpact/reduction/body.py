@@ -19,7 +19,16 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import _core
-from ..base import HUGE, FloatArray, Frozen, InputError, InputTypeError, finite_array, integer
+from ..base import (
+    HUGE,
+    ArrayPair,
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    finite_array,
+    integer,
+)
 from ..contact import (
     Compliance,
     ContactPoint,
@@ -214,7 +223,7 @@ class BodyModel(ABC):
         return False
 
     @abstractmethod
-    def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
+    def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
         """Return Σ |r_p| |r_q| / ω² of modes above a frequency, rad/s, or a bound of it.
 
         Returns
@@ -656,9 +665,7 @@ class Body(Frozen, BodyModel):
 
     # --------------------------------------------------------------- for the core
 
-    def for_core(
-        self, gravity: Pull = 0.0, load: tuple[FloatArray, FloatArray] | None = None
-    ) -> tuple[Any, ...]:
+    def for_core(self, gravity: Pull = 0.0, load: ArrayPair | None = None) -> tuple[Any, ...]:
         """Return the core's tuple (aoi_modes).
 
         Parameters
@@ -782,7 +789,7 @@ class Body(Frozen, BodyModel):
             found[port] = known.of_truncated(self.tips[port], self.deflection(known.s, port))
         return found[port]
 
-    def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
+    def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
         """Return Σ |r_p| |r_q| / ω² of modes above a frequency, rad/s.
 
         :meta private:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, Frozen, InputError, InputTypeError, boolean, checked
+from ..base import ArrayPair, FloatArray, Frozen, InputError, InputTypeError, boolean, checked
 from ..contact import ContactPoint, moves_rigidly, refuse_massless, static_mode
 from ..fem import FEModel, ModalDamping
 from ..linalg import lowest
@@ -155,7 +155,7 @@ class FullModel(Frozen, BodyModel):
         forces: FloatArray = gravity * self.body.mass * self.centre_of_mass[0]
         return forces
 
-    def fast_compliance(self, slowest: float, *, weighed: bool) -> tuple[FloatArray, FloatArray]:
+    def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
         """Return a bound without the modes: Σ r² / ω² above s is at most 2 bᵀ (K + s²M)⁻¹ b.
 
         And Σ |r_p| |r_q| / ω² at most the root of both ports' sums (Cauchy and Schwarz).

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray
+from ..base import ArrayPair, FloatArray
 from ..fem import FEModel
 from ..linalg import ROUGH, SolverBook
 
@@ -118,7 +118,7 @@ class Recovery:
             at_once[:, : following.shape[1]] = following
         return np.hstack([self.model.modes, at_once])
 
-    def functionals(self, rows: Any) -> tuple[FloatArray, FloatArray]:
+    def functionals(self, rows: Any) -> ArrayPair:
         """Return how linear functions of X depend on coordinates and forces.
 
         Parameters
@@ -154,7 +154,7 @@ class Recovery:
         return amounts
 
     @cached_property
-    def _correction(self) -> tuple[FloatArray, FloatArray]:
+    def _correction(self) -> ArrayPair:
         """(K + s²M)⁻¹ r per coordinate and force, as shapes (n_dofs, k) times weights (k, n + p).
 
         Unbalanced forces are orthogonal to the model's shapes. Anti-oscillators and Krylov vectors
@@ -202,7 +202,7 @@ class Recovery:
         return found
 
 
-def _directions(columns: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _directions(columns: FloatArray) -> ArrayPair:
     """The few directions that columns have, orthonormal, (n, k), and the columns on them, (k, m).
 
     By Gram and Schmidt, the largest of what is left of the columns first, as in a QR factorisation

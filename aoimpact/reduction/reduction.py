@@ -11,6 +11,7 @@ import scipy
 
 from .. import _core
 from ..base import (
+    ArrayPair,
     ConvergenceError,
     FloatArray,
     InputError,
@@ -83,7 +84,7 @@ def _oscillators(
     return m[:count], k[:count], shapes
 
 
-def _all_constraint_modes(tip: ContactPoint) -> tuple[FloatArray, FloatArray]:
+def _all_constraint_modes(tip: ContactPoint) -> ArrayPair:
     """By LAPACK: a reflection turns bᵀφ = 0 into "first entry zero".
 
     The dof that b moves most comes first: a reflection of one that b does not move loses its mass

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property, partial
@@ -16,6 +15,9 @@ import numpy.typing as npt
 from .. import _core
 from ..base import (
     HUGE,
+    ArrayPair,
+    BoolArray,
+    FilePath,
     FloatArray,
     Frozen,
     InputError,
@@ -349,7 +351,7 @@ class AOModel(Frozen):
         K[0, 1:] = K[1:, 0] = -self.k
         return K, np.diag(np.concatenate([[self.m0], self.m])), np.eye(self.n + 1)[0]
 
-    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+    def to_json(self, path: FilePath | None = None) -> str:
         """Return the model as JSON, and write it where a path is given.
 
         The model is four things: the contact mass m0 (kg) on a ground spring k0 (N/m), and on it,
@@ -425,7 +427,7 @@ class AOModel(Frozen):
             full = full + np.multiply.outer(of.following[:, 0] / of.residual[0, 0], rest)
         return full
 
-    def to_modal(self) -> tuple[FloatArray, FloatArray]:
+    def to_modal(self) -> ArrayPair:
         """Return the model's natural modes by the secular equation.
 
         Returns
@@ -554,7 +556,7 @@ def of_body(numbers: AOModel, body: Body) -> AOModel:
     return found
 
 
-def excited(body: Body) -> npt.NDArray[np.bool_]:
+def excited(body: Body) -> BoolArray:
     """True of the modes of a body that an impact on its first port excites by more than rounding.
 
     Raises
@@ -631,7 +633,7 @@ def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
     return np.ascontiguousarray(tensor)
 
 
-def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> ArrayPair:
     """Sort by frequency; oscillators of one frequency move as one: their masses add up."""
     order = np.argsort(k / m, kind="stable")
     m, k = m[order], k[order]

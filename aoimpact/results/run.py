@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import html
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
@@ -19,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import (
+    FilePath,
     FloatArray,
     Found,
     Frozen,
@@ -908,7 +908,7 @@ class Run:
 
     # ---------------------------------------------------------------------- output
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
+    def to_csv(self, path: FilePath) -> None:
         """Write all histories, one row a time, under a header line with names and units.
 
         Examples
@@ -1160,7 +1160,7 @@ class Result(Eventful, Run):
 
     def movie(
         self,
-        path: str | os.PathLike[str],
+        path: FilePath,
         *,
         times: npt.ArrayLike | None = None,
         frames: int = 60,

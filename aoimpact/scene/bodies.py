@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base import FloatArray
+from ..base import ArrayPair, FloatArray
 from ..fem import Rayleigh
 from ..reduction import BodyModel, FullModel, Pull, Velocity
 from .stepped import PARTS, SteppedBody, SteppedFull
@@ -15,7 +15,7 @@ def stepped(
     velocity: Velocity = 0.0,
     *,
     gravity: Pull = 0.0,
-    load: tuple[FloatArray, FloatArray] | None = None,
+    load: ArrayPair | None = None,
     rest: FloatArray | None = None,
     pressed: FloatArray | None = None,
 ) -> SteppedBody:

@@ -18,7 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from .. import _core
-from ..base import ConvergenceError, FloatArray, InputError, IntArray, LawLimitError
+from ..base import ArrayPair, ConvergenceError, FloatArray, InputError, IntArray, LawLimitError
 from ..laws import ContactLaw
 from ..linalg import LARGEST
 from ..reduction import Body
@@ -89,7 +89,7 @@ class _Springs:
         self._kinds = [(law.for_core(), np.array(which)) for law, which in same.items()]
         self.limits = np.array([law.limit for law in laws])
 
-    def force(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def force(self, depth: FloatArray) -> ArrayPair:
         """Return forces, N, and their slopes, N/m, at indentations, m, shape (contacts,) each."""
         force, slope = np.zeros((2, len(depth)))
         within = np.clip(depth, 0.0, self.limits)

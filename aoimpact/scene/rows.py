@@ -11,9 +11,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import FloatArray, IntArray
+from ..base import BoolArray, FloatArray, IntArray
 
 
 class ContactRows(NamedTuple):
@@ -147,7 +146,7 @@ class RecordLayout:
         return record[list(itertools.chain.from_iterable(rows))]
 
     @property
-    def normal(self) -> npt.NDArray[np.bool_]:
+    def normal(self) -> BoolArray:
         """Which of `pushes` are normal forces, shape (pushes,)."""
         kinds = [(True, False, False) if of else (True,) for of in self.sliding]
         return np.array([*itertools.chain(*kinds)] or [True] * self.contacts, dtype=bool)

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base import FloatArray, InputError
+from ..base import ArrayPair, FloatArray, InputError
 from ..laws import RoundContact, own_law, round_contact
 from ..reduction import Body, BodyModel, Pull, Velocity
 from .bodies import stepped
@@ -167,7 +167,7 @@ class Scenario:
             found.setdefault(load.body, []).append(load)
         return found
 
-    def load_on(self, body: int) -> tuple[FloatArray, FloatArray] | None:
+    def load_on(self, body: int) -> ArrayPair | None:
         """Return all loads on a body as one: times, shape (m,), and forces on ports, (m, p)."""
         ours = self._loads_of.get(body) if self.loads else None
         if ours is None:

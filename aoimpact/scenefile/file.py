@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import itertools
-import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,6 +17,7 @@ import numpy as np
 from ..accuracy import AccelerationAt
 from ..base import (
     AOImpactError,
+    FilePath,
     FloatArray,
     InputError,
     InputTypeError,
@@ -47,7 +47,7 @@ _SHOWN = 20
 _MOST_KEPT = 8
 
 
-def read_scene(path: str | os.PathLike[str]) -> SceneFile:
+def read_scene(path: FilePath) -> SceneFile:
     """Read a scene file and check all of its names and types.
 
     Parameters

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import astuple, dataclass, fields, replace
@@ -15,6 +14,7 @@ import numpy as np
 from ..accuracy import first_guess, model_hierarchy
 from ..base import (
     AOImpactError,
+    FilePath,
     InputError,
     aligned,
     boolean,
@@ -165,7 +165,7 @@ class Comparison:
             ax, "degrees of freedom", f"relative error of the {error}".replace("_", " ")
         )
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
+    def to_csv(self, path: FilePath) -> None:
         """Write the table: one row a model, times in s, errors relative.
 
         Examples

@@ -14,6 +14,7 @@ import scipy
 from ..base import (
     HUGE,
     AOImpactError,
+    ArrayPair,
     FloatArray,
     Frozen,
     InputError,
@@ -365,7 +366,7 @@ def _warn_of_a_poor_fit(
         warn(f"{', '.join(bound)}: the best fit is at the bound of the range; take another law")
 
 
-def _uncertainty(jacobian: FloatArray, variance: float) -> tuple[FloatArray, FloatArray]:
+def _uncertainty(jacobian: FloatArray, variance: float) -> ArrayPair:
     """Return standard errors and correlations of the variables."""
     size = np.linalg.norm(jacobian, axis=0)
     size = np.where(size > 0.0, size, np.finfo(float).tiny ** 0.5)

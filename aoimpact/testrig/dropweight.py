@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..base import (
+    FilePath,
     FloatArray,
     Frozen,
     InputError,
@@ -214,7 +214,7 @@ class DropWeight(Frozen):
         of = {"force": "N", "energy": "J"}[name]
         return draw_curves(ax, (across[shown], over, unit), name, of, curves)
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
+    def to_csv(self, path: FilePath) -> None:
         """Write t, force, velocity, deflection and energy, one row a time, under a header line.
 
         Examples

@@ -17,9 +17,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from ..base import FloatArray, InputError, choice, instance, warn, with_unit
+from ..base import ComplexArray, FloatArray, InputError, choice, instance, warn, with_unit
 from ..fem import FrequencyResponse
 from ..fields import Probe
 from ..results import Run
@@ -38,7 +37,7 @@ _SECOND_HALF = 1.0 / 3.0
 # The confidence of the error by noise is 1 less this.
 _OUTSIDE = 0.05
 
-ComplexArray = npt.NDArray[np.complex128]
+ComplexArray = ComplexArray
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -5,7 +5,6 @@ from the text files of data loggers.
 from __future__ import annotations
 
 import csv
-import os
 import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ import numpy as np
 
 from ..base import (
     HUGE,
+    FilePath,
     FloatArray,
     Frozen,
     InputError,
@@ -349,7 +349,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 
 def read_signal(
-    path: str | os.PathLike[str],
+    path: FilePath,
     *,
     time: int | str = 0,
     values: int | str = 1,
