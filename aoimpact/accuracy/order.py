@@ -22,7 +22,7 @@ from ..results import Quantity, RecordLength, Run
 from .hierarchy import Hierarchy, Models, alike, model_hierarchy
 
 # Factor from one order to the next; and the error of a model over its difference to each of the
-# smaller ones that it is compared with, if errors fall as n^-1.25. Over 48 impacts on beams,
+# smaller ones that it is compared with, if errors fall as n^-1.25. Over 44 impacts on beams,
 # plates, sheets, blocks, rods and spheres to 1e-1 … 1e-3 the true errors of peak force and its
 # time, impulse, duration, rebound, displacement and the force itself are within the largest of the
 # three in 98 of 100 cases (99 with n^-1, 94 with n^-1.5). It is 2 … 7 times the error in the

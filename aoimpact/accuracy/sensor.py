@@ -17,7 +17,8 @@ from ..mesh import weights_at
 from ..reduction import SharedSolutions
 from ..results import Quantity, Run
 
-# Runs that a search goes back to: of one order, and of those up to eight larger.
+# Runs that a search goes back to: of one set of models, of three smaller ones, and of those with
+# one body's smaller.
 _COMPARED = 9
 
 

@@ -1,4 +1,4 @@
-"""What holds a body, and what is fastened to it: supports, masses, springs to the ground."""
+"""Supports, masses and springs to the ground of a body."""
 
 from __future__ import annotations
 

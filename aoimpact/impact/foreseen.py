@@ -158,7 +158,7 @@ class Foreseen:
 
 
 def _known(find: Callable[..., float | None], met: Any) -> float | None:
-    """What is found of a contact; None where it does not move, or its law takes no such energy."""
+    """Estimates for a contact; None where it does not move, or its law takes no such energy."""
     try:
         return None if met is None else find(*met)
     except AOImpactError:

@@ -225,7 +225,7 @@ class ContactLaw:
 
     @cached_property
     def _parameters(self) -> tuple[float, ...]:
-        """What the core makes the law from, in the order of its row in csrc/law."""
+        """Parameters that the core makes the law from, in the order of its row in csrc/law."""
         values = (getattr(self, entry.name) for entry in self._fields() if not entry.kw_only)
         return tuple(value for value in values if isinstance(value, float))
 

@@ -121,7 +121,7 @@ class Multigrid:
 
     @property
     def inverse(self) -> Inverse:
-        """What it can do."""
+        """The inverse with its properties."""
         return Inverse(iterate=self.iterate, precondition=self.precondition, at=self._at)
 
     def _coarsen(self, A: Any, motions: FloatArray, places: Any, progress: Any) -> None:

@@ -45,7 +45,7 @@ def line_of(text: str, place: Place) -> int | None:
     if not place:
         return None
     lines = text.split("\n")
-    # What closes the string, arrays and braces that are open at the end of each line.
+    # Characters that close the string, arrays and braces open at the end of each line.
     closings: list[str] = []
     brackets = ""
     for token in map(re.Match.group, _TOKEN.finditer(text)):
