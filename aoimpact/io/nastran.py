@@ -322,10 +322,10 @@ class Grids:
     @classmethod
     def of(cls, bulk: BulkData) -> Grids:
         """Return the nodes of a deck; a node that is repeated as it was counts once."""
-        for name, first in bulk.names.items():  # unknown entries might belong to the mesh
+        for name, entries in bulk.names.items():  # unknown entries might belong to the mesh
             known = (_CONNECTIONS.fullmatch, _OTHERS.fullmatch, _SKIPPED.match)
             if name not in _READ and not any(match(name) for match in known):
-                raise bulk.lines.refused(int(first[0]), name, "no entry of this name is known")
+                raise bulk.lines.refused(entries[0][0].line, name, "no entry of this name is known")
         table = bulk.table(GRID=8)
         systems = [table.integers(column, 1)[:, 0] for column in (1, 5)]
         labels, x = table.integers(0, 1)[:, 0], table.reals(2, 3)
@@ -575,7 +575,7 @@ class NastranDeck:
                 found[name] = read(self, card, own)
         for entry in self.bulk.names.keys() & {"NSM", "NSM1", "NSML", "NSML1", "NSMADD"}:
             why = "its mass is not supported; delete it, and take the mass into densities (given=)"
-            raise self.bulk.lines.refused(int(self.bulk.names[entry][0]), entry, why)
+            raise self.bulk.lines.refused(self.bulk.names[entry][0][0].line, entry, why)
         return found
 
     # ------------------------------------------------------------------- materials
@@ -634,9 +634,8 @@ class NastranDeck:
         """Return the direction whose projection is the material's axis on all elements."""
         normals = self.source.directions(own)
         x = across(self.source.directions(own, edges=True), normals)
-        columns = [t.fields[:, _THETA[layout] :][:, :1] for t, layout in self.entries(own)]
-        columns = [c if c.size else np.full((len(c), 1), b"") for c in columns]
-        words, of = np.unique(np.char.strip(np.concatenate(columns)[:, 0]), return_inverse=True)
+        columns = [table.fields[:, _THETA[layout]] for table, layout in self.entries(own)]
+        words, of = np.unique(np.concatenate(columns), return_inverse=True)
         systems = [INTEGER.fullmatch(word) is not None for word in words.tolist()]  # MCID
         texts = [b"0" if s or not w else w for s, w in zip(systems, words.tolist(), strict=True)]
         angles = np.radians([number(text.decode()) for text in texts])
@@ -651,7 +650,7 @@ class NastranDeck:
         for table, layout in self.entries(own):
             if layout == "line3":
                 raise table.refused(0, "PBEAM3, its property, is not read")
-        offt, ends = np.char.strip(table.fields[:, 7]), table.reals(10, 6)
+        offt, ends = table.fields[:, 7], table.reals(10, 6)
         frames, rows = offt.astype("S1"), rows_of(grids.labels, table.integers(2, 1)[:, 0])
         turned = (np.char.count(offt, b"O") > 0) | (grids.output_systems[rows] > 0)
         wrong: dict[str, Any] = {
@@ -844,7 +843,7 @@ def read_dmig(file: Path, size: int) -> list[RawMatrix]:
     quads, entry = read_deck(file)[1].quads("DMIG")
     starts = np.diff(entry, prepend=-1) > 0
     heads = quads.select(starts)
-    names, labels = np.char.strip(heads.fields[:, 0]), heads.integers(1, 2)
+    names, labels = heads.fields[:, 0], heads.integers(1, 2)
     is_header = labels[:, 0] == 0
     heads.refuse_first(~np.isin(names, names[is_header]), "its matrix has no header")
     of_rows = ~(starts | is_header[entry] | quads.blank[:, 0])

@@ -5,26 +5,26 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import compress, zip_longest
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ..base import BoolArray, FloatArray, IntArray, MeshError, decoded, require
-from .raw import joined, number, numbers, read_text, refused, repeats
+from .raw import number, numbers, read_text, refused
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
-_PER_BYTE = 14
+_PER_BYTE = 20
 
 # Columns of a line that Nastran reads.
 _COLUMNS = 80
 
-# Characters that are kept of a field in a line with commas.
-_FREE = 32
+# Characters of a field in a line with commas at most.
+_LONG = 32
 
 # Entries that one line of replication may stand for.
 _MOST = 1_000_000
@@ -49,7 +49,7 @@ INTEGER = re.compile(rb"[-+]?\d{1,18}")
 _DEFAULTS = {"GRID": "GRDSET", "CBAR": "BAROR", "CBEAM": "BEAMOR"}
 
 # Entries of four fields, of which one may have two.
-_PAIRS = {"CROD", "CTUBE", "CORD1R", "CORD1C", "CORD1S"}
+_PAIRS = ["CROD", "CTUBE", "CORD1R", "CORD1C", "CORD1S"]
 
 # First characters of INCLUDE and ENDDATA, and of BEGIN and CEND.
 _STOPS, _SECTIONS = frozenset((b"I", b"E", b" ")), frozenset((b"B", b"C", b" "))
@@ -58,8 +58,6 @@ _NAME = re.compile(rb"[A-Z][A-Z0-9]*")
 
 # Relative difference from a number with few digits, such as 0.833 for 5/6.
 _DIGITS = 1e-3
-
-_SPACES = int.from_bytes(b" " * 8, "little")
 
 
 def is_nastran(content: bytes) -> bool:
@@ -183,60 +181,62 @@ def _all_lines(main: Path) -> Lines:
     return Lines(list(compress(text, filled)), np.concatenate(sources)[filled], files)
 
 
-# ------------------------------------------------------------------------------- lines in columns
+# ------------------------------------------------------------------------------ lines to entries
 
 
-def _in_columns(lines: Lines) -> tuple[Lines, IntArray]:
-    """Write out lines with commas and copies by replication, in columns.
+class Piece(NamedTuple):
+    """A line of bulk data between its head and its tail, which have the marks of continuations.
 
-    Returns
-    -------
-    Lines
-        With fields of 8, 16 or 32 characters after the head, as the longest one needs.
-    counts : ndarray of int, shape (n_lines,)
-        Number of fields in each line: 8, 4 or 2; negative where there are more than eight and a
-        mark, or one too long to be kept.
+    `data` are the columns of four or eight fields, or the fields of a line with commas, as many or
+    more. A line is `spoilt` if a field is left over or too long to be kept.
     """
-    text: list[bytes] = []
-    sources: list[int] = []
-    counts: list[int] = []
 
-    def add(words: list[bytes], source: int) -> None:
-        head, *fields = words
-        most, tail, more = 4 if b"*" in head else 8, b"", list[bytes]()
-        # Nastran takes the ninth field for data if there are more behind it, unless it is a mark.
-        data = most == 8 and len(fields) > 9 and fields[8][:1] not in (b"", b"+", b"*")
-        if len(fields) > most and not data:
-            fields, (tail, *more) = fields[:most], fields[most:]
-        elif fields and not data and _MARK.match(fields[-1]):
-            tail = fields.pop()
-        longest = max(map(len, fields), default=0)
-        sign = -1 if any(more) or tail[:1].isdigit() or longest > _FREE else 1
-        width = next(w for w in (64 // most, 16, _FREE) if longest <= w or w == _FREE)
-        fields += [b""] * (-len(fields) % most or most * (not fields))
-        columns = b"".join(one[:width].ljust(width) for one in fields)
-        rows = [columns[k : k + 64] for k in range(0, len(columns), 64)]
-        text.extend(at.ljust(8) + row for at, row in zip_longest([head[:8]], rows, fillvalue=b""))
-        text[-1] += tail
-        sources.extend([source] * len(rows))
-        counts.extend([sign * (64 // width)] * len(rows))
+    line: int
+    head: bytes
+    data: bytes | list[bytes]
+    tail: bytes
+    spoilt: bool = False
 
-    entry: list[bytes] = []
+    @property
+    def fields(self) -> list[bytes]:
+        """The fields without blanks about them."""
+        if isinstance(self.data, list):
+            return self.data
+        width = 16 if b"*" in self.head else 8
+        return [self.data[k : k + width].strip() for k in range(0, 64, width)]
+
+
+def _with_commas(line: int, words: list[bytes]) -> Piece:
+    """Return a line with commas, or a copy by replication."""
+    head, *fields = words
+    most, tail, more = 4 if b"*" in head else 8, b"", list[bytes]()
+    # Nastran takes the ninth field for data if there are more behind it, unless it is a mark.
+    data = most == 8 and len(fields) > 9 and fields[8][:1] not in (b"", b"+", b"*")
+    if len(fields) > most and not data:
+        fields, (tail, *more) = fields[:most], fields[most:]
+    elif fields and not data and _MARK.match(fields[-1]):
+        tail = fields.pop()
+    spoilt = any(more) or tail[:1].isdigit() or max(map(len, fields), default=0) > _LONG
+    fields += [b""] * (-len(fields) % most or most * (not fields))
+    return Piece(line, head[:8], fields, tail[:8], spoilt)
+
+
+def _pieces(lines: Lines) -> list[Piece]:
+    """Return the lines of bulk data, and copies by replication."""
+    found: list[Piece] = []
     rule: list[bytes] = []
-    for i, line in enumerate(lines.text):
-        if line.startswith(b"="):
-            copies, rule = _copies(lines, i, entry or _words(lines.text[max(0, i - 1)])[:9], rule)
-            for entry in copies:
-                add(list(entry), i)
+    for i, text in enumerate(lines.text):
+        if text.startswith(b"="):
+            before = [found[-1].head.strip(), *found[-1].fields[:8]] if found else []
+            copies, rule = _copies(lines, i, before, rule)
+            found += [_with_commas(i, words) for words in copies]
             continue
-        entry, rule = [], []
-        if b"," in line[:10]:
-            add(_words(line), i)
+        rule = []
+        if b"," in text[:10]:
+            found.append(_with_commas(i, _words(text)))
         else:
-            text.append(line)
-            sources.append(i)
-            counts.append(4 if b"*" in line[:8] else 8)
-    return Lines(text, lines.sources[sources], lines.files), np.array(counts)
+            found.append(Piece(i, text[:8], text[8:72], text[72:_COLUMNS]))
+    return found
 
 
 def _words(line: bytes) -> list[bytes]:
@@ -286,7 +286,58 @@ def _next(entry: list[bytes], rule: list[bytes]) -> list[bytes]:
     return found
 
 
-# ---------------------------------------------------------------------------- lines to entries
+def read_bulk_data(lines: Lines) -> BulkData:
+    """Join lines to entries.
+
+    A continuation without a mark, or with the mark of the line before it, continues that line; any
+    other is looked for by its mark. Both ends of a mark may differ in the first character.
+
+    Raises
+    ------
+    MeshError
+        If a line is neither the beginning of an entry nor the continuation of one.
+    """
+    pieces = _pieces(lines)
+    parents: dict[bytes, list[int]] = {}
+    for k, piece in enumerate(pieces):
+        if mark := piece.tail.strip():
+            parents.setdefault(mark[1:], []).append(k)
+    starts, child = list[int](), dict[int, int]()
+    for k, (line, head, *_) in enumerate(pieces):
+        if head[:1] not in (b"+", b"*") and head.strip():
+            starts.append(k)
+            continue
+        parent = k - 1
+        if (mark := head[1:].strip()) and (not k or mark != pieces[parent].tail[1:].strip()):
+            found = parents.get(head.strip()[1:], [])
+            if len(found) != 1 and parent not in found:
+                why = f"the mark {head.decode()!r} is at the end of {len(found)} lines, not of one"
+                raise lines.refused(line, "continuation", why)
+            parent = parent if parent in found else found[0]
+        if parent < 0:
+            raise lines.refused(line, "continuation", "there is no entry before it")
+        if child.setdefault(parent, k) != k:
+            why = "the line that it continues has another continuation"
+            raise lines.refused(line, "continuation", why)
+    names: dict[str, list[list[Piece]]] = {}
+    for start in starts:
+        own, half, at = [pieces[start]], b"*" in pieces[start].head, child.pop(start, None)
+        while at is not None:
+            own.append(pieces[at])
+            if half and b"*" not in own[-1].head:
+                why = "large fields before it fill only half a line; add '*'"
+                raise lines.refused(own[-1].line, "continuation", why)
+            half, at = half != (b"*" in own[-1].head), child.pop(at, None)
+        # meshio writes CTETRA_, CHEXA_ and so on for elements with midside nodes.
+        name = own[0].head.strip().removesuffix(b"*").strip().removesuffix(b"_")
+        if not _NAME.fullmatch(name):
+            text = lines.text[own[0].line][:24].decode()
+            raise lines.refused(own[0].line, repr(text), "it begins no entry of bulk data")
+        names.setdefault(name.decode(), []).append(own)
+    for at in sorted(child.values())[:1]:
+        why = "the marks of continuations go round in a circle"
+        raise lines.refused(pieces[at].line, "continuation", why)
+    return BulkData(lines, names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -337,22 +388,18 @@ class Card:
 
 @dataclass(frozen=True, eq=False)
 class BulkData:
-    """Entries of bulk data, found by name.
-
-    Attributes
-    ----------
-    lines : Lines
-        Each continuation follows the line that it continues.
-    names : dict of str to ndarray of int
-        By name, the lines where entries begin, in the order of the deck.
-    """
+    """Entries of bulk data by name, each with the lines that continue it."""
 
     lines: Lines
-    names: dict[str, IntArray]
-    _columns: npt.NDArray[np.uint8]  # shape (n_lines, 80)
-    _counts: IntArray  # fields in each line, as of `_in_columns`
-    _ends: IntArray  # by line, the end of the entry that begins there
-    _offset: IntArray  # of each line's first field in its entry
+    names: dict[str, list[list[Piece]]]
+
+    def _fields(self, name: str, entry: list[Piece]) -> list[bytes]:
+        """Return the fields of an entry, from field 2 on."""
+        for piece in entry:
+            if piece.spoilt:
+                why = f"the line has too many fields, or one of more than {_LONG} characters"
+                raise self.lines.refused(piece.line, name, why)
+        return [field for piece in entry for field in piece.fields]
 
     def table(self, **widths: int) -> Table:
         """Return the entries of some names, which have so many data fields at most.
@@ -360,80 +407,56 @@ class BulkData:
         Blank fields have the values of GRDSET, BAROR and BEAMOR. Two rods or systems in one entry
         are two, the second ones at the end.
         """
-        found = [(self.names[name], most) for name, most in widths.items() if name in self.names]
-        first = joined(own for own, _ in found)
-        most = joined(np.full(len(own), most) for own, most in found)[np.argsort(first)]
-        first = np.sort(first)
-        lines, row = self._of(first)
-        kept = self._offset[lines] < most[row]
-        behind = np.any(self._columns[lines[~kept], 8:72] > ord(" "), axis=1)
-        surplus = np.isin(np.arange(len(first)), row[~kept][behind])
-        lines, row = lines[kept], row[kept]
-        longest = 8 + int(self._offset[lines].max(initial=0)) // 8 * 8
-        fields = self._fields(lines, row * longest + self._offset[lines], len(first) * longest)
-        width = max(longest, *widths.values())
-        table = Table(self.lines, first, fields.reshape(len(first), longest), width)
-        surplus |= np.any(~table.blank & (np.arange(width) >= most[:, None]), axis=1)
-        table.refuse_first(surplus, "it has more fields than entries of this kind")
-        for name, entry in _DEFAULTS.items():
-            if name in widths and {name, entry} <= self.names.keys():
-                table = self._with_defaults(table, name, self.table(**{entry: 8}))
-        own = [self.names[name] for name in widths if name in _PAIRS and name in self.names]
-        pairs = np.isin(first, joined(own))
-        second = pairs & ~table.blank[:, 4:8].all(axis=1) if own else pairs
-        fields = np.concatenate([table.fields, np.roll(table.fields[second], -4, axis=1)])
-        fields[np.append(pairs, second[second]), 4:] = b""
-        return Table(self.lines, np.append(first, first[second]), fields, table.width)
+        found = [(of[0].line, name, of) for name in widths for of in self.names.get(name, ())]
+        found.sort(key=lambda one: one[0])
+        rows, surplus, width = [], [], max(8, *widths.values())
+        for _, name, entry in found:
+            fields = self._fields(name, entry)
+            surplus.append(any(fields[widths[name] :]))
+            rows.append((fields + width * [b""])[:width])
+        names = np.array([name for _, name, _ in found], "U8")
+        first = np.array([line for line, *_ in found], dtype=np.int64)
+        table = Table(self.lines, names, first, np.array(rows, "S").reshape(-1, width))
+        table.refuse_first(np.array(surplus), "it has more fields than entries of this kind")
+        for name, default in _DEFAULTS.items():
+            if name in widths and {name, default} <= self.names.keys():
+                table = self._with_defaults(table, name, self.table(**{default: 8}))
+        pairs = np.isin(table.names, _PAIRS)
+        second = pairs & ~table.blank[:, 4:8].all(axis=1)
+        every = table.select(np.append(np.arange(len(found)), np.flatnonzero(second)))
+        every.fields[len(found) :] = np.roll(table.fields[second], -4, axis=1)
+        every.fields[np.append(pairs, second[second]), 4:] = b""
+        return every
 
     def _with_defaults(self, table: Table, name: str, given: Table) -> Table:
         """Return a table with the fields of an entry where those of one name are blank."""
         given.refuse_first(np.arange(len(given)) > 0, "another one is there")
-        blank = table.blank[:, :8] & np.isin(table.first, self.names[name])[:, None]
+        blank = table.blank & (table.names == name)[:, None]
+        blank[:, 8:] = False
         if name != "GRID":  # an integer X1 is the node G0, without X2 and X3
             real = table.blank[:, 4] | (np.char.count(table.fields[:, 4], b".") > 0)
             blank[:, 5:7] &= real[:, None]
-        fields = table.fields.astype(np.promote_types(table.fields.dtype, given.fields.dtype))
-        fields[:, :8] = np.where(blank, given.fields[0, :8], fields[:, :8])
-        return Table(table.lines, table.first, fields, table.width)
+        default = np.resize(given.fields[0], table.fields.shape[1])
+        return replace(table, fields=np.where(blank, default, table.fields))
 
     def quads(self, name: str) -> tuple[Table, IntArray]:
         """Return the data fields of entries of any length by fours, and the entry of each four."""
-        lines, row = self._of(self.names.get(name, joined([])))
-        sizes = 8 * -(-np.bincount(row, self._counts[lines]).astype(np.int64) // 8)
-        at = (np.cumsum(sizes) - sizes)[row] + self._offset[lines]
-        fields = self._fields(lines, at, int(sizes.sum())).reshape(-1, 4)
-        of = lines[np.searchsorted(at, 4 * np.arange(len(fields)), side="right") - 1]
-        return Table(self.lines, of, fields, 4), np.repeat(np.arange(len(sizes)), sizes // 4)
+        rows, entries, lines = list[list[bytes]](), list[int](), list[int]()
+        for i, entry in enumerate(self.names.get(name, ())):
+            fields = self._fields(name, entry)
+            rows += [fields[k : k + 4] for k in range(0, len(fields), 4)]
+            entries += [i] * (len(fields) // 4)
+            lines += [of.line for of in entry for _ in of.fields[::4]]
+        whole = np.array(rows, "S").reshape(-1, 4)
+        first = np.array(lines, dtype=np.int64)
+        return Table(self.lines, np.full(len(rows), name), first, whole), np.array(entries, int)
 
     def cards(self, *names: str) -> Iterator[Card]:
         """Yield entries one by one, name by name."""
         for name in names:
-            for first in self.names.get(name, joined([])).tolist():
-                lines = np.arange(first, self._ends[first])
-                at = self._offset[lines]
-                fields = self._fields(lines, at, 8 + int(at[-1]) // 8 * 8)
-                texts = [one.decode().strip() for one in fields.tolist()]
-                yield Card(name, texts, self.lines, first)
-
-    def _of(self, first: IntArray) -> tuple[IntArray, IntArray]:
-        """Return the lines of the entries that begin with some lines, and their entries."""
-        sizes = self._ends[first] - first
-        row = np.repeat(np.arange(len(first)), sizes)
-        return np.arange(len(row)) + (first - np.cumsum(sizes) + sizes)[row], row
-
-    def _fields(self, lines: IntArray, at: IntArray, size: int) -> npt.NDArray[Any]:
-        """Return `size` fields: those of some lines from given places on, all others empty."""
-        counts = self._counts[lines]
-        for line in lines[counts < 0][:1].tolist():
-            why = "the line has too many fields, or one of more than 32 characters"
-            raise self.lines.refused(line, self.lines.text[line][:8].decode().strip(), why)
-        fields = np.zeros(size, f"S{64 // int(counts.min(initial=8))}")
-        for count in (2, 4, 8):
-            some = counts == count
-            if some.any():
-                data = np.ascontiguousarray(self._columns[lines[some], 8:72])
-                fields.reshape(-1, count)[at[some] // count] = data.view(f"S{64 // count}")
-        return fields
+            for entry in self.names.get(name, ()):
+                texts = [field.decode() for field in self._fields(name, entry)]
+                yield Card(name, texts, self.lines, entry[0].line)
 
 
 @dataclass(frozen=True, eq=False)
@@ -443,17 +466,17 @@ class Table:
     Attributes
     ----------
     lines : Lines
+    names : ndarray of str, shape (n,)
     first : ndarray of int, shape (n,)
         Line where each entry begins.
-    fields : ndarray of bytes, shape (n, at most width)
-        Data fields, from field 2 of an entry on; those further on are blank.
-    width : int
+    fields : ndarray of bytes, shape (n, width)
+        Data fields, from field 2 of an entry on.
     """
 
     lines: Lines
+    names: npt.NDArray[np.str_]
     first: IntArray
     fields: npt.NDArray[Any]
-    width: int
 
     def __len__(self) -> int:
         return len(self.first)
@@ -461,21 +484,15 @@ class Table:
     @cached_property
     def blank(self) -> BoolArray:
         """Fields without content, shape (n, width)."""
-        blank = np.ones((len(self), self.width), dtype=bool)
-        shape = (*self.fields.shape, self.fields.itemsize // 8)
-        words = np.ascontiguousarray(self.fields).view(np.uint64).reshape(shape)
-        blank[:, : words.shape[1]] = ((words == 0) | (words == _SPACES)).all(axis=-1)
-        return blank
+        return np.asarray(self.fields == b"")
 
     def select(self, rows: IntArray | BoolArray) -> Table:
         """Return some of the entries."""
-        return Table(self.lines, self.first[rows], self.fields[rows], self.width)
+        return Table(self.lines, self.names[rows], self.first[rows], self.fields[rows])
 
     def refused(self, row: int, why: str) -> MeshError:
         """Return the error for an entry."""
-        line = int(self.first[row])
-        head = next(text for text in self.lines.text[line::-1] if text[:1].isalpha())
-        return self.lines.refused(line, re.split(rb"[ ,*]", head[:8].strip())[0].decode(), why)
+        return self.lines.refused(int(self.first[row]), str(self.names[row]), why)
 
     def refuse_first(self, wrong: BoolArray, why: str) -> None:
         """Raise the error for the first entry that is wrong, if there is one."""
@@ -484,138 +501,28 @@ class Table:
 
     def integers(self, first: int, count: int) -> IntArray:
         """Return fields from `first` on as integers, shape (n, count); blank is 0."""
-        filled, text = self._filled(first, count)
-        found = np.zeros(filled.shape, dtype=np.int64)
+        text = self._filled(first, count)
         try:
             if b"_" in text.tobytes():  # Python's 1_0
                 raise ValueError
-            found[filled] = text.astype(np.int64)
+            found: IntArray = text.astype(np.int64)
         except (ValueError, OverflowError):
-            wrong = [INTEGER.fullmatch(one.strip()) is None for one in text.tolist()]
-            self._refuse_field(first, filled, np.array(wrong), "an integer")
+            wrong = [INTEGER.fullmatch(one) is None for one in text.ravel().tolist()]
+            self._refuse(first, np.reshape(wrong, text.shape), "an integer")
         return found
 
     def reals(self, first: int, count: int) -> FloatArray:
         """Return fields from `first` on as real numbers, shape (n, count); blank is 0."""
-        filled, text = self._filled(first, count)
-        found = np.zeros(filled.shape)
-        found[filled] = numbers(text)
-        self._refuse_field(first, filled, np.isnan(found[filled]), "a real number")
+        text = self._filled(first, count)
+        found = numbers(text.ravel()).reshape(text.shape)
+        self._refuse(first, np.isnan(found), "a real number")
         return found
 
-    def _filled(self, first: int, count: int) -> tuple[BoolArray, npt.NDArray[Any]]:
-        """Return which fields are not blank, shape (n, count), and these fields."""
-        filled = ~self.blank[:, first : first + count]
+    def _filled(self, first: int, count: int) -> npt.NDArray[Any]:
         text = self.fields[:, first : first + count]
-        return filled, text[filled[:, : text.shape[1]]]
+        return np.where(text == b"", b"0", text)
 
-    def _refuse_field(self, first: int, filled: Any, wrong: Any, what: str) -> None:
-        for row, column in np.argwhere(filled)[wrong][:1].tolist() if wrong.any() else ():
-            text = self.fields[row, first + column].decode().strip()
-            why = f"field {first + column + 2} must be {what}, got {text!r}"
-            raise self.refused(row, why)
-
-
-def read_bulk_data(lines: Lines) -> BulkData:
-    """Join lines to entries.
-
-    Raises
-    ------
-    MeshError
-        If a line is neither the beginning of an entry nor the continuation of one.
-    """
-    columns = _columns_of(lines)
-    if written := bool((columns[:, :10] == ord(",")).any() or (columns[:, 0] == ord("=")).any()):
-        lines, counts = _in_columns(lines)
-        columns = _columns_of(lines)
-    heads, tails = _column_field(columns, 0), _column_field(columns, 72)
-    marks = heads.view(np.uint8).reshape(-1, 8)
-    continues = (marks[:, 0] == ord("+")) | (marks[:, 0] == ord("*")) | (marks <= 32).all(axis=1)
-    if not written:
-        counts = np.where((marks == ord("*")).any(axis=1), 4, 8)
-    order = _in_order(lines, continues, heads, tails)
-    if order is not None:
-        lines = Lines([lines.text[i] for i in order.tolist()], lines.sources[order], lines.files)
-        heads, columns = heads[order], columns[order]
-        continues, counts = continues[order], counts[order]
-    starts = np.flatnonzero(~continues)
-    ends = np.full(len(heads), len(heads))
-    ends[starts[:-1]] = starts[1:]
-    sizes = abs(counts)
-    before = np.cumsum(sizes) - sizes
-    offset = before - np.repeat(before[starts], ends[starts] - starts)
-    for half in np.flatnonzero((sizes == 8) & (offset % 8 != 0))[:1].tolist():
-        why = "large fields before it fill only half a line; add '*'"
-        raise lines.refused(half, "continuation", why)
-    return BulkData(lines, _names(lines, starts, heads[starts]), columns, counts, ends, offset)
-
-
-def _columns_of(lines: Lines) -> npt.NDArray[np.uint8]:
-    return np.array(lines.text, dtype=f"S{_COLUMNS}").view(np.uint8).reshape(-1, _COLUMNS)
-
-
-def _column_field(columns: npt.NDArray[np.uint8], first: int) -> npt.NDArray[np.bytes_]:
-    part = columns[:, first : first + 8]
-    return np.where(part == 0, np.uint8(ord(" ")), part).view("S8").ravel()
-
-
-def _names(lines: Lines, starts: IntArray, heads: npt.NDArray[Any]) -> dict[str, IntArray]:
-    """Return the lines where entries begin by their names."""
-    unique, inverse = np.unique(heads.view(np.uint64), return_inverse=True)
-    order = np.argsort(inverse, kind="stable")
-    parts = np.split(starts[order], np.cumsum(np.bincount(inverse))[:-1])[: len(unique)]
-    found: dict[str, list[IntArray]] = {}
-    for head, own in zip(unique.view("S8"), parts, strict=True):
-        # meshio writes CTETRA_, CHEXA_ and so on for elements with midside nodes.
-        name = head.strip().removesuffix(b"*").strip().removesuffix(b"_")
-        if not _NAME.fullmatch(name):
-            text = lines.text[own[0]][:24].decode()
-            raise lines.refused(int(own[0]), repr(text), "it begins no entry of bulk data")
-        found.setdefault(name.decode(), []).append(own)
-    return {name: np.sort(np.concatenate(parts)) for name, parts in found.items()}
-
-
-def _in_order(
-    lines: Lines,
-    continues: BoolArray,
-    heads: npt.NDArray[Any],
-    tails: npt.NDArray[Any],
-) -> IntArray | None:
-    """Return the lines such that each continuation follows its line; None if they do as they are.
-
-    A continuation without a mark, or with the mark of the line before it, continues that line; any
-    other is looked for by its mark. Both ends of a mark may differ in the first character.
-    """
-    which = np.flatnonzero(continues)
-    marks = heads[which].view(np.uint8).reshape(-1, 8)[:, 1:]
-    before = tails[which - 1].view(np.uint8).reshape(-1, 8)[:, 1:]
-    unmarked = np.all(marks <= ord(" "), axis=1)
-    if len(which) and which[0] == 0 and unmarked[0]:
-        raise lines.refused(0, "continuation", "there is no entry before it")
-    follows = (unmarked | np.all(marks == before, axis=1)) & (which > 0)
-    if follows.all():
-        return None
-    parents: dict[bytes, list[int]] = {}
-    for row in np.flatnonzero(tails.view(np.uint8).reshape(-1, 8).max(axis=1) > 32).tolist():
-        parents.setdefault(tails[row].strip()[1:], []).append(row)
-    parent = which - 1
-    for k in np.flatnonzero(~follows).tolist():
-        mark, line = heads[which[k]].strip(), int(which[k])
-        found = parents.get(mark[1:], [])
-        if line - 1 not in found:
-            if len(found) != 1:
-                why = f"the mark {mark.decode()!r} is at the end of {len(found)} lines, not of one"
-                raise lines.refused(line, "continuation", why)
-            parent[k] = found[0]
-    for k in repeats(parent)[:1].tolist():
-        why = "the line that it continues has another continuation"
-        raise lines.refused(int(which[k]), "continuation", why)
-    child, order = dict(zip(parent.tolist(), which.tolist(), strict=True)), []
-    for start in np.flatnonzero(~continues).tolist():
-        at: int | None = start
-        while at is not None:
-            order.append(at)
-            at = child.get(at)
-    for line in np.setdiff1d(which, order)[:1].tolist():
-        raise lines.refused(line, "continuation", "the marks of continuations go round in a circle")
-    return np.array(order)
+    def _refuse(self, first: int, wrong: BoolArray, what: str) -> None:
+        for row, column in np.argwhere(wrong)[:1].tolist():
+            text = self.fields[row, first + column].decode()
+            raise self.refused(row, f"field {first + column + 2} must be {what}, got {text!r}")
