@@ -282,7 +282,7 @@ class AbaqusDeck:
             why = f"{count} elements have no section, the first is {label}"
             if dim == dims.max():
                 keyword = self.blocks[int(source.raw.block_of(first))].keyword
-                raise keyword.error(f"{why}; write one, or give from_mesh materials", label=label)
+                raise keyword.error(f"{why}; write one, or give from_mesh materials")
             source.left_out.append(why)
         beams = any(isinstance(each, Beam) for each in found.values())
         if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
@@ -382,7 +382,7 @@ def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
     sets: dict[tuple[Which, str], list[tuple[str, IntArray]]] = {}
     for name, scope in {"": whole, **whole.inner}.items():
         for (which, inner), pieces in scope.sets.items():
-            called = pieces[0].keyword.options[which].strip('"')
+            called = pieces[0].options[which].strip('"')
             members = scope.members(which, inner)
             if name:
                 full = f"{scope.name}.{called}"
@@ -461,16 +461,6 @@ class _Elements:
     towards: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class _Piece:
-    """A piece of a set: numbers, ranges of them, and names of sets."""
-
-    keyword: Keyword
-    numbers: IntArray
-    ranges: list[tuple[int, int, int]] = field(default_factory=list)
-    names: list[str] = field(default_factory=list)
-
-
 @dataclass(eq=False)
 class Scope:
     """Nodes, elements and sets that share their numbers and names.
@@ -498,8 +488,8 @@ class Scope:
         By which it is turned as an instance.
     elements : list of _Elements
         In the order of the deck.
-    sets : mapping of (Which, str) to list of _Piece
-        By the names of sets as they are compared.
+    sets : mapping of (Which, str) to list of Keyword
+        Their pieces, by the names of sets as they are compared.
     missing : mapping of str to int
         By sets, the first of their numbers that is not defined.
     known : mapping of Which to (ndarray of int, ndarray of int)
@@ -516,7 +506,7 @@ class Scope:
     places: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     turn: FloatArray = field(default_factory=lambda: np.eye(3))
     elements: list[_Elements] = field(default_factory=list)
-    sets: dict[tuple[Which, str], list[_Piece]] = field(default_factory=dict)
+    sets: dict[tuple[Which, str], list[Keyword]] = field(default_factory=dict)
     missing: dict[str, int] = field(default_factory=dict)
     known: dict[Which, tuple[IntArray, IntArray]] = field(default_factory=dict)
     _points: list[tuple[Keyword, IntArray, FloatArray]] = field(default_factory=list)
@@ -586,6 +576,7 @@ class Scope:
 
     def _node(self, keyword: Keyword) -> None:
         labels, places = keyword.points()
+        keyword.labels = labels
         system = key(keyword.options.get("SYSTEM", "R"))
         if system not in ("R", "C", "S", "RECTANGULAR", "CYLINDRICAL", "SPHERICAL"):
             raise keyword.error(f"SYSTEM must be R, C or S, got {system}")
@@ -593,7 +584,7 @@ class Scope:
             places = np.stack([places[:, 0], 90.0 - places[:, 2], places[:, 1]], axis=1)
         places = replace(self._frame, kind=system[0]).basic(places)
         self._points.append((keyword, labels, places))
-        self._define(keyword, "NSET", labels)
+        self._define(keyword, "NSET")
 
     def _element(self, keyword: Keyword) -> None:
         name = key(keyword.options.get("TYPE", ""))
@@ -614,9 +605,10 @@ class Scope:
         else:  # between instances, nodes have names
             numbers = [keyword.integers(i, keyword.rows[i][:1]) for i in keyword.begun]
             kind, table = "", np.reshape(np.array(numbers, dtype=np.int64), (-1, 1))
+        keyword.labels = table[:, 0]
         new = _Elements(name, kind, dim, table[:, 0], table[:, 1:], keyword, towards)
         self.elements.append(new)
-        self._define(keyword, "ELSET", new.labels)
+        self._define(keyword, "ELSET")
 
     def _set(self, keyword: Keyword) -> None:
         which: Which = "NSET" if keyword.name == "NSET" else "ELSET"
@@ -625,28 +617,15 @@ class Scope:
             raise keyword.error(f"{which}=name is missing")
         if key(options.get("INSTANCE", "")) not in ["", *self.inner]:
             raise keyword.error(f"there is no instance {options['INSTANCE']}")
-        numbers, ranges, names = list[int](), list[tuple[int, int, int]](), list[str]()
-        if "GENERATE" in options:
-            for row, texts in enumerate(keyword.rows):
-                span = padded(keyword.integers(row, [text or "1" for text in texts]), 3 * [1])
-                if not (2 <= len(texts) <= 3 and span[2] > 0 and span[0] <= span[1]):
-                    raise keyword.error("give the first number, the last and a positive step", row)
-                ranges.append((span[0], span[1], span[2]))
-        else:
-            texts = [text for texts in keyword.rows for text in texts if text]
-            numbers = [int(text) for text in texts if text.isdecimal()]
-            names = [text for text in texts if not text.isdecimal()]
-        if max(numbers, default=0) >= MOST:
-            raise keyword.error(f"the number {max(numbers)} is too large")
-        self._define(keyword, which, np.array(numbers, dtype=np.int64), ranges, names)
+        self._define(keyword, which)
 
-    def _define(self, keyword: Keyword, which: Which, *of: Any) -> None:
+    def _define(self, keyword: Keyword, which: Which) -> None:
         """Add to the set that a keyword names, if it names one."""
         if which in keyword.options:
             at = which, key(keyword.options[which])
             if not at[1]:
                 raise keyword.error(f"{which}= has no name")
-            self.sets.setdefault(at, []).append(_Piece(keyword, *of))
+            self.sets.setdefault(at, []).append(keyword)
 
     def _number(self) -> None:
         """Sort the nodes by their labels, and find the rows of the elements' nodes."""
@@ -656,7 +635,7 @@ class Scope:
         def refuse(row: int) -> MeshError:
             keywords = [one for one, own, _ in self._points if (own == labels[row]).any()]
             why = f"node {labels[row]} is defined twice, at different places"
-            return keywords[-1].error(why, label=int(labels[row]))
+            return keywords[-1].error(why)
 
         kept = raw.once(labels, places, refuse)
         nodes, self.places = labels[kept], places[kept]
@@ -666,12 +645,12 @@ class Scope:
             for element, node in np.argwhere(rows < 0)[:1]:
                 label, missing = int(block.labels[element]), block.nodes[element, node]
                 why = f"element {label} has node {missing}, which is not defined"
-                raise block.keyword.error(why, label=label)
+                raise block.keyword.error(why)
             self.elements[i] = replace(block, nodes=rows)
         labels = raw.joined(block.labels for block in self.elements)
         for label in labels[raw.repeats(labels)[:1]].tolist():
             keyword = [one.keyword for one in self.elements if (one.labels == label).any()][-1]
-            raise keyword.error(f"element {label} is defined twice", label=label)
+            raise keyword.error(f"element {label} is defined twice")
         order = np.argsort(labels, kind="stable")
         self.known["ELSET"] = labels[order], order
 
@@ -685,30 +664,45 @@ class Scope:
             )
         found = self._found[at]
         if found is None:
-            raise self.sets[at][0].keyword.error(f"the set {name} is a part of itself")
+            raise self.sets[at][0].error(f"the set {name} is a part of itself")
         return found
 
-    def _resolved(self, which: Which, piece: _Piece) -> IntArray:
-        options = piece.keyword.options
+    def _resolved(self, which: Which, card: Keyword) -> IntArray:
+        """Return the members that one keyword adds to a set: by numbers, ranges, and other sets."""
+        options, names = card.options, list[str]()
         scope = self.inner.get(key(options.get("INSTANCE", "")), self)
-        known = scope.known[which][0]
-        labels = [piece.numbers]
-        for start, stop, step in piece.ranges:
-            inside = known[slice(*np.searchsorted(known, [start, stop + 1]).tolist())]
-            chosen = inside[(inside - start) % step == 0]
-            labels.append(chosen if len(chosen) else np.array([min(start, MOST)]))
+        if card.name in ("NODE", "ELEMENT"):
+            return scope._numbered(which, card.labels)
+        labels = []
+        if "GENERATE" in options:
+            known = scope.known[which][0]
+            for row, texts in enumerate(card.rows):
+                start, stop, step = padded(
+                    card.integers(row, [one or "1" for one in texts]), 3 * [1]
+                )[:3]
+                if not (2 <= len(texts) <= 3 and step > 0 and start <= stop):
+                    raise card.error("give the first number, the last and a positive step", row)
+                inside = known[slice(*np.searchsorted(known, [start, stop + 1]).tolist())]
+                chosen = inside[(inside - start) % step == 0]
+                labels.append(chosen if len(chosen) else np.array([min(start, MOST)]))
+        else:
+            texts = [text for texts in card.rows for text in texts if text]
+            numbers = [int(text) for text in texts if text.isdecimal()]
+            if max(numbers, default=0) >= MOST:
+                raise card.error(f"the number {max(numbers)} is too large")
+            labels.append(np.array(numbers, dtype=np.int64))
+            names = [text for text in texts if not text.isdecimal()]
         wanted = raw.joined(labels)
         found = scope._numbered(which, wanted)
         for label in wanted[found < 0][:1].tolist():
             self.missing[f"{which} {options[which]}"] = label
-        parts = [found[found >= 0], *(scope._named(which, name, piece) for name in piece.names)]
-        if piece.keyword.name == "NSET" and options.get("ELSET"):
-            elements = scope._named("ELSET", options["ELSET"], piece)
+        parts = [found[found >= 0], *(scope._named(which, name, card) for name in names)]
+        if card.name == "NSET" and options.get("ELSET"):
+            elements = scope._named("ELSET", options["ELSET"], card)
             for block, start, nodes in scope.blocks():
                 own = elements[(elements >= start) & (elements < start + len(nodes))] - start
                 if len(own) and not block.kind:
-                    why = f"nodes of elements of type {block.type} are not read"
-                    raise piece.keyword.error(why)
+                    raise card.error(f"nodes of elements of type {block.type} are not read")
                 parts.append(nodes[own].ravel())
         return raw.joined(parts)
 
@@ -718,26 +712,26 @@ class Scope:
         rows = raw.rows_of(known, labels)
         return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows
 
-    def _named(self, which: Which, name: str, piece: _Piece) -> IntArray:
+    def _named(self, which: Which, name: str, card: Keyword) -> IntArray:
         """Return the members of a name in a piece of a set: a set, instance.set, instance.5."""
         at = which, key(name)
         if at in self.sets:
-            orders = [one.keyword.order for one in self.sets[at]]
-            if min(orders) < piece.keyword.order < max(orders):
-                raise piece.keyword.error(f"the set {name} grows afterwards; define it before")
+            orders = [one.order for one in self.sets[at]]
+            if min(orders) < card.order < max(orders):
+                raise card.error(f"the set {name} grows afterwards; define it before")
             return self.members(*at)
         outer, _, rest = name.partition(".")
         scope = self.inner.get(key(outer))
         if rest and scope is not None:
             if not rest.strip().isdecimal():
-                return scope._named(which, rest, piece)
+                return scope._named(which, rest, card)
             found = scope._numbered(which, np.array([int(rest)]))
             if found[0] >= 0:
                 return found
         why = ""
         if rest and scope is None:
             why = f", and no instance {outer}; in a deck without parts give the numbers alone"
-        raise piece.keyword.error(f"there is no {which} {name}{why}")
+        raise card.error(f"there is no {which} {name}{why}")
 
 
 # Keywords that are read, and their options.

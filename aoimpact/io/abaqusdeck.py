@@ -7,7 +7,6 @@ options are compared in capitals and without blanks.
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
-from .raw import number, read_text, refused
+from .raw import columns, number, read_text, refused
 
 # Numbers of a data line that has no room for more.
 _FULL = 16
@@ -56,6 +55,8 @@ class Keyword:
         Files, their lines, and from which to which line, counted from 0, data may stand.
     part : str
         The part to which it belongs, in capitals; "" outside of parts.
+    labels : ndarray of int, shape (n,)
+        Of the nodes or elements that it defines.
     """
 
     name: str
@@ -65,6 +66,7 @@ class Keyword:
     order: int
     pieces: list[tuple[Path, list[str], int, int]] = field(default_factory=list)
     part: str = ""
+    labels: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @cached_property
     def options(self) -> dict[str, str]:
@@ -97,7 +99,7 @@ class Keyword:
         """The fields of each data line, without empty ones at the end."""
         return [fields(line) for line in self.data]
 
-    def error(self, why: str, row: int = -1, *, label: int | None = None) -> MeshError:
+    def error(self, why: str, row: int = -1) -> MeshError:
         """Return the error that names the file, the line and the keyword.
 
         Parameters
@@ -105,12 +107,7 @@ class Keyword:
         why : str
         row : int, optional
             Data line that is wrong, from 0; the keyword itself if left out.
-        label : int, optional
-            In place of `row`: first number of the line, the last one if several begin with it.
         """
-        for i in self.begun if label is not None else ():
-            if self.rows[i][0].isdecimal() and int(self.rows[i][0]) == label:
-                row = i
         places = [(self.file, self.line)]
         for file, lines, start, stop in self.pieces if row >= 0 else []:
             places += [(file, i + 1) for i in range(start, stop) if _texts(lines[i : i + 1])]
@@ -149,7 +146,7 @@ class Keyword:
 
     def points(self) -> tuple[IntArray, FloatArray]:
         """Return labels and coordinates of the data lines of *NODE; the last may be left out."""
-        table = _numbers([line.rstrip(", \t") for line in self.data], 4, np.float64)
+        table = columns([line.rstrip(", \t") for line in self.data], 4, ",")
         if table is None:
             table = np.zeros((len(self.rows), 4))
             for row, texts in enumerate(self.rows):
@@ -169,7 +166,7 @@ class Keyword:
         16 numbers, with which a line is full.
         """
         lines, width = [line.rstrip(", \t") for line in self.data], 1 + n_nodes
-        table = _numbers(lines, width, np.int64)
+        table = columns(lines, width, ",")
         if table is None:
             whole, start, count = list[str](), 0, 0
             for row, line in enumerate(lines):
@@ -182,32 +179,18 @@ class Keyword:
                 elif not goes_on or row + 1 == len(lines):
                     why = f"the element must have {n_nodes} nodes; a line goes on after a comma"
                     raise self.error(why, start)
-            table = _numbers(whole, width, np.int64)
-        if table is None or (table < 1).any():
+            table = columns(whole, width, ",")
+        if table is None or (table != np.rint(table.clip(1, MOST))).any():
             for row, texts in enumerate(self.rows):
                 if not all(0 < each <= MOST for each in self.integers(row, texts)):
                     raise self.error("numbers must be positive, and below 2^53", row)
             raise self.error("its numbers cannot be read")
-        found: IntArray = table
-        return found
+        return table.astype(np.int64)
 
 
 def padded(row: list[Any], fill: list[Any]) -> list[Any]:
     """Return a row, and what `fill` has behind it."""
     return row + fill[len(row) :]
-
-
-def _numbers(lines: list[str], width: int, kind: Any) -> Any:
-    """Return the numbers of lines, shape (n, width), or None if a closer look is needed."""
-    if not lines:
-        return np.zeros((0, width), dtype=kind)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # numbers like 1.5 for integers
-            table = np.loadtxt(lines, dtype=kind, delimiter=",", comments=None, ndmin=2)
-    except (ValueError, OverflowError, Warning):
-        return None
-    return table if table.shape[1] == width and np.isfinite(table).all() else None
 
 
 def fields(line: str) -> list[str]:

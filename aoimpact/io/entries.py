@@ -11,15 +11,13 @@ import codecs
 import contextlib
 import os
 import re
-import warnings
 from pathlib import Path
-from typing import Any, BinaryIO
 
 import numpy as np
 
 from ..base import FloatArray, IntArray, warn
 from .matrix import RawMatrix, entry_line, labelled, spoilt
-from .raw import number
+from .raw import columns, number
 
 _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
 
@@ -64,8 +62,7 @@ def is_nodal(head: bytes) -> bool:
 
 def read_triples(file: Path, size: int) -> list[RawMatrix]:
     """Read lines of row, column and value, rows and columns from 1."""
-    with file.open("rb") as stream:
-        rows, cols, values = _coordinates(file, stream, 0)
+    rows, cols, values = _coordinates(file, 0)
     largest = int(max(rows.max(), cols.max())) + 1
     return [RawMatrix(file, "", largest, rows, cols, values, before=0)]
 
@@ -74,8 +71,7 @@ def read_nodal(file: Path, size: int) -> list[RawMatrix]:
     """Read entries by labels."""
     with file.open("rb") as stream:
         first = next(line for line in stream if line.strip() and not line.startswith(b"*"))
-        stream.seek(0)
-        *labels, values = _columns(file, stream, 4, comma=b"," in first, comments="*")
+    *labels, values = _columns(file, 4, comma=b"," in first, comments="*")
     return [labelled(file, "", labels[:2], labels[2:], values)]
 
 
@@ -83,43 +79,42 @@ def read_market(file: Path, size: int) -> list[RawMatrix]:
     """Read a file of Matrix Market, of coordinates or dense."""
     with file.open("rb") as stream:
         header = stream.readline(1024).decode("utf-8-sig", "replace").lower().split()[1:5]
-        if not _MARKET.fullmatch(" ".join(header)):
-            why = "the header should be matrix, coordinate or array, real or integer, general or "
-            raise spoilt(file, f"{why}symmetric, got {' '.join(header)!r}", 1)
-        dense, triangle = header[1] == "array", header[3] == "symmetric"
         before, line = 2, stream.readline(2**16)
         while line.startswith(b"%") or (line and not line.strip()):
             before, line = before + 1, stream.readline(2**16)
-        counts = line.split()
-        n_counts = 2 if dense else 3
-        if len(counts) != n_counts or not all(one.isdigit() and len(one) < 19 for one in counts):
-            raise spoilt(file, f"{n_counts} counts should stand here, got {_shown(line)}", before)
-        n, n_cols, *entries = map(int, counts)
-        if n != n_cols:
-            raise spoilt(file, f"the matrix is {n} by {n_cols}, not square", before)
-        announced = entries[0] if entries else n * (n + 1) // 2 if triangle else n * n
-        if (_LEAST_DENSE * announced if dense else max(_LEAST_BYTES * announced, n)) > size:
-            raise spoilt(file, f"{size} bytes do not hold {announced} entries: cut short?", before)
-        if dense:
-            (values,) = _columns(file, stream, 0, before=before)
-        else:
-            rows, cols, values = _coordinates(file, stream, before, n)
+    if not _MARKET.fullmatch(" ".join(header)):
+        why = "the header should be matrix, coordinate or array, real or integer, general or "
+        raise spoilt(file, f"{why}symmetric, got {' '.join(header)!r}", 1)
+    dense, triangle = header[1] == "array", header[3] == "symmetric"
+    counts = line.split()
+    n_counts = 2 if dense else 3
+    if len(counts) != n_counts or not all(one.isdigit() and len(one) < 19 for one in counts):
+        raise spoilt(file, f"{n_counts} counts should stand here, got {_shown(line)}", before)
+    n, n_cols, *entries = map(int, counts)
+    if n != n_cols:
+        raise spoilt(file, f"the matrix is {n} by {n_cols}, not square", before)
+    announced = entries[0] if entries else n * (n + 1) // 2 if triangle else n * n
+    if (_LEAST_DENSE * announced if dense else max(_LEAST_BYTES * announced, n)) > size:
+        raise spoilt(file, f"{size} bytes do not hold {announced} entries: cut short?", before)
+    if dense:  # column by column, of a triangle from the diagonal down
+        (values,) = _columns(file, 0, before=before)
+    else:
+        rows, cols, values = _coordinates(file, before, n)
     if len(values) != announced:
         place = entry_line(file, before, max(1, len(values)))
         raise spoilt(file, f"{announced} entries are announced, {len(values)} are there", place)
     if not dense:
         return [RawMatrix(file, "", n, rows, cols, values, triangle=triangle, before=before)]
-    # Column by column, of a triangle from the diagonal down.
     cols, rows = np.triu_indices(n) if triangle else np.divmod(np.arange(n * n), n)
     keep = values != 0.0
     return [RawMatrix(file, "", n, rows[keep], cols[keep], values[keep], triangle=triangle)]
 
 
 def _coordinates(
-    file: Path, stream: BinaryIO, before: int, most: int | None = None
+    file: Path, before: int, most: int | None = None
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Return rows and columns from 0, and values, of lines that have them from 1."""
-    rows, cols, values = _columns(file, stream, 2, before=before)
+    rows, cols, values = _columns(file, 2, before=before)
     if not len(values):
         raise spoilt(file, "it has no entries: it is cut short")
     wrong = (np.minimum(rows, cols) < 1) | (np.maximum(rows, cols) > (most or 2**31))
@@ -131,43 +126,24 @@ def _coordinates(
 
 
 def _columns(
-    file: Path,
-    stream: BinaryIO,
-    integers: int,
-    *,
-    before: int = 0,
-    comma: bool = False,
-    comments: str | None = None,
+    file: Path, integers: int, *, before: int = 0, comma: bool = False, comments: str | None = None
 ) -> list[np.ndarray]:
-    """Return the columns of the lines that follow: some integers and the value.
-
-    `before` is the number of lines that have been read.
+    """Return the columns of the lines after the first ones: some integers and the value.
 
     Raises
     ------
     InputError
         At the first line that is something else.
     """
-    # Integers are parsed as such: that is twice as fast, and refuses other numbers.
-    kind = np.dtype([*((f"i{i}", np.int64) for i in range(integers)), ("value", np.float64)])
-    how: dict[str, Any] = {"comments": comments, "delimiter": "," if comma else None, "ndmin": 1}
-    start, table = stream.tell(), None
-    for converters in (None, {integers: number}):  # NumPy does not read 1.D0 and 1.0+3
-        with (
-            contextlib.suppress(ValueError, OverflowError, RuntimeError),
-            warnings.catch_warnings(),
-        ):
-            warnings.simplefilter("ignore")  # of no data
-            stream.seek(start)
-            how |= {"encoding": "latin-1", "converters": converters}
-            table = np.loadtxt(stream, kind, **how)
-            break
-    if table is not None and np.isfinite(table["value"]).all():
+    how = {"skiprows": before, "comments": comments}
+    table = columns(file, integers + 1, "," if comma else None, **how)
+    labels = np.zeros((0, 0)) if table is None else table[:, :-1]
+    if table is not None and (labels == np.rint(labels.clip(-(2.0**53), 2.0**53))).all():
         with file.open("rb") as stream:
             stream.seek(-1, os.SEEK_END)
             if stream.read(1) not in b"\n\r":
                 warn(f"matrix file {str(file)!r} ends within a line: is its last number whole?")
-        return [np.ascontiguousarray(table[name]) for name in kind.names or ()]
+        return [*labels.T.astype(np.int64), np.ascontiguousarray(table[:, -1])]
     # Slow, but of a file that is refused.
     with file.open("rb") as stream:
         for place, line in enumerate(stream, 1):

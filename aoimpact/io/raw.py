@@ -283,6 +283,28 @@ def numbers(texts: npt.NDArray[np.bytes_]) -> FloatArray:
     return found
 
 
+def columns(lines: Any, width: int, delimiter: str | None = None, **how: Any) -> FloatArray | None:
+    """Return the numbers of lines of so many each, shape (n, width); None if some are not so.
+
+    Parameters
+    ----------
+    lines : sequence of str, or file
+    **how
+        Further keywords of `numpy.loadtxt`.
+    """
+    for converters in (None, number):  # NumPy reads no 1.D0 and 1.0+3
+        with (
+            contextlib.suppress(ValueError, OverflowError, RuntimeError),
+            warnings.catch_warnings(),
+        ):
+            warnings.simplefilter("ignore")  # of no data
+            how = {"comments": None, "ndmin": 2, "encoding": "latin-1"} | how
+            found = np.loadtxt(lines, delimiter=delimiter, converters=converters, **how)
+            table: FloatArray = found.reshape(len(found), -1 if len(found) else width)
+            return table if table.shape[1] == width and np.isfinite(table).all() else None
+    return None
+
+
 def numbers_of(text: bytes) -> FloatArray:
     """Return the numbers of a text that holds nothing but numbers and blanks.
 

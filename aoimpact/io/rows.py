@@ -23,7 +23,7 @@ from .load import existing, load
 from .matrix import spoilt
 from .nastran import NastranDeck
 from .nastrandeck import is_nastran
-from .raw import number
+from .raw import columns
 from .read import read_mesh
 
 # Ansys' words for components; others have no direction.
@@ -125,10 +125,7 @@ def _lines(file: Path) -> FloatArray | None:
     rows = [line.replace(",", " ").split()[:4] for line in text.splitlines() if line.strip()]
     if not rows or any(len(row) < 4 or not row[0].isdigit() for row in rows):
         return None
-    try:
-        table = np.array([[number(one) for one in row] for row in rows])
-    except ValueError as error:
-        raise spoilt(file, f"label, x, y and z of nodes cannot be read: {error}") from None
-    if not (np.abs(table) <= min(HUGE, 2.0**53)).all():
-        raise spoilt(file, "a node has a label or coordinate that is too large")
+    table = columns([" ".join(row) for row in rows], 4)
+    if table is None:
+        raise spoilt(file, "label, x, y and z of nodes cannot be read, or are too large")
     return table
