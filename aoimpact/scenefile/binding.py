@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
 from types import SimpleNamespace, UnionType
@@ -43,13 +43,6 @@ class Call:
     place: Place = field(repr=False)
     keep: bool = field(default=False, repr=False)
 
-    @property
-    def makes(self) -> Any:
-        """The class of the object."""
-        if isinstance(self.function, type):
-            return self.function
-        return get_type_hints(self.function, None, _STAND_INS)["return"]
-
 
 @dataclass(frozen=True, eq=False)
 class Reader:
@@ -63,14 +56,11 @@ class Reader:
         Types that tomllib gives.
     read : callable
         Binder, value and place to what an argument is.
-    classes : tuple of type
-        Those of which an object may be that is called for.
     """
 
     wanted: str
     types: tuple[type, ...]
     read: Callable[[Any, Any, Place], Any] = lambda binder, value, place: value
-    classes: tuple[type, ...] = ()
 
     def fits(self, value: Any) -> bool:
         """True if a value is of these types; true and false are no numbers."""
@@ -82,11 +72,7 @@ class Reader:
         """Return what an argument is; None where something is wrong with it, which is said."""
         if not self.fits(value):
             return binder.say(place, f"must be {self.wanted}, got {_shown(value)}")
-        found = self.read(binder, value, place)
-        if self.classes and isinstance(found, Call) and not issubclass(found.makes, self.classes):
-            wanted = " or ".join(one.__name__ for one in self.classes)
-            binder.say(place, f"{value!r} is a {found.makes.__name__}, and a {wanted} is needed")
-        return found
+        return self.read(binder, value, place)
 
 
 def passes_on(target: Callable[..., Any], *but: str) -> Callable[[Any], Any]:
@@ -288,26 +274,22 @@ def reader(hint: Any) -> Reader | None:
         return _entries(inner[1])
     if origin is os.PathLike:
         return PATH
-    found = READERS.get(hint)
-    return replace(found, classes=(hint,)) if found and isinstance(hint, type) else found
+    return READERS.get(hint)
 
 
 def _either(hints: Sequence[Any]) -> Reader | None:
-    """The first of several readers whose types a value has; one of several classes of a kind."""
+    """The first of several readers whose types a value has."""
     path = any(get_origin(hint) is os.PathLike for hint in hints)
-    kinds: dict[Any, Reader] = {}
-    for one in filter(None, (reader(hint) for hint in hints if not (path and hint in (str, Any)))):
-        kind = one.wanted, one.read
-        before = kinds[kind].classes if kind in kinds else ()
-        kinds[kind] = replace(one, classes=before + one.classes)
+    found = (reader(hint) for hint in hints if not (path and hint in (str, Any)))
+    kinds = list(dict.fromkeys(filter(None, found)))
     if len(kinds) < 2:
-        return next(iter(kinds.values()), None)
+        return kinds[0] if kinds else None
 
     def read(binder: Binder, value: Any, place: Place) -> Any:
-        return next(one for one in kinds.values() if one.fits(value))(binder, value, place)
+        return next(one for one in kinds if one.fits(value))(binder, value, place)
 
-    types = tuple(of for one in kinds.values() for of in one.types)
-    return Reader(", or ".join(one.wanted for one in kinds.values()), types, read)
+    types = tuple(of for one in kinds for of in one.types)
+    return Reader(", or ".join(one.wanted for one in kinds), types, read)
 
 
 def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:

@@ -85,7 +85,6 @@ READ = {
     SHEET: [
         ('shell = "steel"', 'shell = "carbn"', "sheet", "did you mean 'carbon'"),
         ('shell = "steel"', 'shell = "sheet"', "sheet", "'sheet'"),
-        ('material = "steel"', 'material = "carbon"', 'material = "carbon"', "'carbon'"),
         ("hold_rotations", "hold_turns", "fixed", "'hold_turns'"),
         ("nu = [0.3, 0.3, 0.4]", "nu = [0.3, 0.4]", "carbon", "nu"),
         ('"StrainAt"', '"StrainOf"', "strain", "did you mean 'StrainAt'"),
@@ -148,6 +147,7 @@ MADE = {
     ],
     SHEET: [
         ("thickness = 1e-3", "thickness = -1e-3", "sheet", "thickness"),
+        ('material = "steel"', 'material = "carbon"', 'material = "carbon"', "material"),
         ('material = "sheet"', 'material = "steel" #', 'material = "steel" #', "material"),
         ('body = "plate", point', 'body = "ball", point', "moved", "body"),
         ("StrainAt", 'StressAt", component = "aa', "strain", "component"),
