@@ -34,9 +34,9 @@ from ..mesh import (
     against_neighbours,
     checked_cells,
     collapse,
+    gathered,
     of_second_order,
     reference_element,
-    renumbered,
     right_handed,
     select,
 )
@@ -177,7 +177,7 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     for _, cells, _ in solids:
         used[cells] = True
     with np.errstate(over="ignore"):  # `Mesh` refuses what is not finite
-        nodes = (_coordinates(raw.nodes, used) * factor)[used]
+        nodes = _coordinates(raw.nodes, used) * factor
     dropped = np.flatnonzero(~used[:given])
     if len(dropped):
         first = int(dropped[0])
@@ -188,36 +188,20 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
         what = "line" if kinds == {"line"} else "surface" if kinds <= {*THIN} else "volume"
         of = f"{len(dropped)} of {given} nodes belong to no {what} element"
         warn(f"{of} and were dropped; {which}")
-    number = np.where(used, np.cumsum(used) - 1, -1)
-    blocks: Any = []
-    numbers = []
     labels, parts = raw.cell_labels, list[Solids]()
     for kind, cells, own in solids:
-        found, wrong = collapse(kind, _order_midside_nodes(nodes, number[cells], kind), own)
+        found, wrong = collapse(kind, _order_midside_nodes(nodes, cells, kind), own)
         parts += found
         if len(wrong):
             first = int(own[wrong[0]])
             which = f"the first is element {first if labels is None else labels[first]}"
             raise MeshError(f"{len(wrong)} {kind} elements repeat nodes, {which}. Repair the mesh")
-    for kind, cells, own in _by_kind(parts):
-        turned = right_handed(kind, nodes, cells)
-        if turned is not cells:
+    parts = _by_kind(parts)
+    for i, (kind, cells, own) in enumerate(parts):
+        parts[i] = kind, right_handed(kind, nodes, cells), own
+        if parts[i][1] is not cells:
             warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
-        blocks.append((kind, turned))
-        numbers.append(own)
-    order = np.concatenate(numbers)
-    place = np.full(raw.first[-1], -1)
-    place[order] = np.arange(len(order))
-    return Mesh(
-        nodes,
-        blocks,
-        "mixed",
-        renumbered(_node_sets(raw), number),
-        renumbered(raw.cell_sets, place),
-        None if raw.node_labels is None else raw.node_labels[used],
-        None if labels is None else labels[order],
-        raw.left_out,
-    )
+    return gathered(replace(raw, nodes=nodes, node_sets=_node_sets(raw)), parts, raw.first[-1])
 
 
 def _with_middles(raw: RawMesh) -> RawMesh:
@@ -227,7 +211,6 @@ def _with_middles(raw: RawMesh) -> RawMesh:
     """
     nodes, labels, blocks = raw.nodes, raw.node_labels, []
     sets = {name: np.asarray(own) for name, own in raw.node_sets.items()}
-    joined = np.ma.concatenate if np.ma.isMaskedArray(nodes) else np.concatenate
     for block in raw.blocks:
         cells = np.asarray(block.cells)
         sound = cells.shape[1:] == (8,) and len(cells) and cells.min() >= 0
@@ -235,7 +218,7 @@ def _with_middles(raw: RawMesh) -> RawMesh:
             middles = len(nodes) + np.arange(len(cells))
             for name, own in sets.items():
                 sets[name] = np.append(own, middles[np.isin(cells, own).all(axis=1)])
-            nodes = joined([nodes, np.einsum("a,nai->ni", _MIDDLE, nodes[cells])])
+            nodes = np.concatenate([nodes, np.einsum("a,nai->ni", _MIDDLE, nodes[cells])])
             if labels is not None:
                 labels = np.append(labels, labels.max() + 1 + np.arange(len(cells)))
             block = RawBlock("quad9", np.column_stack([cells, middles]), block.labels)

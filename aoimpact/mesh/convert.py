@@ -10,11 +10,8 @@ import numpy as np
 
 from ..base import IntArray, MeshError
 from .elements import KINDS, reference_element, reference_faces
-from .mesh import Mesh
+from .mesh import Mesh, Solids
 from .surface import boundary
-
-# Elements of one kind: the kind, their nodes, and their numbers among the cells of the file.
-Solids = tuple[str, IntArray, IntArray]
 
 # The kind of second order on the corners of each of first order: that with nodes on edges alone.
 _RAISED = {

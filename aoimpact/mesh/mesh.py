@@ -30,6 +30,9 @@ from ..base import (
 )
 from .elements import KINDS, THIN, ReferenceElement, cofactors, jacobians, reference_element
 
+# Elements of one kind: the kind, their nodes, and their numbers among the cells of the file.
+Solids = tuple[str, IntArray, IntArray]
+
 # Least det J of an element with a volume, as a fraction of the cube of its size.
 _FLAT = 1e-12
 
@@ -258,28 +261,43 @@ def taken(mesh: Mesh, cells: IntArray) -> Mesh:
     """Return the mesh of some elements, shape (n,), ascending, with their nodes alone."""
     chosen = np.zeros(mesh.n_cells, dtype=bool)
     chosen[cells] = True
-    used = np.zeros(mesh.n_nodes, dtype=bool)
-    used[mesh.cells[chosen]] = True
-    number = np.where(used, np.cumsum(used) - 1, -1)
-    place = np.where(chosen, np.cumsum(chosen) - 1, -1)
-    blocks: Any = [
-        (block.kind, number[block.cells[chosen[block.numbers]]])
-        for block in mesh.blocks
-        if chosen[block.numbers].any()
-    ]
-    return Mesh(
-        mesh.nodes[used],
-        blocks,
-        "mixed",
-        renumbered(mesh.node_sets, number),
-        renumbered(mesh.cell_sets, place),
-        None if mesh.node_labels is None else mesh.node_labels[used],
-        None if mesh.cell_labels is None else mesh.cell_labels[chosen],
-        mesh.left_out,
+    own = [np.flatnonzero(chosen[block.numbers]) for block in mesh.blocks]
+    return gathered(
+        mesh,
+        [
+            (block.kind, block.cells[rows], block.first + rows)
+            for block, rows in zip(mesh.blocks, own, strict=True)
+            if len(rows)
+        ],
+        mesh.n_cells,
     )
 
 
-def renumbered(sets: Mapping[str, IntArray], number: IntArray) -> dict[str, IntArray]:
+def gathered(of: Any, parts: Sequence[Solids], n_cells: int) -> Mesh:
+    """Return the mesh of elements of a mesh, or of a file's `RawMesh`, with their nodes alone.
+
+    Sets and groups keep their members in it.
+    """
+    used = np.zeros(len(of.nodes), dtype=bool)
+    for _, cells, _ in parts:
+        used[cells] = True
+    number = np.where(used, np.cumsum(used) - 1, -1)
+    order = np.concatenate([numbers for *_, numbers in parts])
+    place = np.full(n_cells, -1)
+    place[order] = np.arange(len(order))
+    return Mesh(
+        of.nodes[used],
+        [(kind, number[cells]) for kind, cells, _ in parts],  # type: ignore[arg-type]
+        "mixed",
+        _renumbered(of.node_sets, number),
+        _renumbered(of.cell_sets, place),
+        None if of.node_labels is None else of.node_labels[used],
+        None if of.cell_labels is None else of.cell_labels[order],
+        of.left_out,
+    )
+
+
+def _renumbered(sets: Mapping[str, IntArray], number: IntArray) -> dict[str, IntArray]:
     """Return sets by new numbers, -1 for members that are gone, without those that are empty."""
     new = {name: number[ids] for name, ids in sets.items()}
     return {name: ids[ids >= 0] for name, ids in new.items() if (ids >= 0).any()}
