@@ -180,7 +180,12 @@ class Keyword:
                     why = f"the element must have {n_nodes} nodes; a line goes on after a comma"
                     raise self.error(why, start)
             table = columns(whole, width, ",")
-        if table is None or (table != np.rint(table.clip(1, MOST))).any():
+        written = "".join(lines)  # 3.0 is no integer
+        if (
+            table is None
+            or re.search(r"[^\d\s,+]", written)
+            or (table != table.clip(1, MOST)).any()
+        ):
             for row, texts in enumerate(self.rows):
                 if not all(0 < each <= MOST for each in self.integers(row, texts)):
                     raise self.error("numbers must be positive, and below 2^53", row)
