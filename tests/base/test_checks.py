@@ -57,12 +57,6 @@ def test_arrays_of_any_real_form_are_converted_right(value: object) -> None:
     assert array.flags.c_contiguous
 
 
-def test_what_is_right_already_is_not_copied_and_may_be_read_only() -> None:
-    plain = PLAIN.copy()
-    plain.flags.writeable = False
-    assert finite_array("a", plain) is plain
-
-
 @pytest.mark.parametrize("scale", [1e-300, 1.0, 1e300])
 def test_directions_of_any_length_become_unit_vectors(scale: float) -> None:
     assert unit_vector("d", scale * np.array([3.0, 0.0, -4.0])) == pytest.approx([0.6, 0.0, -0.8])

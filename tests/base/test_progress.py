@@ -7,7 +7,6 @@ import time
 
 import pytest
 
-import aoimpact as ao
 from aoimpact.base import advance, bar
 
 Captured = pytest.CaptureFixture[str]
@@ -27,15 +26,3 @@ def test_what_is_within_is_shown_below(capsys: Captured, monkeypatch: pytest.Mon
     assert "3 solution" in seen
     assert "cow" not in seen
     assert seen.endswith("\r")  # it is taken away
-
-
-def test_building_a_model_counts_its_solutions(
-    capsys: Captured, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    mesh = ao.box_mesh((0.2, 0.1, 0.01), (16, 8, 1), kind="hexahedron20")
-    plate = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.33, 2700), fixed=[("xmin", "xyz")])
-    tip = plate.contact(point=(0.1, 0.05, 0.01), radius=0)
-    with bar("models", unit="solution") as shown:
-        ao.antioscillators(tip, 12, method="krylov", contact_time=1e-4)
-    assert shown.n >= 12

@@ -24,20 +24,6 @@ def filled(path: Path, count: int) -> bytes:
     return path.read_bytes()
 
 
-def test_gives_back_what_was_put(tmp_path: Path) -> None:
-    path = tmp_path / "sweep"
-    filled(path, 3)
-    with Checkpoint(path) as store:
-        assert all(key(i) in store for i in range(3))
-        assert store.get(key(1)) == ({"peak_force": 1.0}, ())
-        assert key(7) not in store
-        store.put(key(7), (1.0, ("a warning",)))
-        store.put(key(8), (ao.InputError("no"), ()))
-    with Checkpoint(path) as store:
-        assert store.get(key(7)) == (1.0, ("a warning",))
-        assert key(8) not in store  # it has failed, and is tried again
-
-
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return filled(tmp_path_factory.mktemp("whole") / "sweep", 4)
@@ -97,14 +83,3 @@ def test_two_sweeps_may_share_one(tmp_path: Path) -> None:
     with Checkpoint(path) as store:
         assert [store.get(key(i))[0] for i in range(4)] == [0.0, 1.0, 2.0, 3.0]
     assert all(json.loads(line) for line in path.read_text().splitlines())
-
-
-@pytest.mark.parametrize("path", ["no/such/folder/sweep", "."])
-def test_a_path_that_cannot_be_written(path: str, tmp_path: Path) -> None:
-    with pytest.raises(ao.InputError, match=r"^checkpoint"):
-        Checkpoint(tmp_path / path)
-
-
-def test_no_path_at_all() -> None:
-    with pytest.raises(ao.InputTypeError, match=r"^checkpoint"):
-        Checkpoint(3)  # type: ignore[arg-type]

@@ -64,30 +64,6 @@ def peak(result: Any) -> float:
     return float(result.peak_force)
 
 
-def interrupt(result: Any) -> float:
-    raise KeyboardInterrupt
-
-
-def test_results_are_those_of_simulate_in_order() -> None:
-    cases = [balls(v) for v in (1.0, 0.1, 2.0)]
-    for case, result in zip(cases, ao.simulate_many(cases, workers=2), strict=True):
-        alone = ao.simulate(**case)
-        assert np.array_equal(result.t, alone.t)
-        assert np.array_equal(result.force, alone.force)
-        assert result.rebound_velocity == alone.rebound_velocity
-
-
-def test_hertz_s_powers_of_the_velocity() -> None:
-    """Peak as v^(6/5), duration as v^(-1/5): K. L. Johnson, section 11.4."""
-    speeds = [0.1, 1.0, 10.0]
-    cases = [balls(v, duration=1e-3) for v in speeds]
-    kept = ao.simulate_many(cases, keep=("peak_force", "contact_duration"))
-    for v, numbers in zip(speeds, kept, strict=True):
-        assert numbers["peak_force"] == pytest.approx(kept[1]["peak_force"] * v**1.2, rel=1e-7)
-        duration = kept[1]["contact_duration"] * v**-0.2
-        assert numbers["contact_duration"] == pytest.approx(duration, rel=1e-7)
-
-
 def test_kept_numbers_are_those_of_the_results() -> None:
     cases = [case for case in mixed() if case["velocity"] > 0.0]
     results = ao.simulate_many(cases)
@@ -132,12 +108,6 @@ def test_a_failed_case_is_its_own_exception() -> None:
     assert all(result.__traceback__ is None for result in results[1:5])
 
 
-def test_an_interrupt_stops_them_all() -> None:
-    for workers in (1, 2):
-        with pytest.raises(KeyboardInterrupt):
-            ao.simulate_many([balls(1.0)] * 4, workers, keep=interrupt)
-
-
 def test_warnings_come_once_and_name_the_case() -> None:
     short = balls(1.0, duration=1e-5)
     with pytest.warns(ao.AOImpactWarning, match=r"^case") as seen:
@@ -145,15 +115,6 @@ def test_warnings_come_once_and_name_the_case() -> None:
     assert len(seen) == 1
     assert "1 more of 3 cases" in str(seen[0].message)
     assert seen[0].filename == __file__
-
-
-def test_a_scene_and_its_duration() -> None:
-    class Scene:
-        def simulate(self, *, duration: float) -> ao.Result:
-            return ao.simulate(**balls(1.0, duration=duration))
-
-    (result,) = ao.simulate_many([(Scene(), 1e-4)])
-    assert result.t[-1] == 1e-4
 
 
 # ----------------------------------------------------------------------------------- streams
@@ -363,27 +324,6 @@ def test_a_lost_worker_is_said_and_what_is_finished_is_kept(tmp_path: Path) -> N
 
 
 # --------------------------------------------------------------------------------- bad input
-
-
-@pytest.mark.parametrize(
-    ("arguments", "text"),
-    [
-        ({"cases": []}, r"^cases"),
-        ({"cases": iter(())}, r"^cases"),
-        ({"cases": balls(1.0)}, r"^cases"),
-        ({"cases": 3}, r"^cases"),
-        ({"workers": 2.0}, r"^workers"),
-        ({"keep": ()}, r"^keep"),
-        ({"keep": "peak_forse"}, r"^keep"),
-        ({"keep": ("peak force",)}, r"^keep"),
-        ({"keep": (3,)}, r"^keep"),
-        ({"keep": 3}, r"^keep"),
-        ({"checkpoint": "cases"}, r"^checkpoint"),
-    ],
-)
-def test_bad_arguments_are_refused(arguments: dict[str, Any], text: str) -> None:
-    with pytest.raises(ao.AOImpactError, match=text):
-        ao.simulate_many(**{"cases": [balls(1.0)]} | arguments)
 
 
 @pytest.mark.parametrize("name", ["contacts", "error", "error.tme"])

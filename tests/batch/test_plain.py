@@ -134,10 +134,6 @@ def test_what_is_not_plain_is_left_to_simulate(change: dict[str, Any]) -> None:
     assert plain_numbers([case(**change), case()], NAMES)[0] is None
 
 
-def test_what_is_no_case_is_left_to_simulate() -> None:
-    assert plain_numbers([3, None, {}, (1, 2), case()], NAMES)[:4] == [None] * 4
-
-
 def test_the_core_takes_no_places_that_are_not_there() -> None:
     ball = BALL.modal
     given = (ball.for_core(),), (ball.whole.moving,), (HERTZ.for_core(),)

@@ -69,12 +69,6 @@ def test_so_it_is_for_other_arguments(changes: dict[str, Any]) -> None:
     check_errors(cases, ao.simulate_many(cases, keep=NAMES))
 
 
-def test_a_tolerance_that_is_given_is_kept() -> None:
-    cases = balls(quantity="peak_force", rtol=5e-4)
-    kept = ao.simulate_many(cases, keep="peak_force")
-    assert [numbers["peak_force_controlled"] for numbers in kept] == [1.0] * len(cases)
-
-
 def test_two_meshed_bodies_share_both_models() -> None:
     mesh = ao.sphere_mesh(0.01, 0.008)
     ball = ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.0, 0.0, -0.01))
@@ -113,23 +107,6 @@ def test_the_same_bits_in_any_order_from_any_worker(tmp_path: Path) -> None:
         assert ao.simulate_many(cases, keep=NAMES, checkpoint=tmp_path / "cases") == alone
 
 
-def test_a_sweep_shares_them_too() -> None:
-    case = balls(1)[0]
-    speeds = [0.5, 1.0, 2.0]
-    table = ao.sweep(case, {"velocity": speeds}, keep=NAMES)
-    kept = ao.simulate_many([case | {"velocity": speed} for speed in speeds], keep=NAMES)
-    for name in (*NAMES, "peak_force_error"):
-        assert table.data[name].tolist() == [numbers[name] for numbers in kept]
-
-
-def test_a_wrong_case_is_its_own_exception() -> None:
-    cases = balls(3)
-    cases[1] = cases[1] | {"velocity": float("nan")}
-    first, wrong, last = ao.simulate_many(cases, keep="peak_force")
-    assert isinstance(wrong, ao.InputError)
-    assert [first, last] == ao.simulate_many([cases[0], cases[2]], keep="peak_force")
-
-
 def test_a_copy_of_a_body_has_models_of_its_own() -> None:
     (case,) = balls(1)
     first = ao.simulate(**case)
@@ -144,9 +121,3 @@ def displacement(hit: ao.Result) -> float:
     """Near a corner of the plate."""
     found = hit.target.probe((0.02, 0.02, 0.01))
     return float(np.abs(found.displacement).max())
-
-
-def test_a_body_that_comes_to_a_worker_again_is_the_same() -> None:
-    cases = [case | {"quantity": tip()} for case in balls(2)]
-    kept = [ao.simulate_many(cases, Pickled(), keep=displacement) for _ in range(2)]
-    assert kept[0] == kept[1] == ao.simulate_many(cases, keep=displacement)

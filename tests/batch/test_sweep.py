@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import math
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -126,17 +125,6 @@ def test_a_failed_case_is_a_row_of_nan() -> None:
     assert np.isnan(fails["peak_force"]).all()
 
 
-def test_each_case_that_cannot_be_made_has_its_own_error_also_from_a_checkpoint(
-    tmp_path: Path,
-) -> None:
-    def made(mass: float) -> Any:
-        raise ao.InputError(f"mass {mass}")
-
-    for _ in range(2):
-        table = ao.sweep(made, {"mass": [1.0, 2.0]}, checkpoint=tmp_path / "sweep")
-        assert [str(table.errors[i]) for i in range(2)] == ["mass 1.0", "mass 2.0"]
-
-
 def test_csv_reads_back_bit_for_bit(tmp_path: Path) -> None:
     table = ao.sweep(BASE, {"velocity": [0.1, 0.0, 0.3]})
     table.to_csv(tmp_path / "sweep.csv")
@@ -157,13 +145,6 @@ def test_data_frames() -> None:
     assert list(frame.columns) == [*table.columns, "error"]
     assert frame["peak_force"][0] == table["peak_force"][0]
     assert frame["law"][0] == ao.Hertz(k=1e10)
-
-
-def test_without_pandas_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    table = ao.sweep(BASE, {"velocity": [1.0]})
-    with pytest.raises(ImportError):
-        table.to_pandas()
 
 
 def test_arrays_over_the_parameters() -> None:
@@ -193,12 +174,6 @@ def test_a_sweep_over_vectors(tmp_path: Path) -> None:
     heading = (tmp_path / "sweep.csv").read_text().splitlines()[0]
     units = "peak_force [N],bodies.0.final_spin.1 [rad/s],bodies.0.final_velocity.0 [m/s]"
     assert heading == f"gap,velocity,{units}"
-
-
-def test_it_prints_itself() -> None:
-    table = ao.sweep(BASE, {"velocity": np.linspace(1.0, 2.0, 12)})
-    assert "velocity" in repr(table)
-    assert "..." in repr(table)
 
 
 @pytest.mark.parametrize(

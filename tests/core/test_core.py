@@ -10,7 +10,6 @@ import math
 import platform
 import random
 import re
-import signal
 import subprocess
 import sys
 import threading
@@ -299,15 +298,6 @@ def same_buffer(a: Any, b: np.ndarray) -> bool:
     )
 
 
-def test_every_function_is_called_here() -> None:
-    assert set(CALLS) == public_functions()
-
-
-@pytest.mark.parametrize("name", CALLS)
-def test_good_call_is_accepted(name: str) -> None:
-    function(name)(*CALLS[name][0]())
-
-
 @pytest.mark.parametrize("bad", BAD_ARRAYS)
 @pytest.mark.parametrize("name", CALLS)
 def test_wrong_array_is_refused_and_nothing_written(name: str, bad: str) -> None:
@@ -335,14 +325,6 @@ def test_read_only_output_is_refused_and_read_only_input_is_not(name: str) -> No
                 function(name)(*arguments)
         else:
             function(name)(*arguments)
-
-
-@pytest.mark.parametrize("name", CALLS)
-def test_wrong_number_of_arguments_is_a_type_error(name: str) -> None:
-    arguments = CALLS[name][0]()
-    for wrong in (arguments[:-1], [*arguments, None], []):
-        with pytest.raises(TypeError):
-            function(name)(*wrong)
 
 
 @pytest.mark.parametrize("bad", BAD_ARRAYS)
@@ -421,21 +403,6 @@ def test_a_track_that_was_stored_is_the_same() -> None:
     for of, record in zip((one, again), records, strict=True):
         _core.track_sample(of, np.linspace(0.0, 1e-3, 7), record, True)
     assert np.array_equal(*records)
-
-
-@pytest.mark.parametrize("wrong", [None, b"", 1, star, np.zeros(3)])
-def test_what_is_no_track_is_refused(wrong: Any) -> None:
-    for name in (
-        "track_bytes",
-        "track_rows",
-        "track_slips",
-        "track_sample",
-        "track_forces",
-        "track_states",
-    ):
-        arguments = [wrong, *CALLS[name][0]()[1:]]
-        with pytest.raises(ValueError, match="PyCapsule"):
-            function(name)(*arguments)
 
 
 @pytest.mark.parametrize("body", [-1, 3, 2**62])
@@ -789,81 +756,6 @@ def test_what_other_libraries_do_to_arithmetic_is_harmless(bits: int) -> None:
 
 
 # ------------------------------------------------------------------------- threads and signals
-
-LONG_STAR = """
-n = 20_000
-rng = np.random.default_rng(0)
-m = rng.uniform(1.0, 2.0, n) / n
-target = ao.AOModel(m0=0.01, k0=1e6, m=m, k=m * rng.uniform(1e6, 1e10, n))
-"""
-LONG_FULL = """
-n = 5_000
-K = 1e6 * scipy.sparse.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(n, n), format="csr")
-target = ao.full(ao.FEModel(K=K, M=scipy.sparse.identity(n, format="csr")).contact(dof=n // 2))
-"""
-HEAR = """
-import signal
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a background process ignores it
-"""
-LONG_ADAPTIVE = """
-import sys
-sys.path.insert(0, sys.argv[1])
-import test_core
-from aoimpact import _core
-arguments = test_core.adaptive_arguments(duration=1e9)
-print("ready", flush=True)
-try:
-    _core.adaptive(*arguments)
-except KeyboardInterrupt:
-    print("stopped", flush=True)
-"""
-LONG_RUN = """
-import numpy as np, scipy.sparse
-import aoimpact as ao
-from aoimpact import _core
-from aoimpact.integrate import fixed_steps
-
-class Announced:
-    def __getattr__(self, name):
-        if name == "newmark":
-            print("ready", flush=True)
-        return getattr(_core, name)
-
-fixed_steps._core = Announced()
-{target}
-solver = ao.Newmark(dt=1e-6, estimate=False)
-try:
-    ao.simulate(projectile=ao.rigid(mass=1.0), target=target, law=ao.Hertz(1e9), velocity=1.0,
-                duration=0.1, solver=solver)
-except KeyboardInterrupt:
-    print("stopped", flush=True)
-"""
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="SIGINT cannot be sent to one process")
-@pytest.mark.parametrize(
-    "program",
-    [
-        pytest.param(HEAR + LONG_RUN.format(target=LONG_STAR), marks=pytest.mark.slow),
-        HEAR + LONG_RUN.format(target=LONG_FULL),
-        HEAR + LONG_ADAPTIVE,
-    ],
-    ids=["star", "full", "adaptive"],
-)
-def test_ctrl_c_stops_a_long_run(program: str) -> None:
-    command = [sys.executable, "-c", program, str(Path(__file__).parent)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        try:
-            assert process.stdout.readline() == "ready\n"
-            time.sleep(0.3)
-            assert process.poll() is None, "the run was over before it was interrupted"
-            sent = time.monotonic()
-            process.send_signal(signal.SIGINT)
-            assert process.stdout.readline() == "stopped\n"
-            assert time.monotonic() - sent < 0.5
-        finally:
-            process.kill()
 
 
 def test_python_runs_on_while_the_core_does() -> None:

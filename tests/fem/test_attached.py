@@ -8,10 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-import scipy.sparse as sp
-import skfem
 from bodies import rigid_motions
-from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 import aoimpact as ao
 from aoimpact import AOImpactWarning, InputError
@@ -113,59 +110,6 @@ def test_what_hangs_on_springs_is_no_mechanism() -> None:
 # ------------------------------------------------------------------- a tup, by scikit-fem
 
 
-def by_scikit_fem(mesh: ao.Mesh) -> tuple[sp.csr_array, sp.csr_array]:
-    """K and M of steel in scikit-fem's vector form, dofs put in the order of the nodes."""
-    other = skfem.MeshHex(mesh.nodes.T, mesh.cells[:, [0, 3, 1, 4, 2, 7, 5, 6]].T, validate=False)
-    other = skfem.MeshHex.init_tensor(*(np.unique(mesh.nodes[:, i]) for i in range(3)))
-    basis = skfem.Basis(other, skfem.ElementVector(skfem.ElementHex1()))
-    lam, mu = STEEL.lame
-
-    @skfem.BilinearForm
-    def stiffness(u: Any, v: Any, w: Any) -> Any:
-        e = sym_grad(u)
-        return ddot(2.0 * mu * e + lam * eye(trace(e), 3), sym_grad(v))
-
-    @skfem.BilinearForm
-    def mass(u: Any, v: Any, w: Any) -> Any:
-        return STEEL.rho * dot(u, v)
-
-    order = np.lexsort(other.p)[np.argsort(np.lexsort(mesh.nodes.T))]
-    dofs = basis.nodal_dofs[:, order].T.reshape(-1)
-    return tuple(sp.csr_array(form.assemble(basis))[dofs][:, dofs] for form in (stiffness, mass))  # type: ignore[return-value]
-
-
-def test_a_tup_with_a_carriage_against_scikit_fem() -> None:
-    """A steel nose, 5 kg on its top, a rubber buffer behind: the same force of the impact."""
-    nose = ao.box_mesh((0.02, 0.02, 0.1), (2, 2, 8))
-    top = nose.node_sets["zmax"]
-    body = ao.FEModel.from_mesh(nose, STEEL, masses=[("zmax", 5.0)], springs=[("zmax", "z", 1e5)])
-    K, M = by_scikit_fem(nose)
-    heavier, stiffer = np.zeros((nose.n_nodes, 3)), np.zeros((nose.n_nodes, 3))
-    heavier[top] = 5.0 / len(top)
-    stiffer[top, 2] = 1e5 / len(top)
-    plain = ao.FEModel(
-        K=K + sp.diags_array(stiffer.reshape(-1)),
-        M=M + sp.diags_array(heavier.reshape(-1)),
-        nodes=nose.nodes,
-    )
-    assert abs(plain.K - body.K).max() < 1e-12 * abs(body.K).max()
-    assert abs(plain.M - body.M).max() < 1e-12 * abs(body.M).max()
-    hits = [
-        ao.simulate(
-            projectile=ao.antioscillators(
-                of.contact(point=(0.01, 0.01, 0.0), direction=(0, 0, -1), radius=0.0), 6
-            ),
-            target=ao.rigid(math.inf),
-            law=ao.PowerLaw(1e10, 1.5),  # of which the mesh's own compliance is no part
-            velocity=3.0,
-            duration=3e-3,
-        )
-        for of in (body, plain)
-    ]
-    assert hits[0].peak_force == pytest.approx(hits[1].peak_force, rel=1e-7)
-    assert hits[0].impulse == pytest.approx(hits[1].impulse, rel=1e-7)
-
-
 def test_the_carriage_makes_the_impact_of_its_mass() -> None:
     """On a spring far softer than the tup the whole of its mass is stopped: π √(m/k)."""
     nose = ao.box_mesh((0.02, 0.02, 0.1), (2, 2, 8))
@@ -214,18 +158,6 @@ def test_an_inertia_is_that_of_a_body(inertia: Any, said: str) -> None:
     with pytest.raises(InputError, match=said):
         ao.RigidMass("a", 1.0, inertia=inertia)
     assert ao.RigidMass("a", 1.0, inertia=np.zeros(3)).mass == 1.0
-
-
-@pytest.mark.parametrize(
-    ("mount", "words"),
-    [
-        (ao.RigidMass("xmax", 5.0, centre=(100.0, 0.0, 0.0)), r"^masses"),
-        (ao.RigidMass("xmax", 5.0, inertia=(1e4, 1e4, 1e4)), r"^masses"),
-    ],
-)
-def test_a_rigid_mass_in_millimetres_is_said(mount: ao.RigidMass, words: str) -> None:
-    with pytest.warns(AOImpactWarning, match=words):
-        ao.FEModel.from_mesh(BLOCK, STEEL, masses=[mount])
 
 
 def test_a_mass_on_constrained_nodes_is_said() -> None:

@@ -23,7 +23,6 @@ from aoimpact import (
 )
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
-UPRIGHT = np.array([[0, 0, 0], [0, 0, 1.0]])
 BAR = Beam(RectangularSection(width=0.02, height=0.05), STEEL, orientation=(0, 0, 1))
 
 
@@ -160,33 +159,6 @@ def test_waves_along_a_bar_and_about_it() -> None:
     assert about == pytest.approx(twisted / 2, rel=1e-3)
 
 
-def test_the_papers_beam() -> None:
-    """Simply supported, 1000 x 20 x 20 mm: 48.98 n² Hz less shear and rotary inertia."""
-    nodes, cells = line(50, 1.0)
-    beam = Beam(RectangularSection(0.02, 0.02), ao.Material(70e9, 0.3, 2400), (0, 0, 1))
-    K, M = matrices(nodes, (cells, beam))
-    motions = rigid_motions(nodes)
-    assert motions[:, 2] @ M @ motions[:, 2] == pytest.approx(0.96)
-    found = frequencies(K, M, 3, dofs([0, 50], [2]), dofs(nodes[:, 0] >= 0, [0, 1, 3, 5]))
-    n = np.arange(1, 4)
-    slender = 0.5 * (n * np.pi * 0.02) ** 2 / 12 * (1 + 2.6 * (12 + 3.3) / 13)  # 1 + E/(κ G)
-    assert found == pytest.approx(48.98 * n**2 * (1 - slender), rel=5e-4)
-
-
-def test_a_portal_frame_sways() -> None:
-    """Two clamped columns and a beam: P h³/(12 E I) (2 + 3 k)/(1 + 6 k), k = h over the span."""
-    h, span = 0.8, 1.2
-    columns = Beam(CircularSection(0.01), STEEL)
-    nodes = np.array([[0, 0, 0], [0, 0, h], [span, 0, h], [span, 0, 0]])
-    K, _ = matrices(nodes, (np.array([[0, 1], [1, 2], [2, 3]]), columns))
-    force = np.zeros((4, 6))
-    force[[1, 2], 0] = 0.5
-    x = solved(K, force.ravel(), dofs([0, 3], range(6)))
-    ratio = span / h  # of beam and columns, one section
-    exact = h**3 / (12 * columns.stiffness[1]) * (2 * ratio + 3) / (ratio + 6)
-    assert x[1, 0] == pytest.approx(exact, rel=5e-3)
-
-
 def test_a_plate_with_a_beam_of_its_own_section_bends_as_one() -> None:
     """Beams along a strip share its nodes: E I adds up."""
     nodes, cells, r, s = grid(8, 2, lambda r, s: (0.4 * r, 0.04 * (s - 0.5), 0 * r))
@@ -250,24 +222,25 @@ def test_a_section_that_is_rigid_in_shear_is_eulers_with_rotary_inertia() -> Non
     assert frequencies(K, M, 1, np.arange(6)) == pytest.approx(exact, rel=1e-5)
 
 
+NUMBERS = 1e-4, 1e-9, 1e-9, 1e-9
+SQUARE = RectangularSection(0.01, 0.01)
+
+
 @pytest.mark.parametrize(
-    ("make", "error"),
+    "make",
     [
-        (lambda: BeamSection(1e-4, 1e-9, 1e-9, 1e-9, shear_factors=(0.5, -math.inf)), InputError),
-        (lambda: BeamSection(1e-4, 1e-9, 1e-9, 1e-9, shear_factors=(math.inf,)), InputError),
-        (lambda: RectangularSection(0.0, 1.0), InputError),
-        (lambda: TubularSection(0.01, 0.02), InputError),
-        (lambda: BeamSection(1e-4, 1e-9, -1e-9, 1e-9), InputError),
-        (lambda: BeamSection(1e-4, 1e-9, 1e-9, 1e-9, shear_factors=(0.5, 1.5)), InputError),
-        (lambda: Beam(RectangularSection(0.01, 0.01), STEEL), InputError),
-        (lambda: Beam(CircularSection(0.01), "steel"), InputTypeError),
-        (lambda: Beam(RectangularSection(0.01, 0.01), STEEL, (0, 0, 0)), InputError),
-        (
-            lambda: matrices(np.array([[0, 0, 0], [0, 0, 1.0]]), (np.array([[0, 1]]), BAR)),
-            InputError,
-        ),
+        lambda: BeamSection(*NUMBERS, shear_factors=(0.5, -math.inf)),
+        lambda: BeamSection(*NUMBERS, shear_factors=(math.inf,)),
+        lambda: BeamSection(*NUMBERS, shear_factors=(0.5, 1.5)),
+        lambda: BeamSection(1e-4, 1e-9, -1e-9, 1e-9),
+        lambda: RectangularSection(0.0, 1.0),
+        lambda: TubularSection(0.01, 0.02),
+        lambda: Beam(SQUARE, STEEL),
+        lambda: Beam(SQUARE, STEEL, (0, 0, 0)),
+        lambda: Beam(CircularSection(0.01), "steel"),
+        lambda: matrices(np.array([[0, 0, 0], [0, 0, 1.0]]), (np.array([[0, 1]]), BAR)),
     ],
 )
-def test_refusals(make: Any, error: type[Exception]) -> None:
-    with pytest.raises(error):
+def test_refusals(make: Any) -> None:
+    with pytest.raises((InputError, InputTypeError)):
         make()

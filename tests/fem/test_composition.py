@@ -59,30 +59,6 @@ def test_frequencies_of_a_bar_of_two_materials() -> None:
     assert found == pytest.approx(exact[:2], rel=2e-6)
 
 
-def test_frequencies_of_a_bar_with_a_mass_and_a_spring() -> None:
-    """EAκ tan(κL - α) = mω² with tan α = k/(EAκ): a spring at one end, a mass at the other."""
-    material, area = no_solid(E=70e9, nu=0.0, rho=2700.0), 1e-4
-    k, m = 3e6, 0.5
-    body = axial(
-        halves("hexahedron", 400),  # whose four nodes at each end share alike
-        material,
-        fixed=[],
-        masses=[("xmax", m)],
-        springs=[("xmin", "x", k)],
-    )
-    assert body.rigid_modes.shape[1] == 0
-
-    def misfit(omega: float) -> float:
-        kappa = omega * math.sqrt(material.rho / material.E)
-        slope = material.E * area * kappa  # u = cos κx + (k/slope) sin κx
-        c, s = math.cos(kappa * LENGTH), math.sin(kappa * LENGTH)
-        return slope * (k / slope * c - s) - m * omega**2 * (c + k / slope * s)
-
-    first = scipy.optimize.brentq(misfit, 100.0, 3000.0) / (2.0 * math.pi)
-    second = scipy.optimize.brentq(misfit, 5000.0, 16000.0) / (2.0 * math.pi)
-    assert body.frequencies(2) == pytest.approx([first, second], rel=1e-6)
-
-
 LAYERS = ao.box_mesh((0.2, 0.1, 0.02), (4, 2, 2), kind="hexahedron20")
 SPLIT = ao.Mesh(
     LAYERS.nodes,

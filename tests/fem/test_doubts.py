@@ -56,12 +56,6 @@ def test_locking(nu: float) -> None:
     assert cured.frequencies(1)[0] == pytest.approx(closed, rel=0.06)
 
 
-def test_other_materials_do_not_lock() -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        ao.FEModel.from_mesh(BAR, ao.Material(E=1e7, nu=0.45, rho=1100))
-
-
 @pytest.mark.parametrize("offset", [0.005, -0.005, 0.0005])
 def test_offsets_of_curved_shells(offset: float) -> None:
     """An arc of the radius R and the angle φ: the middle surface has the area (R + d) φ b."""

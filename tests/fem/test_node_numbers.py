@@ -113,14 +113,3 @@ def test_numbers_that_name_no_node_or_two(labels: Any, number: int, words: str) 
     ):
         with pytest.raises(ao.InputError, match=words):
             refused()
-
-
-def test_messages_call_nodes_by_their_labels() -> None:
-    mesh = labelled()
-    first = int(LABELS[ENDS[0]].max())  # the first of the list: labels descend
-    with pytest.raises(ao.InputError, match=str(first)):
-        ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "x")], springs=[("xmin", "x", 1e6)])
-    with pytest.raises(ao.InputError, match=str(first)):
-        ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")]).contact(
-            node=first, direction=(0, 0, -1), radius=0
-        )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import Any
 
 import numpy as np
@@ -201,11 +200,3 @@ def test_values_in_other_units_are_said() -> None:
         ao.Orthotropic((135.0, 9e9, 9e9), PLY.G, (0.0, 0.0, 0.0), PLY.rho)
     with pytest.warns(AOImpactWarning, match=r"^G"):
         ao.Orthotropic(PLY.E, (5e9, 5e3, 3.2e9), PLY.nu, PLY.rho)
-
-
-def test_units_are_doubted_once_for_a_material_however_it_is_turned() -> None:
-    with pytest.warns(ao.AOImpactWarning, match="solid"):
-        ply = ao.Orthotropic((135e3, 9e3, 9e3), (5e3, 5e3, 3e3), (0.3, 0.3, 0.4), rho=1550)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        ply.turned(0.5)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import warnings
 from typing import Any
 
@@ -107,10 +106,3 @@ def test_a_point_on_the_side_of_a_beam_is_that_of_its_axis() -> None:
     body = bar(ao.RectangularSection(0.02, 0.04))
     tip = body.contact(point=(0.5, 0.0, 0.02), direction=(0, 0, -1))
     assert tip.point == pytest.approx([0.5, 0.0, 0.0])
-
-
-def test_a_round_section_is_replaced_by_another() -> None:
-    found = dataclasses.replace(ao.CircularSection(0.01), radius=0.02)
-    assert repr(found) == "CircularSection(radius=0.02)"
-    assert found.with_nu(0.3).area == pytest.approx(np.pi * 0.02**2)
-    assert found == ao.CircularSection(0.02)

@@ -11,7 +11,6 @@ import pytest
 import aoimpact as ao
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
-XX, YY, ZZ, XY, YZ, XZ = range(6)
 L, ARM = 0.5, 0.2
 TUBE = ao.TubularSection(0.02, 0.002)
 BAR = ao.RectangularSection(width=0.02, height=0.04)
@@ -72,7 +71,7 @@ def test_an_oblique_force_on_a_tube_is_largest_in_its_own_plane() -> None:
     hit = pushed(angled(TUBE), (L, 0, 0), (0, -0.6, -0.8))
     second = math.pi / 4 * (0.02**4 - 0.018**4)
     stress = hit.target.field().stress().components[0, 0]
-    assert abs(stress[XX]) == pytest.approx(hit.peak_force * L * 0.02 / second, rel=5e-3)
+    assert abs(stress[0]) == pytest.approx(hit.peak_force * L * 0.02 / second, rel=5e-3)
 
 
 def test_a_tube_under_torque_and_bending(frames: Any) -> None:
@@ -217,15 +216,3 @@ def test_a_section_without_points_warns_that_bending_is_left_out() -> None:
     hit = pushed(angled(ao.BeamSection(8e-4, 1e-7, 3e-8, 7e-8)), (L, 0, 0), (0, 0, -1))
     with pytest.warns(ao.AOImpactWarning, match=r"^stress"):
         _ = hit.target.probe((0, 0, 0)).stress
-
-
-def test_a_round_beam_without_orientation_has_no_sides() -> None:
-    nodes = np.array([(0, 0, 0), (0.25, 0, 0), (0.5, 0, 0)])
-    mesh = ao.Mesh(nodes, [[0, 1], [1, 2]], "line")
-    body = ao.FEModel.from_mesh(mesh, ao.Beam(TUBE, STEEL), fixed=[(0, "xyz", "xyz")])
-    hit = pushed(body, (0.5, 0, 0), (0, 0, -1))
-    second = math.pi / 4 * (0.02**4 - 0.018**4)
-    stress = hit.target.probe((0, 0, 0), times=[hit.peak_time]).stress["xx"][0]
-    assert abs(stress) == pytest.approx(hit.peak_force * L * 0.02 / second, rel=5e-3)
-    with pytest.raises(ao.InputError, match=r"^layer"):
-        _ = hit.target.probe((0, 0, 0), layer="top").stress

@@ -77,12 +77,6 @@ def test_the_enlargement_is_a_round_number_that_shows_them(largest: float, facto
     assert enlargement([Shown(BLOCK.mesh, points, moved, None)]) == pytest.approx(factor)
 
 
-@pytest.mark.parametrize("path", ["movie.avi", "no folder/movie.gif"])
-def test_a_path_that_is_no_place_for_a_movie_is_refused(path: str) -> None:
-    with pytest.raises(ao.InputError, match=f"path.*{path}"):
-        strike(ao.ball(0.01, STEEL)).movie(path)
-
-
 @pytest.mark.slow
 def test_frames_are_drawn_and_differ(tmp_path: Path) -> None:
     pytest.importorskip("pyvista")
@@ -103,16 +97,6 @@ def test_frames_are_drawn_and_differ(tmp_path: Path) -> None:
     left, _, right, low = shape.getbbox() or (0, 0, 0, 0)
     assert 0 < left < 480 < right < 960
     assert low < 720
-
-
-@pytest.mark.slow
-def test_one_body_of_a_scene_as_video(tmp_path: Path) -> None:
-    pytest.importorskip("pyvista")
-    pytest.importorskip("imageio_ffmpeg")
-    hit = strike(ao.ball(0.01, STEEL))
-    field = hit.target.field(np.linspace(0.0, hit.duration, 3))
-    file = field.movie(tmp_path / "block.mp4", scale=1e3)
-    assert file.stat().st_size > 1000
 
 
 @pytest.mark.slow

@@ -122,15 +122,6 @@ def test_rows_give_the_stress_at_their_nodes(kind: str) -> None:
     np.testing.assert_allclose(rows.reshape(-1, 6), there, atol=1e-12 * np.abs(there).max())
 
 
-def test_gauss_points_are_those_of_the_mesh_and_weigh_its_volume() -> None:
-    mesh = ao.box_mesh((1.0, 2.0, 3.0), (1, 1, 1))
-    points = gauss_stress(mesh, STEEL, np.zeros((8, 3))).points
-    step = 0.5 - 0.5 / np.sqrt(3.0)
-    assert points.shape == (1, 8, 3)
-    np.testing.assert_allclose(points[0].min(axis=0), [step, 2 * step, 3 * step])
-    np.testing.assert_allclose(points[0].mean(axis=0), [0.5, 1.0, 1.5])
-
-
 def one(**components: float) -> Stress:
     values = np.array([components.get(name, 0.0) for name in ("xx", "yy", "zz", "xy", "yz", "xz")])
     return Stress(values, np.zeros(3))
@@ -158,8 +149,3 @@ def test_invariants_do_not_turn_with_the_axes(values: list[float], angles: list[
     size = max(map(abs, values)) + 1.0
     np.testing.assert_allclose(other.principal, stress.principal, atol=1e-12 * size)
     np.testing.assert_allclose(other.von_mises, stress.von_mises, atol=1e-7 * size)
-
-
-def test_an_unknown_component_is_refused_with_the_nearest() -> None:
-    with pytest.raises(ao.InputError, match=r"^name"):
-        one()["xxx"]

@@ -58,7 +58,7 @@ def richardson(scene, dt, duration, read):
 # ---------------------------------------------------------------------- rows of balls
 
 
-@pytest.mark.parametrize("count", range(2, 11))
+@pytest.mark.parametrize("count", [2, 3, 6, 10])
 def test_newtons_cradle_against_scipy(count):
     duration = 120e-6 * count
     scene, balls = row_of_balls(count)
@@ -281,13 +281,6 @@ def test_a_closing_gap_counts_the_digits_of_pi():
     # In the plane of √M V and √m v a collision mirrors, the wall mirrors: both turn by one angle.
     out = -math.cos(157 * 2.0 * math.atan(0.01))
     assert run[heavy].velocity[-1] == pytest.approx(out, rel=1e-6)
-
-
-@pytest.mark.slow
-def test_a_closing_gap_of_thousands_of_contacts_ends():
-    scene, _ = squeezed(100.0**3)
-    run = scene.simulate(duration=20.0, solver=ao.Adaptive(rtol=1e-10), energies=False)
-    assert collisions(run) == 3141
 
 
 def test_a_ball_bounces_until_it_rests():
@@ -600,23 +593,6 @@ def test_a_wall_takes_no_load():
         scene.apply(scene.add(WALL), force=1.0)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"velocity": 1e99}, r"^velocity"),
-    ],
-)
-def test_senseless_bodies_are_named(options, message):
-    with pytest.raises(ao.AOImpactError, match=message):
-        ao.Scene().add(BALL, **options)
-
-
-@pytest.mark.parametrize("gravity", [2.0**63, -1e13])
-def test_gravity_beside_which_no_contact_is_resolved_is_refused(gravity):
-    with pytest.raises(ao.InputError, match=r"^gravity"):
-        ao.Scene(gravity=gravity)
-
-
 @pytest.mark.parametrize("damping", [None, ao.Rayleigh(alpha=70.0)], ids=["undamped", "damped"])
 def test_bodies_that_fall_side_by_side_do_not_press_each_other(damping):
     scene = ao.Scene(gravity=EARTH)
@@ -720,61 +696,6 @@ def test_runs_travel_between_processes_and_threads(solver):
             assert other.result().contacts[1].force.tobytes() == run.contacts[1].force.tobytes()
 
 
-def test_without_energies_the_rest_is_the_same():
-    scene, balls = row_of_balls(3)
-    run, bare = (scene.simulate(duration=2e-4, energies=flag) for flag in (True, False))
-    assert bare[balls[1]].velocity.tobytes() == run[balls[1]].velocity.tobytes()
-    assert bare.contacts[0].force.tobytes() == run.contacts[0].force.tobytes()
-    assert bare.error.energy is None
-    with pytest.raises(ao.InputError, match="energies=True"):
-        _ = bare.energy
-
-
-def test_runs_and_scenes_say_what_they_are():
-    scene, _, _ = pair()
-    assert repr(scene) == "Scene(gravity=0): 2 bodies (rigid, AO(3)), 0 contacts, 0 loads"
-    row, _ = row_of_balls(30)
-    assert "30 bodies (rigid, rigid, rigid, rigid, rigid, rigid, …), 29 contacts" in repr(row)
-    text = repr(row.simulate(duration=2e-4, solver=ao.Adaptive(rtol=1e-6)))
-    assert text.startswith("Run of 200 µs")
-    assert "30 bodies and 29 contacts in all" in text
-    assert "974" in text
-    assert "Adaptive(rtol=1e-06)" in text
-    assert len(text.splitlines()) < 30
-
-
-@pytest.mark.parametrize("position", [5e-324, -5e-324, 1e-310])
-def test_a_subnormal_distance_is_none(position):
-    def peak(of):
-        scene = ao.Scene()
-        ball = scene.add(ao.rigid(mass=0.03), velocity=2.0)
-        star = scene.add(ao.AOModel(m0=0.045, k0=26880.0, m=[0.25], k=[5.9e6]), position=of)
-        scene.connect(ball, star, ao.Hertz(1e10))
-        return scene.simulate(duration=1e-3).contacts[0].peak_force
-
-    assert peak(position) == peak(0.0)
-
-
-@pytest.mark.parametrize("solver", [None, ao.Newmark(dt=1e-5)])
-def test_a_record_longer_than_numbers_reach_is_refused(solver):
-    ball = ao.rigid(mass=1.0)
-    strike = {
-        "projectile": ball,
-        "target": ball,
-        "law": ao.Hertz(1e9),
-        "velocity": 1.0,
-        "solver": solver,
-    }
-    with pytest.raises(ao.InputError, match=r"^duration"):
-        ao.simulate(**strike, duration=1e308)
-    if solver is None:  # it flies on for ever
-        hit = ao.simulate(**strike, duration=1e100)
-        assert hit.target.displacement[-1] == pytest.approx(1e100)
-    else:
-        with pytest.raises(ao.InputError, match=r"^dt"):
-            ao.simulate(**strike, duration=1e100)
-
-
 @pytest.mark.slow
 def test_a_body_between_two_others_passes_the_blow_on_whatever_is_left_out():
     """Three like balls in a row: the middle one is touched on both sides."""
@@ -827,25 +748,6 @@ def test_a_duration_that_cannot_be_foreseen_says_why():
     scene.connect(ball, floor, ao.Hertz(k=1e9), gap=0.01)
     with pytest.raises(ao.InputError, match=r"^duration"):
         scene.simulate()
-
-
-def test_a_patch_is_fitted_to_a_drop_from_rest():
-    scene = ao.Scene(gravity=9.81)
-    mesh = ao.box_mesh((0.04, 0.04, 0.02), (4, 4, 2), kind="hexahedron20")
-    block = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("zmin", "xyz")])
-    tip = block.contact(point=(0.02, 0.02, 0.02))
-    ball, base = scene.add(ao.ball(0.01, STEEL)), scene.add(tip)
-    scene.connect(ball, base, gap=0.05)
-    run = scene.simulate()
-    assert run.contacts[0].peak_force > 100.0
-    assert run.error.mesh is not None
-
-
-def test_a_gap_whose_square_is_no_number_is_refused_by_name() -> None:
-    scene = ao.Scene()
-    first, second = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=1.0))
-    with pytest.raises(ao.InputError, match=r"^gap"):
-        scene.connect(first, second, ao.Hertz(1e9), gap=1e300)
 
 
 def test_all_degrees_of_freedom_damped_by_their_modes_die_away_as_in_closed_form() -> None:

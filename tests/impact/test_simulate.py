@@ -1,16 +1,11 @@
 """`simulate`: gaps, misses, bodies hit off their centre, and arguments that make no sense."""
 
-import concurrent.futures
 import math
-import pickle
-from typing import Any
 
 import numpy as np
 import pytest
 
 import aoimpact as ao
-
-from slender import rod
 
 BALL = ao.rigid(mass=0.0327)
 LAW = ao.Hertz(k=1e10)
@@ -50,15 +45,6 @@ def test_a_gap_only_delays_the_impact():
     assert later.contact_duration == pytest.approx(now.contact_duration, rel=1e-4)
 
 
-def test_bodies_that_do_not_meet():
-    with pytest.warns(ao.AOImpactWarning, match=r"^projectile"):
-        miss = hit(gap=1.0)
-    assert miss.contacts == []
-    assert (miss.peak_force, miss.contact_duration, miss.impulse) == (0.0, 0.0, 0.0)
-    assert miss.error.time == 0.0
-    assert np.isnan([miss.rebound_velocity, miss.restitution]).all()
-
-
 @pytest.mark.parametrize("gap", [0.0, 1e-4])
 def test_a_projectile_that_flies_away_is_refused(gap):
     with pytest.raises(ao.InputError, match=r"^velocity"):
@@ -87,24 +73,10 @@ def test_a_projectile_on_a_spring_swings_back(solver):
     )  # of the mass alone: the impact is short for the spring
 
 
-def test_a_record_that_ends_in_contact_says_so():
-    with pytest.warns(ao.AOImpactWarning, match="contact"):
-        cut = hit(duration=30e-6)
-    assert cut.in_contact_at_end
-    assert cut.contacts == [(0.0, pytest.approx(30e-6))]
-
-
 def test_duration_is_covered_by_whole_steps():
     assert hit(duration=100e-6).t[-1] == pytest.approx(100e-6, rel=1e-12)
     assert len(hit(duration=100e-6).t) == 1001
     assert hit(duration=100.01e-6).t[-1] == 100.01e-6
-
-
-def test_without_energies_the_rest_is_the_same():
-    with_energies, without = hit(), hit(energies=False)
-    assert without.force.tobytes() == with_energies.force.tobytes()
-    with pytest.raises(ao.InputError, match="energies"):
-        _ = without.energy
 
 
 @pytest.mark.filterwarnings("ignore:.*with_mesh")
@@ -137,23 +109,6 @@ def test_a_star_of_a_body_hit_off_its_centre_keeps_all_its_mass_and_energy():
     assert approach[-1] == pytest.approx(-approach[0], rel=1e-4)
 
 
-def test_what_is_set_up_to_fit_a_patch_serves_the_model_as_well(monkeypatch):
-    set_up, inverse = [], ao.FEModel.inverse
-
-    def counted(self, s2=0.0, **options):
-        set_up.append(self.name)
-        return inverse(self, s2, **options)
-
-    monkeypatch.setattr(ao.FEModel, "inverse", counted)
-    steel = ao.Material(E=210e9, nu=0.3, rho=7800)
-    mesh = ao.box_mesh((0.1, 0.08, 0.01), (8, 6, 1), kind="hexahedron20")
-    ends = [("xmin", "xyz"), ("xmax", "xyz")]
-    plate = ao.FEModel.from_mesh(mesh, steel, fixed=ends, name="plate")
-    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), steel, name="ball")
-    ao.simulate(ball.contact(point=(0, 0, -0.01)), plate.contact(point=(0.05, 0.04, 0.01)), 1.0)
-    assert sorted(set_up) == ["ball", "plate"]
-
-
 @pytest.mark.filterwarnings("ignore:projectile is touched along")
 def test_a_partly_held_projectile_struck_obliquely_starts_alike_as_star_and_as_full_model():
     """Held along x it cannot translate along (1, 1, 0): both move as the static mode."""
@@ -165,21 +120,6 @@ def test_a_partly_held_projectile_struck_obliquely_starts_alike_as_star_and_as_f
     full, star = (hit(projectile=of, **options) for of in (ao.full(tip), ao.antioscillators(tip)))
     assert star.energy.total[0] == pytest.approx(full.energy.total[0], rel=1e-9)
     assert star.peak_force == pytest.approx(full.peak_force, rel=1e-9)
-
-
-def test_simulations_run_side_by_side_and_agree():
-    star = ao.AOModel(m0=1e-3, k0=1e5, m=[0.1] * 40, k=np.geomspace(1e3, 1e9, 40))
-    alone = hit(target=star, duration=1e-3).force.tobytes()
-    with concurrent.futures.ThreadPoolExecutor(4) as pool:
-        runs = [pool.submit(hit, target=star, duration=1e-3) for _ in range(12)]
-        assert all(run.result().force.tobytes() == alone for run in runs)
-
-
-def test_results_travel_between_processes():
-    result = hit()
-    copy = pickle.loads(pickle.dumps(result))
-    assert copy.force.tobytes() == result.force.tobytes()
-    assert copy.peak_force == result.peak_force
 
 
 @pytest.mark.parametrize(
@@ -199,20 +139,6 @@ def test_results_travel_between_processes():
 def test_senseless_arguments_are_named(changes, message):
     with pytest.raises(ao.AOImpactError, match=message):
         hit(**changes)
-
-
-def test_a_body_itself_is_no_player():
-    K, M = rod(5)
-    with pytest.raises(ao.InputTypeError, match=r"^target"):
-        hit(target=ao.FEModel(K=K, M=M))
-
-
-@pytest.mark.parametrize("call", [ao.simulate, ao.simulate_many, ao.sweep, ao.compare, ao.fit_law])
-def test_a_mistyped_keyword_is_told_with_the_one_meant(call: Any) -> None:
-    with pytest.raises(TypeError, match="'lwa'"):
-        call(lwa=1)
-    with pytest.raises(ao.InputTypeError, match="duration"):
-        ao.Scene().simulate(durration=1.0)
 
 
 def test_velocities_that_are_rounding_are_0() -> None:

@@ -92,10 +92,6 @@ def test_a_law_takes_few_steps_or_is_refused_with_a_tolerance_that_serves(rtol):
         assert asked < 300_000
 
 
-def test_a_law_that_scatters_by_less_keeps_the_tolerance():
-    assert hit(noisy(1e-9), 1e-6).peak_force == pytest.approx(PEAK, rel=1e-6)
-
-
 @pytest.mark.parametrize(("share", "refused"), [(5e-6, False), (2e-5, True)])
 def test_a_law_too_rough_for_any_tolerance_is_refused(share, refused):
     """Steps grow with the root of the scatter, however loose the tolerance is."""

@@ -9,11 +9,8 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.base import LawLimitError, units
-from aoimpact.laws import PatchLaw, effective_law, own_law
-from aoimpact.reduction import body_model
+from aoimpact.base import LawLimitError
 from aoimpact.results import QUANTITIES
-from aoimpact.scene import Contact
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800.0)
 LAW = ao.Hertz.between(STEEL, 0.01, STEEL, 0.01)
@@ -40,52 +37,6 @@ def sphere(mesh: str, radius: float) -> ao.AOModel:
 
 
 # ------------------------------------------------------------------------- the law
-
-
-def between(law: ao.ContactLaw, *models: Any) -> ao.ContactLaw:
-    bodies = [body_model("target", model) for model in models]
-    return Contact(0, 0, 1, 0, law, 0.0).of_models(bodies).law
-
-
-def test_bodies_without_meshes_leave_the_law_as_it_is() -> None:
-    bare = ao.FEModel(K=np.array([[2.0]]), M=np.array([[1.0]])).contact(dof=0)
-    for body in (ao.rigid(mass=1.0), ao.full(bare), ao.AOModel(m0=1.0, m=[1.0], k=[1.0])):
-        assert between(LAW, ao.rigid(mass=1.0), body) == LAW
-    assert own_law(LAW) is LAW
-
-
-def test_each_body_s_mesh_is_taken_out() -> None:
-    part = tip("paper", 0.004).extraction.removed
-    one = between(LAW, sphere("paper", 0.004), ao.rigid(mass=1.0))
-    both = between(LAW, sphere("paper", 0.004), ao.full(tip("paper", 0.004)))
-    assert isinstance(one, PatchLaw)
-    assert isinstance(both, PatchLaw)
-    assert one.compliance == pytest.approx(part)
-    assert both.compliance == pytest.approx(2 * part)
-    assert own_law(both) is LAW
-    assert effective_law(both, part) is both  # not twice
-
-
-def test_a_node_is_part_of_laws_like_hertz_s_only() -> None:
-    """A spring between two nodes has nothing of their indentation."""
-    node = sphere("paper", 0.0)
-    for law in (ao.Linear(1e7), ao.PowerLaw(LAW.k, 1.5), ao.KelvinVoigt(1e7, 10.0)):
-        assert between(law, node, node) == law
-    for law in (LAW, ao.HuntCrossley(LAW.k, 0.1), ao.Thornton(LAW.k, 100.0)):
-        of_node = between(law, node, ao.rigid(mass=1.0))
-        assert isinstance(of_node, PatchLaw)
-        assert of_node.compliance == pytest.approx(tip("paper", 0.0).extraction.removed)
-
-
-def test_every_model_of_a_body_remembers_its_patch() -> None:
-    patch = tip("coarse", 0.0045).patch
-    assert patch is not None
-    assert sphere("coarse", 0.0045).modal.touched_at().patch is patch
-    assert ao.antioscillators(tip("coarse", 0.0045), n=1).modal.touched_at().patch is patch
-    assert sphere("coarse", 0.0045).truncated(0).modal.touched_at().patch is patch
-    modes = ao.modal(tip("coarse", 0.0045), n=12)
-    assert modes.touched_at().patch is patch
-    assert ao.rigid(mass=1.0).modal.touched_at() is None
 
 
 # ------------------------------------------------------------------------- the impact
@@ -143,20 +94,6 @@ def test_any_law_forgets_the_mesh(law: ao.ContactLaw) -> None:
         )
         peaks.append(hit.peak_force)
     assert np.ptp(peaks) < 5e-3 * min(peaks)
-
-
-def test_the_result_says_what_was_taken_out_and_draws_the_law_that_was_given() -> None:
-    body = sphere("paper", 0.004)
-    hit = ao.simulate(projectile=body, target=body, law=LAW, **SCENE)
-    acting = hit.plan.contacts[0].law
-    assert hit.law == LAW
-    taken_out = units.with_unit(acting.compliance, "m/N", 3)
-    assert f"(compliance of the mesh removed: {taken_out})" in str(hit)
-    (*_, drawn) = hit.plot_interaction().get_lines()
-    depth, force = np.array(drawn.get_data())
-    assert force[-1] / force[len(force) // 2] == pytest.approx(
-        (depth[-1] / depth[len(depth) // 2]) ** 1.5
-    )
 
 
 # ------------------------------------------------------------------------- models chosen
@@ -242,22 +179,6 @@ def test_a_law_stiffer_than_the_meshes_is_refused() -> None:
     words = r"^law"
     with pytest.raises(ao.InputError, match=words):
         ao.simulate(projectile=body, target=body, law=ao.Linear(k=1e10), **SCENE)
-
-
-@pytest.mark.slow
-def test_the_radius_told_beside_a_body_without_a_patch_will_do() -> None:
-    law = ao.Hertz.between(STEEL, 0.5, STEEL, float("inf"))
-
-    def width(radius: float) -> float:
-        target = block((10, 10, 4), radius)
-        hit = ao.simulate(projectile=BALL, target=target, law=law, velocity=40.0, duration=40e-6)
-        return float(np.sqrt(0.5 * (hit.peak_force / law.k) ** (2 / 3))) / radius
-
-    with pytest.raises(LawLimitError, match=r"radius=(\S+) m or more") as says:
-        width(0.006)
-    told = float(str(says.value).rpartition("radius=")[2].split(" ")[0])
-    # Of the limit c dF/dδ = 0.6 a/r = 0.95, with a margin.
-    assert 0.5 < width(told) < 0.95 / 0.6
 
 
 def test_a_contact_that_yields_only_beyond_the_patch_is_hertzs():

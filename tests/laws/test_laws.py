@@ -154,13 +154,6 @@ def test_formulas():
     assert ao.PowerLaw(k=7.0, n=1.5).force(0.3) == pytest.approx(ao.Hertz(7.0).force(0.3))
 
 
-def test_force_broadcasts_and_takes_any_array():
-    law = ao.Hertz(k=1.0)
-    grid = law.force(np.ones((2, 3), dtype=np.float32)[:, ::2], rate=0.0)
-    assert grid.shape == (2, 2)
-    assert isinstance(law.force(1), float)
-
-
 def test_damped_formulas():
     d, v, m = 0.25, -0.1, 0.04
     assert ao.HuntCrossley(3.0, 2.0).force(d, v) == pytest.approx(3 * d**1.5 * (1 - 0.2))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import copy
 import math
-import pickle
 from typing import Any
 
 import numpy as np
@@ -18,27 +16,6 @@ from aoimpact.laws import law_between
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALUMINIUM = ao.Material(E=70e9, nu=0.33, rho=2700)
-
-
-def test_rigid_balls() -> None:
-    one, two = ao.ball(0.01, STEEL), ao.ball(0.03, ALUMINIUM)
-    assert one.mass == pytest.approx(4 / 3 * math.pi * 0.01**3 * 7800, rel=1e-14)
-    assert one.modal.surface_at() is not None
-    assert two.modal.surface_at() is not None
-    found = law_between(one.modal.surface_at(), two.modal.surface_at())
-    expected = ao.Hertz.between(STEEL, 0.01, ALUMINIUM, 0.03)
-    assert found.law.k == pytest.approx(expected.k, rel=1e-14)
-    assert found.law.relative_radius == pytest.approx(0.0075, rel=1e-14)
-    assert found.error == 0.0
-
-
-@pytest.mark.parametrize(
-    "remade", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))]
-)
-def test_copies_keep_the_surface(remade) -> None:  # type: ignore[no-untyped-def]
-    ball = ao.ball(0.01, STEEL)
-    assert remade(ball).surface == ball.surface
-    assert ball.truncated(0).surface == ball.surface
 
 
 def test_meshed_ball_on_a_plate() -> None:
@@ -142,17 +119,6 @@ def test_a_curvature_less_than_its_error_is_flat() -> None:
     found = law_between(curved(0.01, 0.01), flat)
     assert found.law.k == ao.Hertz.between(STEEL, 0.01, STEEL, math.inf).k
     assert found.error == pytest.approx(0.5 / 100, rel=0.02)
-
-
-def test_models_of_a_contact_point_know_its_surface() -> None:
-    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), STEEL)
-    tip = ball.contact(point=(0.0, 0.0, -0.01), direction=(0, 0, -1))
-    star = ao.antioscillators(tip, n=2, method="krylov")
-    surface = tip.contact_surface
-    assert surface is not None
-    assert star.modal.surface_at() is surface
-    assert star.truncated(1).modal.surface_at() is surface
-    assert ao.modal(tip, n=8).surface_at() is surface
 
 
 def test_curvatures_that_a_mesh_does_not_show_are_the_first_to_mend() -> None:

@@ -37,15 +37,6 @@ def test_it_is_scipys_pchip_and_its_integral(parts):
     np.testing.assert_allclose(law.potential(between), energy, rtol=1e-12, atol=1e-12 * energy[-1])
 
 
-@given(steps)
-def test_it_goes_through_its_points_and_nowhere_falls(parts):
-    depth, force = points(parts)
-    law = ao.Tabulated(depth[1:], force[1:])  # the origin is understood
-    np.testing.assert_allclose(law.force(depth), force, rtol=1e-14)
-    fine = law.force(np.linspace(0.0, depth[-1], 500))
-    assert np.diff(fine).min() >= -1e-12 * force[-1]
-
-
 @pytest.mark.parametrize("solver", [ao.Newmark(dt=1e-7), ao.Adaptive(rtol=1e-7)])
 def test_a_fine_table_of_hertz_is_hertz(solver):
     scene = {
@@ -68,15 +59,6 @@ def test_what_lies_beyond_the_table_is_not_made_up():
         LAW.force(1.001e-4)
     with pytest.raises(ao.InputError, match=r"^contact"):
         on_a_wall(LAW, 1.0, 3.0, ao.Newmark(dt=1e-6), duration=1e-3)
-
-
-def test_it_is_a_value_that_owns_its_points():
-    depth = DEPTH.copy()
-    law = ao.Tabulated(depth, 1e10 * depth**1.5)
-    depth[:] = 0.0
-    assert law == LAW
-    assert law.indentation == tuple(DEPTH.tolist())
-    assert repr(law) == "Tabulated(25 points up to 0.0001 m, 10000 N)"
 
 
 @pytest.mark.parametrize(

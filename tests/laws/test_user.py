@@ -3,7 +3,6 @@
 import ctypes
 import ctypes.util
 import math
-import pickle
 import shutil
 import subprocess
 import sys
@@ -89,27 +88,10 @@ def test_a_c_function_by_ctypes(library, whole):
     same_as_built_in(ao.UserLaw(library.force, **(more if whole else {})))
 
 
-def test_a_c_function_is_of_its_process(library):
-    with pytest.raises((TypeError, pickle.PicklingError)):
-        pickle.dumps(ao.UserLaw(library.force))
-
-
-def test_a_python_function_in_a_ctypes_callback():
-    same_as_built_in(ao.UserLaw(LowLevelCallable(DOUBLE_OF_TWO(damped_hertz))))
-
-
 def test_a_c_function_of_another_signature_is_refused():
     one = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(math.sqrt)
     with pytest.raises(ao.InputTypeError, match=r"^function"):
         ao.UserLaw(LowLevelCallable(one))
-
-
-def test_a_law_without_rate_runs_adaptively():
-    law = ao.UserLaw(lambda d, v: K * d**1.5, depends_on_rate=False)
-    solver = ao.Adaptive(rtol=1e-8)
-    assert hit(law, solver).peak_force == pytest.approx(
-        hit(ao.Hertz(K), solver).peak_force, rel=1e-8
-    )
 
 
 def test_a_law_that_would_pull_is_cut_unless_it_means_to():
@@ -146,11 +128,6 @@ def test_what_a_law_raises_arrives_unchanged(solver):
 def test_what_is_no_number_is_named_with_its_state(answer):
     with pytest.raises(ao.InputTypeError, match="indentation"):
         hit(ao.UserLaw(lambda d, v: answer))
-
-
-@pytest.mark.parametrize("answer", [1, True, np.float32(1.0), np.float64(1.0), np.int32(1)])
-def test_what_is_a_number_is_taken(answer):
-    assert ao.UserLaw(lambda d, v: answer).force(1e-6) == 1.0
 
 
 @pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-7), ao.Adaptive(rtol=1e-8)])

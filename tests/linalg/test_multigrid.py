@@ -3,13 +3,12 @@
 import os
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from bodies import ball_of_octants, distorted_box, mixed_box
+from bodies import ball_of_octants, mixed_box
 
 import aoimpact as ao
 from aoimpact import box_mesh, sphere_mesh
@@ -93,16 +92,6 @@ def test_a_thin_plate_held_at_one_side_takes_little_more():
 
 
 @pytest.mark.slow
-def test_a_slender_body_takes_at_most_twice_the_iterations_of_a_cube():
-    """A plate of fifty times its thickness, with as many degrees of freedom."""
-    plate = held_bar((24, 24, 1), "hexahedron20", (0.2, 0.2, 0.004))
-    cube = held_bar((10, 10, 10), "hexahedron20", (0.04, 0.04, 0.04))
-    assert 0.9 < cube.n_dofs / plate.n_dofs < 1.2
-    assert solved(pencil_of(cube, SHIFT), load_on(cube)) <= 20
-    assert solved(pencil_of(plate, SHIFT), load_on(plate)) <= 40
-
-
-@pytest.mark.slow
 def test_iterations_do_not_grow_with_the_mesh():
     counts = [
         solved(pencil_of(body, SHIFT), load_on(body)) for body in map(ball, (5e-3, 3e-3, 2.2e-3))
@@ -114,12 +103,6 @@ def test_iterations_do_not_grow_with_the_mesh():
 def test_nearly_incompressible_bodies_take_longer_and_arrive():
     body = BODIES["ball, ν = .499"]()
     assert 20 < solved(pencil_of(body, SHIFT), load_on(body)) < 200
-
-
-def test_curved_elements_of_uneven_size_are_no_harder():
-    mesh = distorted_box("tetra10")
-    body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz"), ("ymin", "y")])
-    assert solved(pencil_of(body, 1e6), load_on(body)) <= 20
 
 
 def test_supports_may_hold_single_components():
@@ -170,27 +153,7 @@ def test_the_solution_is_that_of_a_factorisation(name):
     np.testing.assert_array_equal(multigrid.solve(loads[:, 0]), x[:, 0])  # the same bits
 
 
-@pytest.mark.slow
-def test_oscillators_by_multigrid_are_those_of_factors():
-    body = held_bar((12, 2, 2))
-    tip = body.contact(point=(0.4, 0.01, 0.02), direction=(0, 0, 1), radius=0)
-    direct = ao.antioscillators(tip, 3, order="frequency", solver="superlu")
-    star = ao.antioscillators(tip, 3, order="frequency", solver="multigrid")
-    assert star.origin.linear_solver == "multigrid"
-    # The impact hardly excites two of the three modes: masses are known relative to the body's.
-    np.testing.assert_allclose(star.m, direct.m, rtol=0.0, atol=1e-10 * direct.m.sum())
-    np.testing.assert_allclose(star.frequencies, direct.frequencies, rtol=1e-9)
-
-
 # -------------------------------------------------------------------------------- its parts
-
-
-def test_the_preconditioner_is_symmetric_to_single_precision():
-    body = BODIES["ball, coarse"]()
-    solver = multigrid(pencil_of(body, SHIFT))
-    x, y = np.random.default_rng(0).standard_normal((2, body.n_dofs))
-    assert x @ solver.precondition(y) == pytest.approx(y @ solver.precondition(x), rel=1e-4)
-    assert x @ solver.precondition(x) > 0.0
 
 
 ON_SOME_CORES = """
@@ -251,20 +214,6 @@ def test_a_smaller_shift_has_the_finest_level_of_the_first(name):
         assert taken <= iterations + 3
 
 
-def test_a_free_body_has_no_shift_of_zero():
-    with pytest.raises(ao.SingularError, match="stiffness"):
-        multigrid(pencil_of(ball(3e-3), SHIFT)).at(0.0)
-
-
-def test_threads_may_share_a_solver():
-    body = held_bar((30, 2, 2))
-    solver, load = body.inverse(SHIFT, solver="multigrid"), load_on(body)
-    alone = solver.solve(load)
-    with ThreadPoolExecutor(3) as pool:
-        for x in pool.map(solver.solve, [load] * 6):
-            assert np.array_equal(x, alone)
-
-
 def test_masses_between_nodes_without_stiffness_between_them_count():
     body = held_bar((30, 2, 2))
     places = [500, body.n_dofs - 1]
@@ -281,19 +230,6 @@ def test_all_corners_of_a_quadratic_mesh_may_be_held():
     corners = np.unique(mesh.cells[:, :8])
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[(corners, "xyz")])
     solved(pencil_of(body, SHIFT), load_on(body))
-
-
-def test_units_do_not_matter():
-    """A body in millimetres, tonnes and years has the same solution, scaled, in as many steps."""
-    body = held_bar((40, 3, 3))
-    load = load_on(body)
-    solver = multigrid(pencil_of(body, SHIFT))
-    expected, iterations = solver.inverse.iterate(load, 1e-8, np.inf)
-    for factor in (1e-40, 1e40):
-        scaled = Pencil(body.K * factor, body.M * factor, SHIFT, body.nodes, body.free, body.mesh)
-        x, taken = multigrid(scaled).inverse.iterate(load, 1e-8, np.inf)
-        np.testing.assert_allclose(x * factor, expected, rtol=1e-3, atol=1e-16)
-        assert taken == iterations
 
 
 # ----------------------------------------------------------------------------------- failures
@@ -343,12 +279,6 @@ def test_what_is_not_coupled_has_no_coarse_level():
     K = sp.diags_array(np.arange(1.0, 40001.0)).tocsr()
     with pytest.raises(ao.ConvergenceError, match=r"^solver"):
         multigrid(Pencil(K, K))
-
-
-def test_too_few_iterations_are_told():
-    body = held_bar((40, 3, 3))
-    with pytest.raises(ao.ConvergenceError, match=r"^solver"):
-        multigrid(pencil_of(body, SHIFT)).inverse.iterate(load_on(body), 1e-8, 3)
 
 
 @pytest.mark.slow

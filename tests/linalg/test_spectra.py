@@ -47,11 +47,6 @@ def test_every_free_piece_has_its_rigid_motion(copies):
     assert np.abs(K @ rigid).max() < 1e-9 * abs(K).max()
 
 
-def test_a_held_body_has_no_rigid_motion():
-    assert null_space(*rod(700, fixed=[0])).shape == (700, 0)
-    assert null_space(*beam(400, fixed=[0, 1])).shape == (800, 0)
-
-
 def test_elements_of_very_different_size_do_not_look_like_rigid_motion():
     """Springs over nine decades: soft is not free."""
     k = np.geomspace(1.0, 1e9, 50)

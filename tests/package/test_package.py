@@ -14,7 +14,6 @@ from functools import cached_property
 from importlib import metadata
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import aoimpact as ao
@@ -35,66 +34,6 @@ def test_types_are_published() -> None:
 def test_command_is_installed() -> None:
     (command,) = metadata.entry_points(group="console_scripts", name="aoimpact")
     assert callable(command.load())
-
-
-# What scripts are written against; a name here stays.
-PROMISED = {
-    "Material": "E nu rho",
-    "FEModel": "from_mesh frequencies contact K M nodes",
-    "ContactPoint": "body b direction point",
-    "AOModel": "m0 k0 m k static_mass frequencies receptance truncated expand mass_fractions",
-    "antioscillators": "",
-    "rigid": "",
-    "modal": "",
-    "Hertz": "between force k",
-    "PowerLaw": "force k n",
-    "Linear": "force k",
-    "Newmark": "dt",
-    "simulate": "",
-    "AOImpactError": "",
-}
-
-
-def collision() -> ao.Result:
-    return ao.simulate(
-        projectile=ao.rigid(mass=0.1),
-        target=ao.AOModel(m0=0.1, k0=1e5, m=[0.2], k=[1e6]),
-        law=ao.Hertz(k=1e9),
-        velocity=1.0,
-        duration=1e-3,
-        solver=ao.Newmark(dt=1e-6),
-    )
-
-
-@pytest.mark.parametrize("name", PROMISED)
-def test_promised_name_is_there(name: str) -> None:
-    thing = getattr(ao, name)
-    fields = getattr(thing, "__dataclass_fields__", {})
-    for attribute in PROMISED[name].split():
-        assert hasattr(thing, attribute) or attribute in fields, f"{name}.{attribute}"
-
-
-def test_promised_results_are_there() -> None:
-    hit = collision()
-    for name in ("t", "force", "indentation"):
-        assert getattr(hit, name).ndim == 1
-    for body in (hit.projectile, hit.target):
-        assert body.displacement.shape == hit.t.shape
-    for name in ("kinetic", "elastic", "contact", "dissipated", "total"):
-        assert np.shape(getattr(hit.energy, name)) == hit.t.shape
-    for body_energy in (hit.energy.projectile, hit.energy.target):
-        assert body_energy.kinetic.shape == body_energy.elastic.shape == hit.t.shape
-    numbers = "peak_force peak_time contact_duration impulse rebound_velocity restitution"
-    for name in numbers.split():
-        assert isinstance(getattr(hit, name), float)
-    assert all(start < end for start, end in hit.contacts)
-    assert hit.error.model is None
-    assert hasattr(hit.error, "time")
-    for name in (
-        *("plot", "plot_force", "plot_indentation", "plot_energy", "plot_displacement"),
-        *("movie", "to_csv", "to_dataframe", "to_xarray"),
-    ):
-        assert callable(getattr(hit, name))
 
 
 @pytest.mark.slow

@@ -69,12 +69,6 @@ def test_a_scene_has_contacts_and_bodies_by_name() -> None:
     np.testing.assert_array_equal(last, run.bodies[2].displacement)
 
 
-def test_without_energies_there_are_none() -> None:
-    pytest.importorskip("xarray")
-    data = HalfSine().result(energies=False).to_xarray()
-    assert "total_energy" not in data
-
-
 @pytest.mark.parametrize(("package", "method"), [("pandas", "frame"), ("xarray", "xarray")])
 def test_a_missing_package_is_named(
     package: str, method: str, monkeypatch: pytest.MonkeyPatch

@@ -55,17 +55,6 @@ def test_far_off_both_times_and_the_cure_are_named(tip, contact_time):
     assert off > 0.05 * right.peak_force  # it does matter
 
 
-def test_newmark_hears_of_it_too(tip):
-    with pytest.warns(ao.AOImpactWarning, match=r"^target"):
-        strike(fitted(tip, 10e-6), solver=ao.Newmark(dt=0.2e-6))
-
-
-def test_a_contact_cut_off_is_no_short_one(tip):
-    with pytest.warns(ao.AOImpactWarning, match="contact") as said:
-        ao.simulate(BALL, fitted(tip, 90e-6), 1.0, law=LAW, duration=20e-6)
-    assert not any("fitted" in str(each.message) for each in said)
-
-
 def test_what_does_not_matter_is_not_said():
     """A compact body responds to a slow impact by its static mode: far off, the force is right."""
     hits = [
@@ -81,21 +70,6 @@ def test_what_does_not_matter_is_not_said():
     assert hits[1].contact_duration > 9 * 1.3e-5
     for hit in hits:
         assert hit.peak_force == pytest.approx(hits[1].peak_force, rel=2e-3)
-
-
-def test_models_that_simulate_makes_fit(tip):
-    """It starts from a guess: here the ball's contact with a rigid wall."""
-    hit = strike(tip, rtol=1e-2)
-    assert hit.models[1].contact_time == pytest.approx(hit.contact_duration, rel=1.0)
-
-
-def test_scenes_name_the_body(tip):
-    scene = ao.Scene()
-    ball = scene.add(BALL, velocity=1.0)
-    beam = scene.add(ao.interface([tip, tip], 8, contact_time=10e-6), name="beam")
-    scene.connect(ball, beam, LAW)
-    with pytest.warns(ao.AOImpactWarning, match=r"^body"):
-        scene.simulate(duration=250e-6)
 
 
 def test_many_impacts_at_once_are_looked_at_too(tip):
@@ -168,30 +142,7 @@ def test_displacement_after_the_contact_is_told_when_it_is_asked_for():
     assert np.abs(chosen.target.displacement - true).max() < 0.05 * np.abs(true).max()
 
 
-def test_a_long_record_after_one_contact_is_no_reason(tip):
-    assert strike(fitted(tip, 90e-6)).contacts[-1][1] < 100e-6
-    hit = ao.simulate(BALL, fitted(tip, 90e-6), 1.0, law=LAW, duration=2e-3)
-    assert len(hit.contacts) == 1
-
-
-def test_longer_contacts_of_many_impacts_are_looked_at_once_for_all():
-    few = cantilever(3, contact_time=33e-6) | {"duration": 2e-4}
-    enough = cantilever(8, contact_time=33e-6) | {"duration": 9e-5}
-    found = plain_numbers([few, enough], ["impulse"])
-    assert found[0] is None  # left to `simulate`
-    assert found[1] == {"impulse": ao.simulate(**enough).impulse}
-
-
 # ------------------------------------------------------------------------------ what is unbalanced
-
-
-def test_nothing_is_unbalanced_at_what_was_fitted(tip):
-    for model in (
-        fitted(tip, 90e-6, 3).modal,
-        ao.interface([tip, tip.body.contact(dof=100)], 6, contact_time=90e-6),
-    ):
-        assert unbalanced(model, 10 / 90e-6) < 1e-9
-        assert unbalanced(model, 100 / 90e-6) > 1e-2
 
 
 def test_its_square_is_the_error_of_the_receptance():

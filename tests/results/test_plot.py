@@ -56,14 +56,6 @@ def test_force_is_drawn_in_its_units() -> None:
     assert (line.get_label(), line.get_color()) == ("spring", "red")
 
 
-def test_second_curve_keeps_the_unit_of_the_first() -> None:
-    soft, hard = HalfSine(velocity=0.5).result(), HalfSine(velocity=5000.0).result()
-    ax = soft.plot_force()
-    hard.plot_force(ax)
-    assert ax.get_ylabel() == "contact force (N)"
-    assert np.max(ax.get_lines()[1].get_ydata()) == pytest.approx(hard.peak_force, rel=1e-5)
-
-
 def test_energies_of_one_body_or_all() -> None:
     result = HalfSine().result()
     whole = _curves(result.plot_energy())
@@ -117,14 +109,6 @@ def ringing() -> ao.Result:
     return ao.simulate(projectile=ball, target=star, law=law, velocity=1.0, duration=5e-3)
 
 
-def test_a_curve_has_points_enough_for_the_fastest_mode() -> None:
-    hit = ringing()
-    fastest = hit.plan.modal[1].omega.max() / (2.0 * np.pi)
-    (line,) = hit.plot_indentation(during="record").get_lines()
-    steps = np.diff(np.asarray(line.get_xdata(), dtype=float)) * 1e-3
-    assert steps.max() * fastest < 1.0 / 15.0
-
-
 def test_no_indentation_is_drawn_while_the_bodies_are_apart() -> None:
     """The gap after parting is far larger, and would leave the indentation flat."""
     ball = ao.rigid(mass=0.03)
@@ -139,36 +123,6 @@ def test_no_indentation_is_drawn_while_the_bodies_are_apart() -> None:
 def test_a_span_that_is_none_is_refused(during: Any) -> None:
     with pytest.raises(ao.AOImpactError, match="during"):
         ringing().plot_force(during=during)
-
-
-def test_times_that_were_asked_for_are_what_is_drawn() -> None:
-    times = np.linspace(0.0, 1e-4, 7)
-    (line,) = ringing().at(times).plot_force(during="record").get_lines()
-    assert len(np.asarray(line.get_xdata())) == 7
-
-
-def test_curves_differ_in_colour_and_in_dashes() -> None:
-    lines = HalfSine().result().plot_energy().get_lines()
-    looks = {(line.get_color(), line.get_linestyle()) for line in lines}
-    assert len(looks) == len(lines)
-    assert len({line.get_linestyle() for line in lines[:3]}) == 3
-
-
-def test_a_legend_lies_within_the_axes() -> None:
-    ax = HalfSine().result().plot_energy()
-    figure = ax.figure
-    figure.canvas.draw()
-    box, axes = ax.get_legend().get_window_extent(), ax.get_window_extent()
-    assert axes.x0 <= box.x0 < box.x1 <= axes.x1
-    assert axes.y0 <= box.y0 < box.y1 <= axes.y1
-
-
-def test_all_default_plots_show_one_span_of_time() -> None:
-    spans = [ax.get_lines()[0].get_xdata()[[0, -1]] for ax in ringing().plot().flat]
-    hit = ringing()
-    for draw in (hit.plot_force, hit.plot_indentation, hit.plot_displacement, hit.plot_energy):
-        spans.append(draw().get_lines()[0].get_xdata()[[0, -1]])
-    assert np.ptp(spans, axis=0).max() == 0.0
 
 
 def test_forty_curves_all_look_different() -> None:

@@ -55,13 +55,6 @@ def test_a_column_bears_its_weight(name):
     assert run[floor].displacement.max() == 0.0
 
 
-def test_what_nothing_holds_falls_for_ever():
-    scene = ao.Scene(gravity=EARTH)
-    scene.add(BODY)
-    with pytest.raises(ao.ConvergenceError, match=r"^preload"):
-        scene.simulate(duration=1e-3, preload=True)
-
-
 def test_a_law_that_cannot_carry_the_load_is_said_to_be_none():
     """k d / (1 + d/l) stays below k l = 100 N."""
     law = ao.UserLaw(lambda d, v: 1e6 * d / (1.0 + d / 1e-4), depends_on_rate=False)
@@ -133,24 +126,6 @@ def test_a_law_that_ends_before_rest_says_so():
         at_rest(on_a_floor(law))
 
 
-def test_a_patched_body_lies_under_its_weight():
-    ball = ao.FEModel.from_mesh(ao.sphere_mesh(0.01, 0.008), STEEL)
-    star = ao.antioscillators(ball.contact(point=(0.01, 0, 0), radius=0.0045), 1)
-    law = ao.Hertz.between(STEEL, 0.01, STEEL, math.inf)
-    weight = at_rest(on_a_floor(law, body=star))
-    assert weight == pytest.approx(EARTH * ball.mass, rel=1e-9)
-
-
-def test_what_is_pulled_apart_finds_no_rest():
-    scene = ao.Scene()
-    one, other = scene.add(BODY), scene.add(BODY)
-    scene.connect(one, other, ao.Hertz(k=1e9))
-    scene.apply(one, force=-100.0)
-    scene.apply(other, force=100.0)
-    with pytest.raises(ao.ConvergenceError, match=r"^preload"):
-        at_rest(scene)
-
-
 def test_the_top_of_a_high_pile_rests_as_exactly_as_its_foot():
     scene, height = ao.Scene(gravity=9.81), 200
     balls = [scene.add(ao.rigid(mass=1.0)) for _ in range(height)]
@@ -159,14 +134,6 @@ def test_the_top_of_a_high_pile_rests_as_exactly_as_its_foot():
     run = scene.simulate(duration=1e-5, preload=True, energies=False)
     forces = [contact.force[0] for contact in run.contacts]
     assert forces == pytest.approx(9.81 * np.arange(1, height + 1), rel=1e-10)
-
-
-def test_a_table_that_ends_level_below_the_load_is_named():
-    scene = ao.Scene(gravity=9.81)
-    ball, floor = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=math.inf))
-    scene.connect(ball, floor, ao.Tabulated([0.0, 1e-5, 1e-4], [0.0, 5.0, 5.0]))
-    with pytest.raises(ValueError, match=r"^preload"):
-        scene.simulate(duration=1e-3, preload=True)
 
 
 def test_a_row_that_nothing_holds_is_pressed_where_its_centre_of_mass_stays():

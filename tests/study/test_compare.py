@@ -53,23 +53,6 @@ def test_the_full_model_is_what_errors_are_relative_to(table):
     assert table["full"].force == table["full"].displacement == 0.0
 
 
-def test_all_models_meet_over_the_same_patches_where_their_radius_was_left_out():
-    """Oscillators enough for all of the motion are the full model, but for its steps."""
-    mesh = ao.box_mesh((0.1, 0.1, 0.02), (5, 5, 1), kind="hexahedron20")
-    plate = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=ENDS)
-    table = ao.compare(
-        projectile=ao.rigid(mass=0.03),
-        target=plate.contact(point=(0.05, 0.05, 0.02)),
-        law=law(STEEL, 0.01, ALUMINIUM),
-        velocity=1.0,
-        duration=2e-4,
-        oscillators=(2, 20),
-        modes=(),
-    )
-    assert table["AO(2)"].displacement > 10.0 * table["AO(20)"].displacement
-    assert table["AO(20)"].displacement < 2e-3
-
-
 def test_law_and_duration_may_be_left_out_as_of_simulate():
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)
     ball = ao.ball(radius=0.01, material=steel)
@@ -184,20 +167,6 @@ def test_text_html_figure_and_file(table, tmp_path):
     with open(tmp_path / "table.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["force"]) for row in rows] == [row.force for row in table.rows]
-
-
-def test_the_heading_names_the_body_that_a_reduced_model_was_made_of():
-    table = ao.compare(
-        projectile=ao.rigid(mass=0.06),
-        target=ao.antioscillators(beam(ENDS), 5),
-        law=law(STEEL, 0.01, ALUMINIUM),
-        velocity=1.0,
-        duration=2e-4,
-        oscillators=(1,),
-        modes=(),
-        full=False,
-    )
-    assert "rigid on a body of " in repr(table).splitlines()[0]
 
 
 def test_nothing_to_compare_with_is_refused():

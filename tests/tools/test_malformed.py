@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -67,34 +66,3 @@ def test_scene_files_are_sound_before_they_are_damaged() -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        "campaign.inputs --kind matrix --count 3",
-        pytest.param("campaign scenes --seeds 53:54 --workers 1", marks=pytest.mark.slow),
-    ],
-)
-def test_the_campaign_runs_in_a_clone_whose_core_was_not_built(
-    command: str, tmp_path: Path
-) -> None:
-    shutil.copytree(TOOLS, tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copytree(
-        PACKAGE / "aoimpact",
-        tmp_path / "aoimpact",
-        ignore=shutil.ignore_patterns("__pycache__", "_core.*.so", "_core.so", "data"),
-    )
-    (tmp_path / "tests").symlink_to(TOOLS.parent / "tests")
-    (tmp_path / "examples").symlink_to(TOOLS.parent / "examples")
-    # Set by conftest.py in such a clone: it keeps the folder of the call out of the path.
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONSAFEPATH"}
-    done = subprocess.run(
-        [sys.executable, "-m", *f"tools.{command}".split()],
-        cwd=tmp_path,
-        env=environment | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(PACKAGE)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr

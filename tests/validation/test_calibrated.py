@@ -19,7 +19,6 @@ pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:target")]  # 
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALU = ao.Material(E=70e9, nu=0.33, rho=2700)
-PMMA = ao.Material(E=3.3e9, nu=0.37, rho=1190)
 
 ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
 

@@ -80,18 +80,3 @@ def test_friction_leaves_the_normal_law_as_it_is() -> None:
     pressed = hit.force > 0.01 * hit.peak_force
     law = (hit.force[pressed] / hit.law.k) ** (2 / 3)
     np.testing.assert_allclose(hit.indentation[pressed], law, rtol=1e-3)
-
-
-def test_contacts_of_scenes_and_tables_have_it_too(tmp_path: Any) -> None:
-    tip = ao.antioscillators(plate((10, 8, 2)), n=6, method="krylov", contact_time=1e-4)
-    scene = ao.Scene()
-    ball, struck = scene.add(BALL, velocity=1.0), scene.add(tip)
-    number = scene.connect(ball, struck)
-    run = scene.simulate(duration=1.5e-4)
-    contact = run.contacts[number]
-    law = (contact.force / contact.law.k) ** (2 / 3)
-    pressed = contact.force > 0.01 * contact.peak_force
-    np.testing.assert_allclose(contact.indentation[pressed], law[pressed], rtol=1e-4)
-    run.to_csv(tmp_path / "scene.csv")
-    table = np.genfromtxt(tmp_path / "scene.csv", delimiter=",", skip_header=1)
-    np.testing.assert_array_equal(table[:, 2], contact.indentation)

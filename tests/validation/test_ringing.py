@@ -4,24 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
-from scipy.integrate import DOP853
 
 import aoimpact as ao
 
 K, BALL, M0, M = 1e9, 1.0, 1.0, 10.0
 TIME = 7.8e-4  # s: about how long the contact lasts
-
-LAWS = {
-    "Hertz": (ao.Hertz(K), lambda d, v: K * d**1.5),
-    "Linear": (ao.Linear(1.6e7), lambda d, v: 1.6e7 * d),
-    "HuntCrossley": (ao.HuntCrossley(K, 0.3), lambda d, v: K * d**1.5 * (1.0 + 0.3 * v)),
-    "KelvinVoigt": (
-        ao.KelvinVoigt(1.6e7, 300.0, end="indentation"),
-        lambda d, v: 1.6e7 * d + 300.0 * v,
-    ),
-}
 
 
 def omega_of(turns: float) -> float:
@@ -44,49 +32,6 @@ def scene_of(law: ao.ContactLaw, turns: float, damping: float) -> ao.Scene:
     push = 0.5 * omega
     scene.apply(body, force=([0.0, 1.0 / omega, 1.001 / omega], [push, push, 0.0]))
     return scene
-
-
-def plain(name: str, turns: float, damping: float) -> tuple[float, float, float]:
-    """Return peak force, impulse and the ball's velocity at the end by DOP853."""
-    omega, force = omega_of(turns), LAWS[name][1]
-    spring = omega**2 * M0 * M / (M0 + M)
-    dashpot = 2.0 * damping * omega * M0 * M / (M0 + M)
-    push, gap = 0.5 * omega, 20.0 / omega
-
-    def contact(y: np.ndarray) -> float:
-        deep = y[2] - y[0] - gap
-        return force(deep, y[5] - y[3]) if deep > 0.0 else 0.0
-
-    def contacts(y: np.ndarray) -> np.ndarray:
-        deep = np.maximum(y[2] - y[0] - gap, 0.0)
-        return np.where(deep > 0.0, force(deep, y[5] - y[3]), 0.0)
-
-    def rate(t: float, y: np.ndarray) -> list[float]:
-        between = spring * (y[0] - y[1]) + dashpot * (y[3] - y[4])
-        load = push * min(max((1.001 - omega * t) / 0.001, 0.0), 1.0)
-        f = contact(y)
-        return [y[3], y[4], y[5], (f + load - between) / M0, between / M, -f / BALL, f]
-
-    y, top = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]), 0.0
-    small = np.array([1e-13 / omega] * 3 + [1e-13] * 4)
-    for begin, end in ((0.0, 1.0), (1.0, 1.001), (1.001, 20.0), (20.0, 1.3 * TIME * omega)):
-        run = DOP853(
-            rate, begin / omega, y, end / omega, rtol=1e-12, atol=small, max_step=0.3 / omega
-        )
-        while run.status == "running":
-            run.step()
-            if contact(run.y) > 0.9 * top:
-                inside = run.dense_output()
-                beyond = (run.t - run.t_old) / 12.0
-                times = np.linspace(run.t_old - beyond, run.t + beyond, 15)
-                forces = contacts(inside(times))
-                at = int(np.argmax(forces))
-                if 0 < at < 14:  # a parabola
-                    b, m, a = forces[at - 1 : at + 2]
-                    top = max(top, m - (a - b) ** 2 / (8.0 * (a - 2.0 * m + b)))
-                top = max(top, *forces[1:-1])
-        y = run.y
-    return top, float(y[6]), float(y[5])
 
 
 @pytest.mark.parametrize("damping", [1e-3, 1e-2, 0.1])

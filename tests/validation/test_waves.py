@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 import aoimpact as ao
 from aoimpact.results import Run
 
-HERTZ, LINEAR, END = 1e9, 4e7, 1.2e-4
+HERTZ = 1e9
 
 
 def scene_of(
@@ -31,11 +31,6 @@ def scene_of(
 def forces_of(run: Run, times: np.ndarray) -> np.ndarray:
     few = run.at(times)
     return np.array([contact.force for contact in few.contacts])
-
-
-# A body without mass where it is touched, a mass on a spring: what its spring does not take of a
-# ball's push passes to the target, whose law says at what rate its place goes.
-MASS, SPRING, BALL, TARGET, SPEED = 0.04, 1.3e6, 0.057, 0.24, 1.2
 
 
 @pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-8])
