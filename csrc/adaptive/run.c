@@ -335,7 +335,7 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
                           .span = aoi_system_span(system), .crowded = aoi_crowd_pays(system)};
     run->row_size = aoi_adaptive_room(system);
     run->grain = modes > 1 && is_quick(system) ? AOI_LEVELS : 1;
-    run->table_cost = modes > 1 ? (double)modes : 0.0;
+    run->table_cost = modes > 1 && !aoi_system_rubs(system) ? (double)modes : 0.0; /* far below a step's with friction */
     (void)lay_out(run, system, run);
     if (!take_state(start->x, all, run->x) || !take_state(start->v, all, run->v)) {
         return AOI_ERROR_NOT_FINITE;
@@ -644,7 +644,7 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
             }
             return status;
         }
-        unconfirmed = h * fmax(fmin(attempt.growth, UNCONFIRMED), LEAST_SHRINKAGE);
+        unconfirmed = attempt.corner ? 0.0 : h * fmax(fmin(attempt.growth, UNCONFIRMED), LEAST_SHRINKAGE);
         status = go_back(run, &attempt, &trim, &trims, &limit);
     }
     return status != AOI_OK ? status : law_fails(run) ? AOI_ERROR_LAW : AOI_ERROR_TOLERANCE;

@@ -145,6 +145,7 @@ typedef struct aoi_attempt {
     double h, growth; /* length; factor by which its error would allow it to be longer, below 1 where it fails */
     double place;     /* place of its first event as a share of h: 1 at its end, above 1 none */
     int closed;       /* 1: a contact was closed at its start, and the step must be prepared again */
+    int corner;       /* 1: place is a corner of friction                                          */
 } aoi_attempt;
 
 /* The time now. */

@@ -262,11 +262,25 @@ static double force_scale_of(const aoi_adaptive *run)
     return largest;
 }
 
+/* True if a step that fails by its friction has a corner of it inside, and is to end there. One as near to an end as the root
+ * of its tolerance has errors within that, which go by the square. */
+static int ends_at_corner(aoi_adaptive *run, size_t s, aoi_attempt *attempt)
+{
+    const aoi_contact_step *normal = &run->entry[s - run->entry[s].axis];
+    const double near = sqrt(run->rtol), place = aoi_sliding_corner(normal->sliding, normal, near);
+    if (!(place < 1.0 - near)) {
+        return 0;
+    }
+    attempt->place = fmin(attempt->place, place);
+    attempt->corner = 1;
+    return 1;
+}
+
 void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
 {
     const int with_rates =
         aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
-    *attempt = (aoi_attempt){h, 0.0, 2.0, 0};
+    *attempt = (aoi_attempt){.h = h, .place = 2.0};
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i], before = i > 0 ? run->engaged.at[i - 1] : b;
         if (i > 0 && are_alike(run, before, b)) {
@@ -313,7 +327,10 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
             attempt->growth = 0.0;
             return;
         }
-        const double growth = aoi_step_growth(run, &run->entry[s], h);
+        double growth = aoi_step_growth(run, &run->entry[s], h);
+        if (run->entry[s].axis > 0 && growth < 1.0 && ends_at_corner(run, s, attempt)) {
+            growth = 1.0;
+        }
         attempt->growth = growth < attempt->growth ? growth : attempt->growth;
         if (run->entry[s].axis == 0) {
             aoi_step_closed_events(run, &run->entry[s], attempt);

@@ -162,9 +162,9 @@ static int slips_at(const aoi_sliding *of, const motion *along, const aoi_slide_
 
 /* Where between two places of the step all springs begin to slip, or cease to: from is the path as it was at the first. */
 static double change_between(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double low,
-                             double high, int slipped)
+                             double high, int slipped, double width)
 {
-    while (high - low > CHANGE_WIDTH) {
+    while (high - low > width) {
         const double middle = 0.5 * (low + high);
         if (slips_at(of, along, from, middle, slipped) == slipped) {
             low = middle;
@@ -188,7 +188,7 @@ static int go_on(aoi_sliding *of, const motion *along, double before, double at,
     if (of->changes == AOI_SLIP_CHANGES) {
         return AOI_OK;
     }
-    const double change = change_between(of, along, &of->trial, before, at, of->slips);
+    const double change = change_between(of, along, &of->trial, before, at, of->slips, CHANGE_WIDTH);
     aoi_oblique_solution there = *found;
     double bodies[3];
     bodies_at(along, change, bodies);
@@ -353,6 +353,38 @@ int aoi_sliding_check(aoi_sliding *of, const aoi_contact_step *entry)
     return status;
 }
 
+/* 1 if all slips as a step begins: at a touch, a short way behind it. */
+static int slips_first(const aoi_sliding *of, const motion *along)
+{
+    return of->path[1].springs.count > 0 ? of->slips : slips_at(of, along, &of->path[1], SHORT_WAY, 0);
+}
+
+double aoi_sliding_corner(aoi_sliding *of, const aoi_contact_step *entry, double beyond)
+{
+    const motion along = motion_of(entry);
+    const stops to = stops_of(of, entry->edge, &along);
+    int slips = slips_first(of, &along);
+    double before = 0.0;
+    copy_path(&of->path[1], &of->trial);
+    for (size_t i = 0; i < to.count; before = to.place[i++]) {
+        const aoi_slide_path from = of->trial;
+        aoi_oblique_solution found;
+        double place[3];
+        bodies_at(&along, to.place[i], place);
+        if (go(of, place, &of->trial, &found) != AOI_OK) {
+            break;
+        }
+        if ((found.stuck > 0.0) == slips) { /* it has changed */
+            const double change = change_between(of, &along, &from, before, to.place[i], slips, beyond * beyond);
+            if (change > beyond) {
+                return change;
+            }
+            slips = !slips;
+        }
+    }
+    return 2.0;
+}
+
 /* The ratio of friction to the normal force at the nodes of a step with an edge. At a node beyond the contact's end it is
  * that of the node before: where the indentation falls to zero all springs slip. */
 static void find_shares(aoi_sliding *of, const finds *found)
@@ -375,10 +407,7 @@ int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
     for (size_t k = 0; k < AOI_NODES && edge; k++) {
         add_stop(&to, aoi_radau_node[k], AOI_NODES + k);
     }
-    if (of->path[1].springs.count == 0) { /* a touch */
-        of->slips = slips_at(of, &along, &of->path[1], SHORT_WAY, 0);
-    }
-    of->slipped = of->slips;
+    of->slipped = of->slips = slips_first(of, &along);
     of->changes = 0;
     for (size_t p = 0; p < AOI_PATHS; p++) {
         of->path[p].springs.room = AOI_SPRINGS;

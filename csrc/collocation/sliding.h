@@ -69,6 +69,10 @@ int aoi_sliding_evaluate(aoi_sliding *sliding, const aoi_contact_step *entry, in
 /* Sets beyond of a step that has been solved. Errors as aoi_oblique_solve. */
 int aoi_sliding_check(aoi_sliding *sliding, const aoi_contact_step *entry);
 
+/* The first place, beyond one, of a step that has been solved at which all of the contact begins to slip, or ceases to:
+ * friction has a corner there. 2 where there is none. */
+double aoi_sliding_corner(aoi_sliding *sliding, const aoi_contact_step *entry, double beyond);
+
 /* Takes all paths to the end of the step. */
 int aoi_sliding_advance(aoi_sliding *sliding, const aoi_contact_step *entry);
 

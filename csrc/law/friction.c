@@ -43,18 +43,14 @@ static double length_of(double x, double y)
 
 /* A knot of the curve that a path leads to, and its derivatives by the slide (two), the indentation and the share. */
 typedef struct knot {
-    double depth, s[2];
-    double force, stiffness; /* of the law at that depth */
+    aoi_stretch at;
     double by[4], s_by[2][4];
     int slips;
 } knot;
 
-/* Contents of the knots of a path: the derivatives as well, only the stretches, or only their lengths, as s[0]. */
-enum wanted { DERIVATIVES, STRETCHES, LENGTHS };
-
 /* A straight path, and the state that it starts from. */
 typedef struct path {
-    enum wanted wanted;
+    int derive; /* 1: knots with their derivatives */
     const aoi_friction *friction;
     const aoi_stretch *spring;
     aoi_stretch touch; /* the first spring, where the path begins apart */
@@ -161,9 +157,9 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
     f0 = fmax(-STRAIGHT_BACK, fmin(f0, STRAIGHT_BACK));
     const double f = f0 * left, norm = 1.0 + f * f, cosine = (1.0 - f) * (1.0 + f) / norm, sine = 2.0 * f / norm;
     const double n[2] = {cosine * e[0] - sine * e[1], cosine * e[1] + sine * e[0]};
-    k->s[0] = r1 * n[0];
-    k->s[1] = r1 * n[1];
-    if (p->wanted != DERIVATIVES) {
+    k->at.along[0] = r1 * n[0];
+    k->at.along[1] = r1 * n[1];
+    if (!p->derive) {
         return;
     }
     /* By how much the direction turns with a change of the slide: (I) of the entry, (II) of the slide's own direction,
@@ -187,27 +183,37 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
     }
 }
 
+static double bound_of(const path *p, const aoi_stretch *at) { return p->slope * (p->to - at->depth); }
+
+/* A spring at the end of the path, if it sticks; and 1 if it does not. */
+static aoi_stretch stuck_at(const path *p, const aoi_stretch *spring)
+{
+    aoi_stretch at = *spring;
+    at.along[0] += p->slide[0];
+    at.along[1] += p->slide[1];
+    return at;
+}
+
+static int slips_at(const path *p, const aoi_stretch *at)
+{
+    return length_of(at->along[0], at->along[1]) > bound_of(p, at) * (1.0 + 2.0 * DBL_EPSILON);
+}
+
 /* A spring at the end of the path. */
 static void move_to(const path *p, const aoi_stretch *spring, knot *k)
 {
-    const double s[2] = {spring->along[0] + p->slide[0], spring->along[1] + p->slide[1]};
-    const double bound = p->slope * (p->to - spring->depth), length = length_of(s[0], s[1]);
-    k->depth = spring->depth;
-    k->force = spring->force;
-    k->stiffness = spring->stiffness;
-    k->slips = length > bound * (1.0 + 2.0 * DBL_EPSILON);
-    k->s[0] = k->slips ? 0.0 : s[0];
-    k->s[1] = k->slips ? 0.0 : s[1];
-    if (p->wanted == DERIVATIVES) {
+    k->at = stuck_at(p, spring);
+    k->slips = slips_at(p, &k->at);
+    if (k->slips) {
+        k->at.along[0] = k->at.along[1] = 0.0;
+    }
+    if (p->derive) {
         memset(k->by, 0, sizeof k->by);
         memset(k->s_by, 0, sizeof k->s_by);
         k->s_by[0][0] = k->s_by[1][1] = k->slips ? 0.0 : 1.0;
     }
-    if (p->wanted == LENGTHS) {
-        k->s[0] = k->slips ? fmax(bound, 0.0) : length;
-        k->s[1] = 0.0;
-    } else if (k->slips && bound > 0.0) {
-        turn(p, spring, bound, k);
+    if (k->slips && bound_of(p, spring) > 0.0) {
+        turn(p, spring, bound_of(p, spring), k);
     }
 }
 
@@ -249,7 +255,7 @@ static knot front(const path *p, const piece *q, int begins)
     const double steepness = n[0] * g[0] + n[1] * g[1] + p->slope;
     const double per = steepness != 0.0 && size > 0.0 ? 1.0 / steepness : 0.0;
     const aoi_law_value law = normal(p->friction, p->to - z);
-    knot k = {p->to - z, {at[0], at[1]}, law.force, law.stiffness, {-n[0] * per, -n[1] * per, p->slope * per,
+    knot k = {{p->to - z, {at[0], at[1]}, law.force, law.stiffness}, {-n[0] * per, -n[1] * per, p->slope * per,
               p->friction->mu / p->friction->ratio * z * per}, {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}}, 1};
     for (int i = 0; i < 2; i++) {
         for (int j = 0; j < 4; j++) {
@@ -261,7 +267,7 @@ static knot front(const path *p, const piece *q, int begins)
 
 /* The knots that a path leads to, one after the other: the springs, a front between two of them, and the rim. */
 typedef struct walk {
-    path p;
+    const path *p;
     size_t next;    /* of the springs                                */
     aoi_stretch last; /* the spring before, as the path finds it       */
     int sticks, slips; /* it does; neither before the first          */
@@ -270,25 +276,19 @@ typedef struct walk {
     knot after[2];
 } walk;
 
-static walk walk_along(const path *p)
-{
-    const walk w = {.p = *p};
-    return w;
-}
-
 /* The rim, where springs have just been touched or are about to be left. */
 static knot rim_of(const path *p, int slips)
 {
     const aoi_law_value law = normal(p->friction, p->to);
-    const knot rim = {p->to, {0.0, 0.0}, law.force, law.stiffness, {0.0, 0.0, 1.0, 0.0}, {NONE, NONE}, slips};
+    const knot rim = {{p->to, {0.0, 0.0}, law.force, law.stiffness}, {0.0, 0.0, 1.0, 0.0}, {NONE, NONE}, slips};
     return rim;
 }
 
 /* 1 if the law is a straight line between two depths, so that no spring in between is touched. */
-static int is_line(const aoi_stretch *a, double depth, double force, double stiffness)
+static int is_line(const aoi_stretch *a, const aoi_stretch *b)
 {
-    const double risen = a->force + stiffness * (depth - a->depth);
-    return a->stiffness == stiffness && fabs(force - risen) <= 4.0 * DBL_EPSILON * force;
+    const double risen = a->force + b->stiffness * (b->depth - a->depth);
+    return a->stiffness == b->stiffness && fabs(b->force - risen) <= 4.0 * DBL_EPSILON * b->force;
 }
 
 /* 1 if the law goes on straight from the spring before one to where the path leads, so that this one is not touched. */
@@ -297,14 +297,14 @@ static int is_untouched(const path *p, const aoi_stretch *before, size_t i)
     if (!(i < p->count && spring_of(p, i).depth < p->to && spring_of(p, i).stiffness == before->stiffness)) {
         return 0;
     }
-    const aoi_law_value rim = normal(p->friction, p->to);
-    return is_line(before, p->to, rim.force, rim.stiffness);
+    const knot rim = rim_of(p, 0);
+    return is_line(before, &rim.at);
 }
 
 /* Gives the next knot; 0 where there is none. Of springs that are touched together all slip or none. */
 static int step(walk *w, knot *k)
 {
-    const path *p = &w->p;
+    const path *p = w->p;
     if (w->pending > 0) {
         *k = w->after[2 - w->pending--];
         return 1;
@@ -330,7 +330,7 @@ static int step(walk *w, knot *k)
     }
     const int slips = k->slips;
     if (((w->sticks && slips) || (w->slips && (slips || is_spring))) &&
-        !is_line(&w->last, k->depth, k->force, k->stiffness)) {
+        !is_line(&w->last, &k->at)) {
         const piece q = piece_of(p, &w->last, &here);
         const int begins = w->sticks, both = w->slips && slips;
         if (!both || dips(&q)) {
@@ -347,31 +347,67 @@ static int step(walk *w, knot *k)
     return 1;
 }
 
-/* Adds the springs between two knots. */
-static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *value)
+/* Adds the force of the springs between two stretches at which some are touched. Gives the mean stiffness: of a narrow rim
+ * the difference of forces has lost its digits. */
+static double pull(double ratio, const aoi_stretch *a, const aoi_stretch *b, aoi_friction_value *value)
 {
     const double width = b->depth - a->depth;
-    if (!(width > 0.0)) {
-        return;
-    }
-    /* The mean stiffness: of a narrow rim the difference of forces has lost its digits. */
     const int narrow = width <= NARROW * b->depth;
     const double mean = narrow ? 0.5 * (a->stiffness + b->stiffness) : (b->force - a->force) / width;
     const double terms = narrow ? mean : b->force / width;
     for (int i = 0; i < 2; i++) {
-        const double slope = (b->s[i] - a->s[i]) / width;
+        value->force[i] -= ratio * (b->along[i] - a->along[i]) * mean;
+        value->terms += ratio * fabs(b->along[i] - a->along[i]) * terms;
+    }
+    return mean;
+}
+
+/* Adds the springs between two knots. */
+static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *value)
+{
+    const double width = b->at.depth - a->at.depth;
+    if (!(width > 0.0)) {
+        return;
+    }
+    const double mean = pull(ratio, &a->at, &b->at, value);
+    for (int i = 0; i < 2; i++) {
+        const double slope = (b->at.along[i] - a->at.along[i]) / width;
         double by[4];
         for (int j = 0; j < 4; j++) {
             by[j] = (b->s_by[i][j] - a->s_by[i][j]) * mean +
-                    slope * ((b->stiffness - mean) * b->by[j] - (a->stiffness - mean) * a->by[j]);
+                    slope * ((b->at.stiffness - mean) * b->by[j] - (a->at.stiffness - mean) * a->by[j]);
         }
-        value->force[i] -= ratio * (b->s[i] - a->s[i]) * mean;
-        value->terms += ratio * fabs(b->s[i] - a->s[i]) * terms;
         value->by_slide[i][0] -= ratio * by[0];
         value->by_slide[i][1] -= ratio * by[1];
         value->by_indentation[i] -= ratio * by[2];
         value->by_share[i] -= ratio * by[3];
     }
+}
+
+/* How many springs stick from the first on, as far as the law bends between them: the path only shifts these. */
+static size_t sticking(const path *p)
+{
+    size_t i = 0;
+    for (; p->spring && p->from > 0.0 && i < p->count && p->spring[i].depth < p->to; i++) {
+        const aoi_stretch at = stuck_at(p, &p->spring[i]);
+        if (slips_at(p, &at) || (i > 0 && at.stiffness == p->spring[i - 1].stiffness)) {
+            break;
+        }
+    }
+    return i;
+}
+
+/* A walk that goes on behind the springs before one, if any, and its first knot. */
+static walk walk_from(const path *p, size_t next, knot *k)
+{
+    walk w = {.p = p, .next = next, .sticks = next > 0};
+    if (next > 0) {
+        w.last = spring_of(p, next - 1);
+        move_to(p, &w.last, k);
+    } else {
+        (void)step(&w, k);
+    }
+    return w;
 }
 
 void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
@@ -382,22 +418,28 @@ void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *st
     if (!(indentation > 0.0)) {
         return;
     }
-    const path p = path_of(friction, state, indentation, share, slide);
-    walk w = walk_along(&p);
+    path p = path_of(friction, state, indentation, share, slide);
+    p.derive = 1;
+    const size_t stuck = sticking(&p);
+    for (size_t i = 1; i < stuck; i++) {
+        const aoi_stretch inner = stuck_at(&p, &p.spring[i - 1]), outer = stuck_at(&p, &p.spring[i]);
+        (void)pull(friction->ratio, &inner, &outer, value);
+        value->stuck += outer.depth - inner.depth;
+    }
     knot pair[2], *a = &pair[0], *b = &pair[1];
-    (void)step(&w, a);
+    walk w = walk_from(&p, stuck, a);
     int slips = 0;
     const double reach = (state->count > 0 ? state->reach : 0.0) + p.length;
     for (knot *before; step(&w, b); before = a, a = b, b = before) {
-        const int slide_both = a->slips && (b->slips || !(b->depth < indentation));
+        const int slide_both = a->slips && (b->slips || !(b->at.depth < indentation));
         add(friction->ratio, a, b, value);
-        value->stuck += slide_both ? 0.0 : b->depth - a->depth;
+        value->stuck += slide_both ? 0.0 : b->at.depth - a->at.depth;
         slips = slips || slide_both;
     }
     value->stuck = slips ? value->stuck : indentation;
     /* Bounds are differences of depths, and stretches sums of many slides; a bound beyond all stretches is not reached. */
-    const double stretches = friction->ratio * reach * a->stiffness;
-    value->terms += fmin(friction->mu * share * a->force, stretches) + stretches;
+    const double stretches = friction->ratio * reach * a->at.stiffness;
+    value->terms += fmin(friction->mu * share * a->at.force, stretches) + stretches;
 }
 
 static void swap(aoi_friction_state *state, size_t count)
@@ -408,23 +450,11 @@ static void swap(aoi_friction_state *state, size_t count)
     state->count = count;
 }
 
-/* The largest stretch since the touch, once a path has been taken. */
-static double reach_after(const aoi_friction_state *state, const path *p)
+/* How near a curve must be to the stretches: to a share of the largest there have been, and of the largest there can be. A
+ * slide leaves or finds a stretch of half of it, where all is not slipping. */
+static double enough_of(const path *p, const aoi_friction_state *state)
 {
-    double reach = state->count > 0 ? state->reach : 0.0;
-    path lengths = *p;
-    lengths.wanted = LENGTHS;
-    walk w = walk_along(&lengths);
-    for (knot k; step(&w, &k);) {
-        const double length = k.s[1] == 0.0 ? fabs(k.s[0]) : length_of(k.s[0], k.s[1]); /* of a front both */
-        reach = length > reach ? length : reach;
-    }
-    return reach;
-}
-
-/* How near a curve must be to the stretches: to a share of the largest there have been, and of the largest there can be. */
-static double enough_of(const path *p, double reach)
-{
+    const double reach = fmax(state->count > 0 ? state->reach : 0.0, 0.5 * p->length);
     return p->friction->precision * fmin(reach, p->slope * p->to);
 }
 
@@ -432,22 +462,20 @@ static double enough_of(const path *p, double reach)
  * room for them. */
 static size_t parted(const aoi_friction_state *state, const path *p)
 {
-    const double enough = enough_of(p, reach_after(state, p));
+    const double enough = enough_of(p, state);
     size_t copied = 0, count = 0;
-    walk w = walk_along(p);
-    w.p.wanted = STRETCHES;
     knot a, b;
-    (void)step(&w, &a);
+    walk w = walk_from(p, sticking(p), &a);
     for (; step(&w, &b); a = b) {
         const size_t outer = w.next - 1;
-        const aoi_stretch inner = {a.depth, {a.s[0], a.s[1]}, a.force, a.stiffness};
-        if (!(a.slips && b.slips && b.depth > a.depth) || is_line(&inner, b.depth, b.force, b.stiffness)) {
+        if (!(a.slips && b.slips && b.at.depth > a.at.depth) || is_line(&a.at, &b.at)) {
             continue;
         }
-        const aoi_stretch middle = between(p, outer - 1, 0.5 * (a.depth + b.depth));
+        const aoi_stretch middle = between(p, outer - 1, 0.5 * (a.at.depth + b.at.depth));
         knot k;
         move_to(p, &middle, &k);
-        if (fabs(k.s[0] - 0.5 * (a.s[0] + b.s[0])) > enough || fabs(k.s[1] - 0.5 * (a.s[1] + b.s[1])) > enough) {
+        if (fabs(k.at.along[0] - 0.5 * (a.at.along[0] + b.at.along[0])) > enough ||
+            fabs(k.at.along[1] - 0.5 * (a.at.along[1] + b.at.along[1])) > enough) {
             if (state->count + (count - copied) + 1 > state->room) {
                 return 0;
             }
@@ -483,7 +511,7 @@ int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state,
  * bound's. */
 static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough, double slope)
 {
-    if (is_line(a, b->depth, b->force, b->stiffness) && is_line(b, c->depth, c->force, c->stiffness)) {
+    if (is_line(a, b) && is_line(b, c)) {
         return 1;
     }
     const double rounding = 4.0 * DBL_EPSILON * slope * c->depth;
@@ -497,27 +525,22 @@ static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretc
     return 1;
 }
 
-/* The springs after a path; 0 where they are more than there is room for. */
-static size_t drawn(const path *p, double enough, aoi_stretch *spring, size_t room)
+/* Draws the state's spare springs on by one; 0 where there is no room. The later of two at one depth counts: the rim is in
+ * its place. */
+static int draw(aoi_friction_state *state, const path *p, double enough, const aoi_stretch *here, size_t *count)
 {
-    walk w = walk_along(p);
-    w.p.wanted = STRETCHES;
-    size_t count = 0;
-    for (knot k; step(&w, &k);) {
-        const aoi_stretch here = {k.depth, {k.s[0], k.s[1]}, k.force, k.stiffness};
-        /* The later of two at one depth counts: the rim is in its place. */
-        if (count > 0 && !(here.depth > spring[count - 1].depth)) {
-            count--;
-        }
-        if (count > 1 && straight(&spring[count - 2], &spring[count - 1], &here, enough, p->slope)) {
-            count--;
-        }
-        if (count == room) {
-            return 0;
-        }
-        spring[count++] = here;
+    aoi_stretch *spring = state->spare;
+    if (*count > 0 && !(here->depth > spring[*count - 1].depth)) {
+        --*count;
     }
-    return count;
+    if (*count > 1 && straight(&spring[*count - 2], &spring[*count - 1], here, enough, p->slope)) {
+        --*count;
+    }
+    if (*count == state->room) {
+        return 0;
+    }
+    spring[(*count)++] = *here;
+    return 1;
 }
 
 int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation, double share,
@@ -527,11 +550,24 @@ int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, d
     double reach = 0.0;
     if (indentation > 0.0) {
         const path p = path_of(friction, state, indentation, share, slide);
-        reach = reach_after(state, &p);
-        count = drawn(&p, enough_of(&p, reach), state->spare, state->room);
-        if (count == 0) {
+        const double enough = enough_of(&p, state);
+        const size_t stuck = sticking(&p);
+        int fits = 1;
+        for (size_t i = 0; i + 1 < stuck && fits; i++) {
+            const aoi_stretch here = stuck_at(&p, &p.spring[i]);
+            fits = draw(state, &p, enough, &here, &count);
+            reach = fmax(reach, length_of(here.along[0], here.along[1]));
+        }
+        knot k;
+        walk w = walk_from(&p, stuck, &k);
+        for (int more = 1; more && fits; more = step(&w, &k)) {
+            fits = draw(state, &p, enough, &k.at, &count);
+            reach = fmax(reach, length_of(k.at.along[0], k.at.along[1]));
+        }
+        if (!fits) {
             return AOI_ERROR_SPRINGS;
         }
+        reach = fmax(reach, state->count > 0 ? state->reach : 0.0);
     }
     swap(state, count);
     state->indentation = indentation;

@@ -24,34 +24,30 @@ typedef struct point {
     double stuck, share, rate;
 } point;
 
-static double determinant(const double a[3], const double b[3], const double c[3])
+/* The inverse of a matrix by rows, by its cofactors. */
+static void invert(const double *a, double *inverse)
 {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
-
-/* Solves matrix x = right by Cramer's rule; the matrix by rows. */
-static void solve(const double *matrix, const double right[3], double x[3])
-{
-    double column[3][3];
     for (int i = 0; i < 3; i++) {
+        const double *up = a + 3 * ((i + 1) % 3), *down = a + 3 * ((i + 2) % 3);
         for (int j = 0; j < 3; j++) {
-            column[j][i] = matrix[3 * i + j];
+            const int left = (j + 1) % 3, right = (j + 2) % 3;
+            inverse[3 * j + i] = up[left] * down[right] - up[right] * down[left];
         }
     }
-    const double whole = determinant(column[0], column[1], column[2]);
-    x[0] = determinant(right, column[1], column[2]) / whole;
-    x[1] = determinant(column[0], right, column[2]) / whole;
-    x[2] = determinant(column[0], column[1], right) / whole;
+    const double whole = a[0] * inverse[0] + a[1] * inverse[3] + a[2] * inverse[6];
+    for (int i = 0; i < 9; i++) {
+        inverse[i] /= whole;
+    }
 }
 
-/* How the rate goes with the place, where the forces are those of the equation: rate_compliance compliance^-1. */
-static void find_rate_by_place(const aoi_oblique_equation *e, double by[3])
+static double dot(const double x[3], const double y[3]) { return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]; }
+
+/* A row times a matrix. */
+static void times(const double x[3], const double *matrix, double product[3])
 {
-    double turned[9];
-    for (int i = 0; i < 9; i++) {
-        turned[i] = e->compliance[i % 3][i / 3];
+    for (int j = 0; j < 3; j++) {
+        product[j] = x[0] * matrix[j] + x[1] * matrix[3 + j] + x[2] * matrix[6 + j];
     }
-    solve(turned, e->rate_compliance, by);
 }
 
 /* The forces at a place, and their derivatives. terms: what their rounding is relative to. */
@@ -131,36 +127,30 @@ static double jump_of(const aoi_friction *friction, const aoi_oblique_equation *
 /* by_free = by slope^-1; by_rate likewise, of a force at a given place. */
 static void give(const aoi_oblique_equation *e, const point *p, aoi_oblique_solution *solution)
 {
-    double moved[3], x[3];
+    double inverse[9], moved[3];
+    invert(p->slope[0], inverse);
     for (int i = 0; i < 3; i++) {
-        const double *c = e->compliance[i];
-        moved[i] = c[0] * p->by_rate[0] + c[1] * p->by_rate[1] + c[2] * p->by_rate[2];
+        moved[i] = dot(e->compliance[i], p->by_rate);
+        times(p->by[i], inverse, solution->by_free[i]);
     }
-    solve(p->slope[0], moved, x);
     for (int i = 0; i < 3; i++) {
-        solution->by_rate[i] = p->by_rate[i] - (p->by[i][0] * x[0] + p->by[i][1] * x[1] + p->by[i][2] * x[2]);
+        solution->by_rate[i] = p->by_rate[i] - dot(solution->by_free[i], moved);
     }
     memcpy(solution->force, p->force, sizeof p->force);
     memcpy(solution->place, p->place, sizeof p->place);
     solution->stuck = p->stuck;
     solution->share = p->share;
     solution->rate = p->rate;
-    for (int j = 0; j < 3; j++) {
-        const double unit[3] = {j == 0, j == 1, j == 2};
-        solve(p->slope[0], unit, x);
-        for (int i = 0; i < 3; i++) {
-            solution->by_free[i][j] = p->by[i][0] * x[0] + p->by[i][1] * x[1] + p->by[i][2] * x[2];
-        }
-    }
 }
 
 int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *state,
                       const aoi_oblique_equation *equation, aoi_oblique_solution *solution)
 {
     point now;
-    double rate_by[3] = {0.0, 0.0, 0.0};
+    double inverse[9], rate_by[3] = {0.0, 0.0, 0.0}; /* the rate goes with the place as forces of the equation say */
     if (friction->law.depends_on_rate && equation->rate_compliance[0] > 0.0) {
-        find_rate_by_place(equation, rate_by);
+        invert(equation->compliance[0], inverse);
+        times(equation->rate_compliance, inverse, rate_by);
     }
     memcpy(now.place, equation->guess, sizeof now.place);
     evaluate(friction, state, equation, rate_by, &now);
@@ -171,12 +161,12 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
         if (iteration == MOST_ITERATIONS) {
             return AOI_ERROR_NO_CONVERGENCE;
         }
-        double change[3], share = 1.0;
+        double share = 1.0;
         point next;
-        solve(now.slope[0], now.residual, change);
+        invert(now.slope[0], inverse);
         for (int halving = 0;; halving++, share *= 0.5) {
             for (int i = 0; i < 3; i++) {
-                next.place[i] = now.place[i] - share * change[i];
+                next.place[i] = now.place[i] - share * dot(inverse + 3 * i, now.residual);
             }
             evaluate(friction, state, equation, rate_by, &next);
             if (next.size < now.size) {
