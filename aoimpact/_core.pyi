@@ -3,7 +3,6 @@
 Arrays are C-contiguous, outputs written.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ _S = npt.NDArray[np.float32]
 _Blocks = tuple[_Pattern, _S, _S]
 _Part = tuple[int, int]
 _Sparse = tuple[_I, _I, _F]
-_Factors = tuple[_I, _I, _F, _F, _I, _I]
 _Law = tuple[Any, ...]
 _Modes = tuple[Any, ...]  # what MODES names, as ModalBody.for_core and SteppedBody.for_core make it
 _Contact = tuple[int, int, int, int, float, _Law]  # body and port of each side, gap
@@ -51,25 +49,7 @@ def star_from_constraint_modes(
     of: _I,
     /,
 ) -> tuple[int, float]: ...
-def krylov_extend(
-    K: _Sparse,
-    M: _Sparse,
-    s2: float,
-    solve: Callable[[memoryview, memoryview, memoryview], object],
-    b: _F,
-    basis: _F,
-    stiffness: _F,
-    load: _F,
-    rigid_count: int,
-    given_count: int,
-    progress: _I,
-    wanted: int,
-    /,
-) -> None: ...
 def star_receptance(m0: float, k0: float, m: _F, k: _F, omega: _F, receptance: _F, /) -> None: ...
-def modal_receptance(
-    omega: _F, decay: _F, weight: _F, residual: float, frequency: _F, real: _F, imaginary: _F, /
-) -> None: ...
 def star_to_modal(
     m0: float, k0: float, m: _F, k: _F, omega2: _F, participation: _F, work: _F, /
 ) -> int: ...
@@ -96,7 +76,6 @@ def blocks_smooth(
 ) -> None: ...
 def graph_aggregate(start: _I, indices: _I, aggregate: _I, /) -> int: ...
 def factors_find_panels(start: _I, rows: _I, panel: _I, /) -> int: ...
-def factors_solve(factors: _Factors, work: _F, x: _F, /) -> None: ...
 def newmark(
     bodies: tuple[_Modes, ...],
     contacts: tuple[_Contact, ...],

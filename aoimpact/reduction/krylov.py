@@ -12,13 +12,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import scipy
 
-from .. import _core
 from ..base import (
+    ConvergenceError,
     FloatArray,
     InputError,
     SingularError,
@@ -47,7 +46,6 @@ from ..linalg import (
     Solver,
     SolverBook,
     checked_solver,
-    core_rows,
 )
 from .body import Body, checked_ports, of_modes, ways_of
 from .star import AOModel, excited, of_body
@@ -77,6 +75,9 @@ _DOUBTFUL, _NO_STIFFNESS = 1e-12, 1e-14
 
 # A vector of which less than this share is new is a combination of those before it.
 _NOTHING_NEW = 1e-11
+
+# Where across the others more than this is left of a vector, one more pass changes no digit.
+_NO_CANCELLATION = 0.5
 
 # Vectors in whose span a compact body's static mode is searched, for each place; the share of |b|
 # that is left then; how many more will find it at most; and what is left in the end. The error of
@@ -187,7 +188,7 @@ class KrylovSpace:
         # Rigid motions; a place for each static mode that is not among what the solves give, zero
         # until it is needed; and what they give.
         self._given = self.rigid_count + len(self._held)
-        self._progress = np.array([self._given, 0], dtype=np.int32)  # columns, solves
+        self._count, self._solved = self._given, 0
         self._basis = np.zeros((self._given, body.n_dofs))
         self._basis[: self.rigid_count] = rigid.T
         self._stiffness = np.zeros((self._given, self._given))
@@ -195,8 +196,6 @@ class KrylovSpace:
         self._ordered = list(np.eye(self.rigid_count, self._given))
         self._next = self._given
         self._statics, self._wanted, self._ended = 0, 0, False
-        self._K, self._M = core_rows(body.K), core_rows(body.M)
-        self._load = np.empty(body.n_dofs)
         stiffness, mass = body.K.diagonal(), body.M.diagonal()
         heavy = mass > 0.0
         self._fastest = _WITHOUT_MASS * float((stiffness[heavy] / mass[heavy]).max())
@@ -206,7 +205,7 @@ class KrylovSpace:
     @property
     def solves(self) -> int:
         """How many linear systems were solved so far, a static mode's counted as one."""
-        return self._statics + int(self._progress[1])
+        return self._statics + self._solved
 
     @property
     def exhausted(self) -> bool:
@@ -315,10 +314,6 @@ class KrylovSpace:
         """The first of the M-orthonormal basis, shape (n_dofs, count): a view of all."""
         return self._basis[:count].T
 
-    @property
-    def _count(self) -> int:
-        return int(self._progress[0])
-
     def _grow(self, count: int) -> int:
         """Grow to `count` vectors, rigid motions included; return how many there are.
 
@@ -365,7 +360,6 @@ class KrylovSpace:
             within = self._spanned(loads, wanted - int(np.linalg.matrix_rank(loads)))
             if within is not None:
                 return list(within)
-        K, M = self.body.K, self.body.M
         invert = SolverBook(dynamic.at or partial(self.body.inverse, solver=self._solver))
         found = []
         for slot, (place, load) in enumerate(zip(self._held, loads, strict=True), self.rigid_count):
@@ -375,25 +369,42 @@ class KrylovSpace:
                 known[self._solver] = displacement(self.body, load, invert, tolerance=_STATIC)
             self._statics += 1
             # What is new of it has its place in the basis.
-            x, coordinates, vectors = (
-                known[self._solver],
-                np.zeros(self._count),
-                self._basis[: self._count],
-            )
-            size = _norm(x, M)
-            for _ in range(2):
-                parts = _products(vectors, M @ x)
-                x = x - _combinations(parts[None], vectors)[0]
-                coordinates += parts
-            length = _norm(x, M)
-            if length > _NOTHING_NEW * size:
+            x = known[self._solver]
+            x, _, coordinates, length = self._across(x, self.body.M @ x)
+            if length > 0.0:
                 coordinates[slot] = length
-                vectors[slot] = x / length
-                row = _products(vectors, K @ vectors[slot])
-                row[: self.rigid_count] = 0.0
-                self._stiffness[slot, : self._count] = self._stiffness[: self._count, slot] = row
+                self._put(slot, x / length)
             found.append(coordinates)
         return found
+
+    def _across(
+        self, x: FloatArray, mx: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+        """Return x across the vectors, M times that, its parts along them, and the length left.
+
+        That is 0 where it is rounding. Passes of Gram and Schmidt end where one shortens little.
+        """
+        vectors, parts = self._basis[: self._count], np.zeros(self._count)
+        size = length = _length(x, mx)
+        before = math.inf
+        while _NOTHING_NEW * size < length < _NO_CANCELLATION * before:
+            along = _products(vectors, mx)
+            x, parts, before = x - _combinations(along[None], vectors)[0], parts + along, length
+            mx = self.body.M @ x
+            length = _length(x, mx)
+        return x, mx, parts, length if length > _NOTHING_NEW * size else 0.0
+
+    def _put(self, slot: int, vector: FloatArray) -> None:
+        """Make it a vector of the basis. Rigid motions have no elastic force."""
+        if not np.isfinite(vector).all():
+            raise ConvergenceError(
+                "a motion that the contact excites is out of range: it has hardly any mass"
+            )
+        self._basis[slot] = vector
+        self._count = max(self._count, slot + 1)
+        row = _products(self._basis[: self._count], self.body.K @ vector)
+        row[: self.rigid_count] = 0.0
+        self._stiffness[slot, : self._count] = self._stiffness[: self._count, slot] = row
 
     def _spanned(self, loads: FloatArray, wanted: int) -> FloatArray | None:
         """K⁻¹ of each load in the span of the vectors wanted anyway and, if promising, of more.
@@ -432,8 +443,8 @@ class KrylovSpace:
         if self._ended:
             return False
         # All functionals have their turn with a shift before the next shift has its own.
-        solves = int(self._progress[1])
-        turn, until, first = solves // len(self._b), _SHARPENED_FROM, self.shift
+        solves, places = self._solved, len(self._b)
+        turn, until, first = solves // places, _SHARPENED_FROM, self.shift
         while turn >= until:
             until *= _SHARPENED_BY
             first = max(first, min(until / ORDER_FITTED * self.shift, self._highest))
@@ -443,7 +454,7 @@ class KrylovSpace:
             if at is not None and first not in self._solvers:
                 self._solvers[first] = at(first**2)
         inverse = self._inverse(shifts[turn % len(shifts)])
-        most = 1 if len(shifts) > 1 else min(most, until * len(self._b) - solves)
+        most = 1 if len(shifts) > 1 else min(most, until * places - solves)
         before = self._count
         wanted = before + min(most, max(1, solves))  # then looks at its pace
         had, dofs = self._basis.shape
@@ -458,28 +469,22 @@ class KrylovSpace:
             self._basis = np.concatenate([self._basis, np.empty((more, dofs))])
             self._stiffness = np.pad(self._stiffness, (0, more))
 
-        def in_place(*buffers: memoryview) -> None:
-            x, kx, mx = map(np.frombuffer, buffers)
-            x[:], kx[:], mx[:] = inverse.solve_roughly(x.copy())
-
-        _core.krylov_extend(
-            self._K,
-            self._M,
-            inverse.s2,
-            in_place,
-            self._b,
-            self._basis,
-            self._stiffness,
-            self._load,
-            self.rigid_count,
-            self._given,
-            self._progress,
-            wanted,
-        )
+        while self._count < wanted and self._given + self._solved < places + self._count:
+            turn = self._solved
+            if turn < places:
+                self._load = self._b[turn]
+            elif places > 1:  # else it is left from the last vector
+                self._load = self.body.M @ self._basis[self._given + turn - places]
+            x, _, mx = inverse.solve_roughly(self._load)
+            self._solved += 1
+            x, mx, _, length = self._across(x, mx)
+            if length > 0.0:
+                self._load = mx / length
+                self._put(self._count, x / length)
         self.solver_name = inverse.name  # factors may have taken over
         light = np.flatnonzero(np.diagonal(self._stiffness)[before : self._count] > self._fastest)
         if len(light):
-            self._progress[0], self._ended = before + light[0], True
+            self._count, self._ended = before + int(light[0]), True
         return self._count > before
 
     def _inverse(self, shift: float) -> LinearSolver:
@@ -488,9 +493,7 @@ class KrylovSpace:
                 self._solvers[shift] = self.body.inverse(
                     shift**2,
                     solver=self._solver,
-                    solutions=max(
-                        FEW_SOLUTIONS, self._wanted - self.rigid_count - int(self._progress[1])
-                    ),
+                    solutions=max(FEW_SOLUTIONS, self._wanted - self.rigid_count - self._solved),
                 )
             except SingularError as error:
                 raise SingularError(
@@ -614,5 +617,5 @@ def _combinations(parts: FloatArray, vectors: FloatArray) -> FloatArray:
     return found
 
 
-def _norm(x: FloatArray, M: Any) -> float:
-    return math.sqrt(np.einsum("n,n->", x, M @ x))
+def _length(x: FloatArray, mx: FloatArray) -> float:
+    return math.sqrt(max(0.0, np.einsum("n,n->", x, mx)))

@@ -270,9 +270,14 @@ class AOModel(Frozen):
     def _damped_receptance(self, damping: Damping, frequency: FloatArray) -> Any:
         omega2, participation = self.to_modal()
         omega = np.sqrt(omega2)
-        real, imaginary = np.empty(frequency.shape), np.empty(frequency.shape)
-        weight, decay = participation**2, damping.decay(omega)
-        _core.modal_receptance(omega, decay, weight, self.residual, frequency, real, imaginary)
+        real, imaginary = np.full(frequency.shape, self.residual), np.zeros(frequency.shape)
+        for own, share, rate in zip(omega, participation**2, damping.decay(omega), strict=True):
+            spring, dashpot = (own - frequency) * (own + frequency), 2.0 * rate * frequency
+            size = np.hypot(spring, dashpot)
+            turned, still = np.where(size > 0.0, size, 1.0), dashpot == 0.0
+            with np.errstate(divide="ignore"):  # a resonance without damping is infinite
+                real += np.where(still, share / spring, share / turned * (spring / turned))
+            imaginary -= share / turned * (dashpot / turned)
         result = real + 1j * imaginary
         return result if result.ndim else complex(result)
 

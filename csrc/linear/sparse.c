@@ -54,41 +54,6 @@ void aoi_sparse_multiply(const aoi_sparse *matrix, const double *x, double *y)
     }
 }
 
-/* y_c = A x_c for four vectors, each bit for bit what it is alone. */
-static void multiply_four(const aoi_sparse *matrix, const double *x, double *y)
-{
-    const size_t n = matrix->n;
-    const double *x0 = x, *x1 = x0 + n, *x2 = x1 + n, *x3 = x2 + n;
-    for (size_t i = 0; i < n; i++) {
-        const int32_t begin = matrix->start[i], end = matrix->start[i + 1];
-        double sum[2][4] = {{0.0}, {0.0}};
-        for (int32_t p = begin; p < end; p++) {
-            const double value = matrix->values[p];
-            const int32_t j = matrix->indices[p];
-            double *half = sum[(p - begin) & 1];
-            half[0] += value * x0[j];
-            half[1] += value * x1[j];
-            half[2] += value * x2[j];
-            half[3] += value * x3[j];
-        }
-        for (size_t c = 0; c < 4; c++) {
-            y[c * n + i] = sum[0][c] + sum[1][c];
-        }
-    }
-}
-
-void aoi_sparse_multiply_each(const aoi_sparse *matrix, size_t count, const double *x, double *y)
-{
-    const size_t n = matrix->n;
-    size_t c = 0;
-    for (; c + 4 <= count; c += 4) {
-        multiply_four(matrix, x + c * n, y + c * n);
-    }
-    for (; c < count; c++) {
-        aoi_sparse_multiply(matrix, x + c * n, y + c * n);
-    }
-}
-
 double aoi_sparse_quadratic(const aoi_sparse *matrix, const double *x)
 {
     double sum = 0.0;

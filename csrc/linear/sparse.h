@@ -11,19 +11,8 @@ int aoi_sparse_check(const aoi_sparse *matrix, size_t stored_count);
 /* y = A x; x and y of n doubles, not overlapping. */
 void aoi_sparse_multiply(const aoi_sparse *matrix, const double *x, double *y);
 
-/* y = A x for each of count vectors, which stand one after the other: four at a time share one pass
- * through A. Each comes out as by itself, bit for bit. */
-void aoi_sparse_multiply_each(const aoi_sparse *matrix, size_t count, const double *x, double *y);
-
 /* x^T A x without work space. */
 double aoi_sparse_quadratic(const aoi_sparse *matrix, const double *x);
-
-/* A linear solver of K + s^2 M that has looked at its residual f - K x - s^2 M x: as aoi_solver, and
- * it leaves K x in kx and M x in mx, n doubles each. */
-typedef struct aoi_residual_solver {
-    int (*solve)(void *data, double *x, double *kx, double *mx);
-    void *data;
-} aoi_residual_solver;
 
 /* Factors of a symmetric positive definite matrix, P A P^T = L D L^T: L unit lower triangular by
  * compressed columns WITHOUT its diagonal, rows of a column ascending; D the n pivots, all

@@ -167,13 +167,11 @@ void track_free(kept_track *kept);
 #define FUNCTIONS(X)                                                                               \
     /* laws.c */                                                                                   \
     X(law_force) X(law_potential)                                                                  \
-    /* krylov.c */                                                                                 \
-    X(krylov_extend)                                                                               \
     /* star.c */                                                                                   \
-    X(star_from_constraint_modes) X(star_receptance) X(modal_receptance) X(star_to_modal)          \
+    X(star_from_constraint_modes) X(star_receptance) X(star_to_modal)          \
     X(star_from_modal)                                                                             \
     /* sparse.c */                                                                                 \
-    X(factors_find_panels) X(factors_solve)                                                        \
+    X(factors_find_panels)                                                        \
     /* multigrid.c */                                                                              \
     X(blocks_pattern) X(blocks_multiply) X(blocks_subtract) X(blocks_smooth) X(graph_aggregate)    \
     /* newmark.c, adaptive.c */                                                                    \

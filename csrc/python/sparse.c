@@ -39,21 +39,3 @@ PyObject *factors_find_panels(PyObject *args)
     }
     return finish(&of, "factors", "n", (Py_ssize_t)count);
 }
-
-PyObject *factors_solve(PyObject *args)
-{
-    call of = {.status = AOI_OK};
-    signal_check signals;
-    PyObject *described = NULL;
-    size_t n = ANY_LENGTH;
-    aoi_factors factors = {.pause = &signals.pause};
-    double *x;
-    TAKE(&of, args, VALUE('t', described), ARRAY('D', factors.work, n), ARRAY('D', x, n));
-    take_factors(&of, described, n, &factors);
-    if (of.status == AOI_OK) {
-        signal_check_release(&signals);
-        of.status = aoi_factors_solve(&factors, x);
-        signal_check_regain(&signals);
-    }
-    return finish(&of, "back-substitution", "");
-}

@@ -1,6 +1,5 @@
 /* The star and its modes, for Python. */
 #include "python/binding.h"
-#include "star/receptance.h"
 
 PyObject *star_from_constraint_modes(PyObject *args)
 {
@@ -42,24 +41,6 @@ PyObject *star_receptance(PyObject *args)
         const size_t some = count - i < piece ? count - i : piece;
         Py_BEGIN_ALLOW_THREADS
         aoi_star_receptance(&star, some, omega + i, receptance + i);
-        Py_END_ALLOW_THREADS
-    }
-    return finish(&of, "receptance", "");
-}
-
-PyObject *modal_receptance(PyObject *args)
-{
-    call of = {.status = AOI_OK};
-    size_t n = ANY_LENGTH, count = ANY_LENGTH;
-    const double *omega, *decay, *weight, *frequency;
-    double residual, *real, *imaginary;
-    TAKE(&of, args, ARRAY('d', omega, n), ARRAY('d', decay, n), ARRAY('d', weight, n), VALUE('x', residual),
-         ARRAY('d', frequency, count), ARRAY('D', real, count), ARRAY('D', imaginary, count));
-    const size_t piece = frequencies_a_piece(n);
-    for (size_t i = 0; of.status == AOI_OK && i < count && PyErr_CheckSignals() == 0; i += piece) {
-        const size_t some = count - i < piece ? count - i : piece;
-        Py_BEGIN_ALLOW_THREADS
-        aoi_modal_receptance(n, omega, decay, weight, residual, some, frequency + i, real + i, imaginary + i);
         Py_END_ALLOW_THREADS
     }
     return finish(&of, "receptance", "");

@@ -2,7 +2,6 @@
  * closes. */
 #include "body.h"
 #include "linear/vector.h"
-#include "star/receptance.h"
 
 enum { MOST = 12, PORTS = 2, ROWS_OF_TWO = AOI_BODY_ROWS + AOI_PORT_ROWS * PORTS };
 
@@ -143,23 +142,6 @@ static void a_ramp_is_followed_to_second_order(void)
           "halving dt quarters the error: %g, %g, %g", error[0], error[1], error[2]);
 }
 
-/* The receptance of a damped oscillator, and what becomes of it without damping. */
-static void receptance_is_the_oscillators(void)
-{
-    const double omega = 300.0, decay[] = {40.0, 0.0}, weight = 2.0, residual = 1e-7;
-    const double at[] = {0.0, 100.0, 300.0, 1e4};
-    for (size_t i = 0; i < 4; i++) {
-        const double w = at[i], d = 2.0 * decay[0] * w, k = omega * omega - w * w;
-        double re, im;
-        aoi_modal_receptance(1, &omega, decay, &weight, residual, 1, &w, &re, &im);
-        CHECK(near(re, residual + weight * k / (k * k + d * d), 1e-13), "real part at %g", w);
-        CHECK(near(im, -weight * d / (k * k + d * d), 1e-13), "imaginary part at %g", w);
-    }
-    double re, im;
-    aoi_modal_receptance(1, &omega, decay + 1, &weight, 0.0, 1, &at[2], &re, &im);
-    CHECK(isinf(re) && im == 0.0, "infinite on an undamped resonance");
-}
-
 static void what_cannot_be_is_refused(void)
 {
     static modes m;
@@ -225,7 +207,6 @@ int main(void)
     ports_are_reciprocal();
     the_ledger_closes();
     a_ramp_is_followed_to_second_order();
-    receptance_is_the_oscillators();
     what_presses_at_the_start_has_bent_the_residual();
     what_cannot_be_is_refused();
     return check_report();

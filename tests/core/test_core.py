@@ -176,20 +176,6 @@ def briefs_arguments(duration: float = 1e-3) -> list[Any]:
     return [(ball, target), moving, (law(),), which, numbers, np.zeros((2, 10))]
 
 
-def krylov_arguments() -> list[Any]:
-    """Two vectors of a chain's subspace, grown from its two ends."""
-    K, M = chain(6)
-    inverse = factorize(K + 1e6 * M)
-
-    def solve(*buffers: memoryview) -> None:
-        x, kx, mx = map(np.frombuffer, buffers)
-        x[:] = inverse.solve(x.copy())
-        kx[:], mx[:] = K @ x, M @ x
-
-    b, progress = np.eye(6)[[0, 5]], np.zeros(2, dtype=np.int32)
-    return [rows(K), rows(M), 1e6, solve, b, *zeros(18, 9, 6), 0, 0, progress, 2]
-
-
 # A good call of every function, and which of its arrays are written.
 CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "law_force": (
@@ -205,7 +191,6 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
         ],
         {6, 7, 8, 9},
     ),
-    "krylov_extend": (krylov_arguments, {5, 6, 7, 10}),
     "star_receptance": (
         lambda: [1.0, 0.0, np.ones(3), np.arange(1.0, 4.0), np.ones(5) / 3, np.zeros(5)],
         {5},
@@ -215,7 +200,6 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
         {4, 5, 6},
     ),
     "star_from_modal": (lambda: [np.arange(4.0), np.ones(4), np.zeros(3), np.zeros(3)], {2, 3}),
-    "factors_solve": (lambda: [tuple(factors()), np.zeros(6), np.ones(6)], {1, 2}),
     "blocks_pattern": (pattern_arguments, set()),
     "blocks_multiply": (
         lambda: [
@@ -250,10 +234,6 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "track_forces": (forces_arguments, {2}),
     "track_states": (states_arguments, {3}),
     "briefs": (briefs_arguments, {5}),
-    "modal_receptance": (
-        lambda: [*np.ones((3, 4)), 0.0, np.ones(5) / 3, *zeros(5, 5)],
-        {5, 6},
-    ),
     "newmark": (lambda: steps_arguments(star(velocity=1.0), star()), {5, 6, 9}),
 }
 
@@ -437,10 +417,9 @@ def test_factors_that_point_outside_are_refused(position: int, index: int, value
     wrong = factors()
     wrong[position] = wrong[position].copy()
     wrong[position][index] = value
-    x = np.ones(6)
+    matrices = (*full()["full"][:4], tuple(wrong))
     with pytest.raises(ao.AOImpactError):
-        _core.factors_solve(tuple(wrong), np.zeros(6), x)
-    assert np.array_equal(x, np.ones(6))
+        _core.newmark(*steps_arguments(full() | {"full": matrices}, star()))
 
 
 @pytest.mark.parametrize("which", ["K", "M"])
@@ -532,17 +511,6 @@ def test_every_status_of_the_core_has_its_exception() -> None:
         assert isinstance(error, (ValueError, RuntimeError))
         assert "1.5e-06 s" in str(error)
         assert "unknown" not in str(error)
-
-
-def test_an_exception_of_the_linear_solver_comes_through() -> None:
-    arguments = krylov_arguments()
-    arguments[3] = lambda *buffers: 1 / 0
-    with pytest.raises(ZeroDivisionError):
-        _core.krylov_extend(*arguments)
-    assert list(arguments[10]) == [0, 0]
-    arguments[3] = lambda *buffers: None  # the right-hand side is no solution
-    with pytest.raises(ao.ConvergenceError, match="linear"):
-        _core.krylov_extend(*arguments)
 
 
 def test_failing_step_says_its_time_and_leaves_the_bodies_as_they_were() -> None:
@@ -680,48 +648,6 @@ def test_many_calls_leak_nothing(calls: int) -> None:
 
 
 # -------------------------------------------------------- what outlives a call, and what it costs
-
-
-@pytest.mark.parametrize("raises", [False, True])
-def test_a_solver_may_keep_its_views(raises: bool) -> None:
-    n = 20_000
-    start, indices = np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32)
-    stiffness, kept = np.linspace(1.0, 2.0, n), []
-
-    def solve(*views: memoryview) -> None:
-        x, kx, mx = map(np.frombuffer, views)
-        x /= stiffness
-        kx[:], mx[:] = stiffness * x, x
-        kept.extend([x, kx, mx])
-        if raises:
-            raise ZeroDivisionError
-
-    error: BaseException | None = None
-    try:
-        _core.krylov_extend(
-            (start, indices, stiffness),
-            (start, indices, np.ones(n)),
-            0.0,
-            solve,
-            np.ones(n),
-            np.zeros((3, n)),
-            np.zeros((3, 3)),
-            np.zeros(n),
-            0,
-            0,
-            np.zeros(2, dtype=np.int32),
-            2,
-        )
-    except ZeroDivisionError as caught:
-        error = caught  # whose traceback holds the frame of the solver
-    assert (error is not None) == raises
-    before = [view.copy() for view in kept]
-    junk = [np.full(n * count, 7.0) for count in range(1, 40)]
-    for view, copy in zip(kept, before, strict=True):
-        np.testing.assert_array_equal(view, copy)
-    for view in kept:
-        view[:] = 3.0
-    assert all((other == 7.0).all() for other in junk)
 
 
 @pytest.mark.skipif(

@@ -50,12 +50,6 @@ def receptance() -> Call:
     return lambda: _core.star_receptance(1.0, 1.0, k / k, k, frequency, np.empty_like(frequency))
 
 
-def modal_receptance() -> Call:
-    omega, frequency = np.arange(1.0, 3001.0), np.linspace(0.0, 20.0, 100_000)
-    answer = np.empty_like(frequency), np.empty_like(frequency)
-    return lambda: _core.modal_receptance(omega, omega, omega, 0.0, frequency, *answer)
-
-
 def to_modal() -> Call:
     k = np.arange(1.0, 10_001.0)
     room = np.empty(len(k) + 1), np.empty(len(k) + 1), np.empty(len(k))
@@ -66,34 +60,6 @@ def from_modal() -> Call:
     omega2 = np.arange(1.0, 10_001.0)
     room = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
     return lambda: _core.star_from_modal(omega2, omega2 / omega2, *room)
-
-
-def krylov() -> Call:
-    n, given, wanted = 200_000, 150, 190
-    start, indices = np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32)
-    stiffness = np.linspace(1.0, 2.0, n)
-
-    def solve(*views: memoryview) -> None:
-        x, kx, mx = map(np.frombuffer, views)
-        x /= stiffness + 1.0
-        kx[:], mx[:] = stiffness * x, x
-
-    basis = np.zeros((wanted, n))
-    basis[np.arange(given), np.arange(given)] = 1.0
-    return lambda: _core.krylov_extend(
-        (start, indices, stiffness),
-        (start, indices, np.ones(n)),
-        1.0,
-        solve,
-        np.ones(n),
-        basis,
-        np.zeros((wanted, wanted)),
-        np.zeros(n),
-        0,
-        given,
-        np.array([given, 0], dtype=np.int32),
-        wanted,
-    )
 
 
 def track(count: int) -> tuple[object, Array]:
@@ -185,7 +151,7 @@ def masses() -> Call:
     return full(1, np.logspace(0.0, 8.0, 400_000))
 
 
-LONG = [law, receptance, modal_receptance, to_modal, from_modal, krylov]
+LONG = [law, receptance, to_modal, from_modal]
 LONG += [sample, sample_evenly, states, forces, touch, briefs, factors, masses]
 
 

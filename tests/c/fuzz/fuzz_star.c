@@ -1,6 +1,5 @@
 /* Stars, their modes and back, and roots of the secular equation. */
 #include "fuzz.h"
-#include "star/receptance.h"
 #include "star/secular.h"
 
 enum { MOST = 8, FREQUENCIES = 3 };
@@ -81,9 +80,6 @@ static void of_modes(input *in)
         participation[j] = sqrt(weight[j]);
     }
     and_back(in, count, omega2, participation);
-    double *frequency = take_array(in, FREQUENCIES, take_any);
-    double *real = take_room(in, FREQUENCIES), *imaginary = take_room(in, FREQUENCIES);
-    aoi_modal_receptance(count, omega2, weight, weight, 0.0, FREQUENCIES, frequency, real, imaginary);
 }
 
 static void of_secular(input *in)
