@@ -188,7 +188,8 @@ class KrylovSpace:
         # Rigid motions; a place for each static mode that is not among what the solves give, zero
         # until it is needed; and what they give.
         self._given = self.rigid_count + len(self._held)
-        self._count, self._solved = self._given, 0
+        self._count: int = self._given
+        self._solved = 0
         self._basis = np.zeros((self._given, body.n_dofs))
         self._basis[: self.rigid_count] = rigid.T
         self._stiffness = np.zeros((self._given, self._given))
@@ -384,9 +385,8 @@ class KrylovSpace:
 
         That is 0 where it is rounding. Passes of Gram and Schmidt end where one shortens little.
         """
-        vectors, parts = self._basis[: self._count], np.zeros(self._count)
+        vectors, parts, before = self._basis[: self._count], np.zeros(self._count), math.inf
         size = length = _length(x, mx)
-        before = math.inf
         while _NOTHING_NEW * size < length < _NO_CANCELLATION * before:
             along = _products(vectors, mx)
             x, parts, before = x - _combinations(along[None], vectors)[0], parts + along, length
