@@ -58,8 +58,6 @@ def real(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> fl
     """
     if type(value) is float and math.isfinite(value):
         return value  # the common case: asking for what else is a real number takes far longer
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value.item()
     if not isinstance(value, numbers.Real) or isinstance(value, (bool, np.bool_)):
         raise InputTypeError(f"{name} must be a real number, got {_short(value)}")
     try:
@@ -99,9 +97,9 @@ def integer(name: str, value: Any, *, low: int | None = None, high: int | None =
     InputError
         If it lies outside the bounds.
     """
-    if isinstance(value, (bool, np.bool_)):
-        raise InputTypeError(f"{name} must be an integer, got the bool {value}")
     try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
         number = operator.index(value)
     except TypeError:
         raise InputTypeError(f"{name} must be an integer, got {_short(value)}") from None
@@ -286,8 +284,7 @@ def finite_array(
     """
     given = _array(name, value, "an array of numbers")
     if given.dtype.kind not in "iuf":
-        got = _short(value) if given.ndim == 0 else f"dtype {given.dtype}"
-        raise InputTypeError(f"{name} must be an array of real numbers, got {got}")
+        raise InputTypeError(f"{name} must be an array of real numbers, got dtype {given.dtype}")
     with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
         array = np.asarray(given, dtype=np.float64, order="C")
     _check_shape(name, array.shape, shape)

@@ -8,9 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-# Seconds after which a bar appears, and between which its clock goes on though nothing is counted:
-# a factorisation says nothing until it is done.
-_DELAY, _CLOCK = 1.0, 0.5
+# Seconds after which a bar appears.
+_DELAY = 1.0
 
 # The outermost bar of each thread.
 _open = threading.local()
@@ -52,21 +51,11 @@ def bar(
         if not shown or getattr(_open, "bar", None) is not None:
             yield drawn
             return
-        over = threading.Event()
-
-        def tick() -> None:
-            while not over.wait(_CLOCK):
-                drawn.update(0)
-
-        clock = threading.Thread(target=tick, daemon=True)
-        clock.start()
         _open.bar = drawn
         try:
             yield drawn
         finally:
             _open.bar = None
-            over.set()
-            clock.join()
 
 
 def advance(unit: str, n: float = 1) -> None:

@@ -226,13 +226,6 @@ class Binder:
             return None, {}
         return options[kind], {key: of for key, of in value.items() if key != "type"}
 
-    def bind_typed(
-        self, tables: Mapping[str, Table], value: Mapping[str, Any], place: Place, **more: Any
-    ) -> Call | None:
-        """Bind a table to the function that its key `type` names."""
-        made, given = self.tagged(value, place, tables)
-        return None if made is None else self.bind(made, given, place, **more)
-
 
 def table(*functions: Table | Callable[..., Any]) -> Reader:
     """Return what reads a table that gives the arguments of one of some functions."""
@@ -240,10 +233,23 @@ def table(*functions: Table | Callable[..., Any]) -> Reader:
     return Reader("a table", (dict,), lambda binder, *of: binder.bind(tables, *of))
 
 
-def typed(*functions: Callable[..., Any]) -> Reader:
-    """Return what reads a table whose key `type` names one of some functions."""
-    tables = {of.__name__: Table(of) for of in functions}
-    return Reader("a table", (dict,), lambda binder, *of: binder.bind_typed(tables, *of))
+def typed(*functions: Table | Callable[..., Any], **more: str) -> Reader:
+    """Return what reads a table whose key `type` names one of some functions.
+
+    Parameters
+    ----------
+    **more : optional
+        Arguments that do not come from the table, by the key of the table around that gives them.
+    """
+    tables = [of if isinstance(of, Table) else Table(of) for of in functions]
+    options = {of.function.__name__: of for of in tables}
+
+    def read(binder: Binder, value: Any, place: Place) -> Any:
+        made, given = binder.tagged(value, place, options)
+        around = {name: binder.around.get(key) for name, key in more.items()}
+        return made and binder.bind(made, given, place, **around)
+
+    return Reader("a table", (dict,), read)
 
 
 def calls(node: Any) -> Iterator[Call]:

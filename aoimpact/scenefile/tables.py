@@ -163,23 +163,15 @@ def _of_matrices(
     return io.read_matrices(**matrices, damping=damping, name=name)
 
 
-def _read_model(binder: Binder, value: Any, place: Place) -> Call | None:
-    """The model of a body that is touched at the places read before."""
-    touched = binder.around.get("contact")
-    return binder.bind_typed(_MODELS, value, place, tip=touched, tips=touched)
-
-
-_MODELS = {
-    one.__name__: Table(one, keep=True)
-    for one in (reduction.antioscillators, reduction.modal, reduction.interface, reduction.full)
-}
+_MODELS = reduction.antioscillators, reduction.modal, reduction.interface, reduction.full
+_MODEL = typed(*(Table(one, keep=True) for one in _MODELS), tip="contact", tips="contact")
 _CONTACT = Annotated[Any, table(fem.FEModel.contact)]
 
 
 def _touched(
     name: str,
     contact: _CONTACT | Sequence[_CONTACT],
-    model: Annotated[Any, Reader("a table", (dict,), _read_model)] = None,
+    model: Annotated[Any, _MODEL] = None,
 ) -> BodyModel:
     return body_model(name, contact) if model is None else model
 
@@ -254,10 +246,8 @@ def _read_finite(binder: SceneBinder, name: str, place: Place) -> Any:
 
 
 _FINITE = Annotated[Any, Reader("the name of a body", (str,), _read_finite)]
-_SENSORS = {
-    one.__name__: Table(one, hints={"body": _FINITE})
-    for one in (accuracy.StressAt, accuracy.StrainAt, accuracy.AccelerationAt, accuracy.ReactionAt)
-}
+_SENSORS = accuracy.StressAt, accuracy.StrainAt, accuracy.AccelerationAt, accuracy.ReactionAt
+_TYPED = typed(*(Table(one, hints={"body": _FINITE}) for one in _SENSORS))
 
 
 def _place(body: _FINITE, point: Numbers, direction: Numbers) -> ContactPoint:
@@ -270,7 +260,7 @@ def _read_sensor(binder: Binder, value: Any, place: Place) -> Any:
         return binder.bind(Table(_place), value, place)
     if "body" not in value:
         binder.say(place, "'body' is missing, the name of a body")
-    return binder.bind_typed(_SENSORS, value, place)
+    return _TYPED(binder, value, place)
 
 
 _SENSOR = Reader("a table of a sensor", (dict,), _read_sensor)
