@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from ..base import ConvergenceError, InputError, positive, warn, with_unit
+from ..base import ConvergenceError, InputError, positive, warn
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
 from ..reduction import Body
-from ..results import Chosen, LeftOut, Quantity, RecordLength, Run, number_errors, solve
+from ..results import Chosen, LeftOut, Quantity, RecordLength, Run, number_errors
 from ..scene import Scenario
 from .hierarchy import Models, fixed_model, only_models
 from .leftout import errors_left_out
@@ -39,17 +39,15 @@ _SHARE_OF_TIME, _SHARE_OF_STEPS, _SHARE_WITH_FRICTION = 0.005, 0.2, 0.05
 _SHARE_OF_MESH = 0.2
 
 
-def checked_linear_solver(solver: Solver | None, *, chosen: bool) -> Solver:
+def checked_linear_solver(solver: Solver, *, chosen: bool) -> Solver:
     """Return the linear solver for models that are chosen, and refuse one where none are.
 
     Parameters
     ----------
-    solver : str, callable or None
+    solver : str or callable
     chosen : bool
         Whether a quantity or a tolerance was given, for which models are made.
     """
-    if solver is None:
-        return "auto"
     if not chosen:
         raise InputError(
             f"linear_solver={solver!r} is for models that are made for a tolerance: give quantity "
@@ -121,8 +119,6 @@ def choose_models(
     tolerance, quantity = checked_rtol(rtol), interest()
     given = rtol is not None
     rule, in_time = time_rule(solver, tolerance, plan, given=given)
-    timed = partial(solve, solver=rule)
-    meshed = any(body.tips for body in plan.bodies)
     kept = {
         body: body
         if body.reducible or (truncated and isinstance(body, Body) and body.ports == 1)
@@ -147,10 +143,10 @@ def choose_models(
             _order(model) or getattr(body, "most", _order(body)) == 0
             for model, body in zip(models, bodies, strict=True)
         )
-        return record.run(plan.of_models(models, energies=False), timed, last=flexible)
+        return record.run(plan.of_models(models, energies=False), rule, last=flexible)
 
     if models := only_models(bodies):
-        run = record.run(plan.of_models(models, energies=plan.energies), timed)
+        run = record.run(plan.of_models(models, energies=plan.energies), rule)
         found = Orders((0,) * len(models), models, 0.0, in_models, run, ())
     else:
         found = search(
@@ -161,14 +157,19 @@ def choose_models(
             record,
             solver=linear_solver,
             factors=factors,
-            looser=looser if meshed and not given else None,
+            looser=looser if plan.meshed and not given else None,
             best=not given,
         )
         if found.rtol > in_models:
             tolerance = found.rtol + in_time
         if found.error > tolerance:
             _warn_of_the_best(found, quantity, tolerance)
-        run = record.run(plan.of_models(found.models, energies=plan.energies), timed)
+        run, made = found.run, plan.of_models(found.models, energies=plan.energies)
+        if run.recorder.dense or not plan.energies:  # steps record energies as they are made
+            made = replace(made, duration=run.duration)
+            run = replace(run, plan=made, recorder=replace(run.recorder, plan=made))
+        else:
+            run = record.run(made, rule)
     error = run.time_error
     if given and error is not None and error + found.error > tolerance:
         cure = f"take {type(rule).__name__}(rtol={in_time:.1g})"
@@ -181,17 +182,15 @@ def choose_models(
             f"{cure}"
         )
     run = replace(run, chosen=_chosen(found, quantity, tolerance))
-    return replace(run, left_out=known[0] if known else left_out) if meshed else run
+    return replace(run, left_out=known[0] if known else left_out) if plan.meshed else run
 
 
 def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
     """How models were chosen: the quantity, its tolerance, and the errors of all numbers."""
-    numbers = number_errors(found.run, found.smaller, {quantity.name: found.error})
-    largest, most = "", math.nan
+    numbers, most = number_errors(found.run, found.smaller, {quantity.name: found.error}), math.nan
     if quantity.history is not None:
         most = float(np.abs(quantity.history(found.run, found.run.t)).max(initial=0.0))
-        largest = "" if math.isnan(most) else with_unit(most, quantity.unit, 5)
-    return Chosen(quantity.name, tolerance, numbers, largest, most)
+    return Chosen(quantity.name, tolerance, numbers, quantity.unit, most)
 
 
 def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:

@@ -98,7 +98,7 @@ class Hierarchy:
     def model(self, order: int) -> Body:
         """Return the model to run; it may hold vectors that others share."""
         with self._lock:  # many impacts share it, in several threads
-            order = self.at_most(order)
+            order = min(order, self.most)
             if order not in self._models:
                 self._models[order] = self.make(order)
                 if self._spanned and order >= self.first and self.space().exhausted:
@@ -109,17 +109,13 @@ class Hierarchy:
         """Return the model for the caller."""
         return self.model(order).alone
 
-    def at_most(self, order: int) -> int:
-        """Return the order itself, or the largest that there is, if that is less."""
-        return min(order, self.most)
-
     def larger(self, order: int) -> int:
         """Return an order so large, or that of the whole body."""
-        return self.most if self.small and 2 * order > self.most else self.at_most(order)
+        return self.most if self.small and 2 * order > self.most else min(order, self.most)
 
     def is_whole(self, order: int) -> bool:
         """True if the model of this order has the body's exact response at its contact."""
-        return self.at_most(order + 1) == self.at_most(order)
+        return order >= self.most
 
     def release(self) -> None:
         """Give back memory that only larger models need."""

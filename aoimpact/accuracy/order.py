@@ -135,7 +135,6 @@ class _Trials:
 
     Attributes
     ----------
-    quantity : Quantity
     run : callable
         Simulates with given models, one for each body.
     record : RecordLength
@@ -144,16 +143,12 @@ class _Trials:
         The hierarchy of each body: equal bodies with the same contact point, such as two equal
         spheres, share one. Orders are those of the hierarchies.
     hierarchies : tuple of Hierarchy
-    orders : tuple of int
-        The orders that are tried.
     """
 
-    quantity: Quantity
     run: Callable[[Models], Run]
     record: RecordLength
     places: tuple[int, ...]
     hierarchies: tuple[Hierarchy, ...]
-    orders: _Orders
 
     def __post_init__(self) -> None:
         self._runs: dict[_Orders, Run | None] = {}
@@ -171,71 +166,48 @@ class _Trials:
                 # With few vectors patches are too stiff, and two rigid bodies may both be walls:
                 # such errors may vanish with larger models.
                 pairs = zip(self.hierarchies, orders, strict=True)
-                deform = all(order > 0 or one.at_most(1) == 0 for one, order in pairs)
+                deform = all(order > 0 or one.most == 0 for one, order in pairs)
                 of_input = isinstance(error, InputError | InputTypeError)
                 if of_input and deform and not isinstance(error, LawLimitError):
                     raise
                 self._runs[key], self.failure = None, error
         return self._runs[key]
 
-    def apart(self, orders: _Orders) -> float:
-        """Return the relative difference of the quantity; infinite where there is none."""
-        if (one := self.at(self.orders)) is None or (other := self.at(orders)) is None:
-            return math.inf
-        apart = self.quantity.difference(one, other)
-        return apart if math.isfinite(apart) else math.inf
-
     def at_most(self, orders: Iterable[int]) -> _Orders:
         """Return the orders themselves, or the largest that there are, if these are less."""
-        return tuple([one.at_most(n) for one, n in zip(self.hierarchies, orders, strict=True)])
+        return tuple([min(n, one.most) for one, n in zip(self.hierarchies, orders, strict=True)])
 
-    @property
-    def smaller(self) -> tuple[_Orders, ...]:
-        """The orders that these are compared with; none of whole bodies, whose models are exact."""
-        pairs = list(zip(self.hierarchies, self.orders, strict=True))
-        return tuple(
-            tuple([n if one.is_whole(n) else int(n / _GROWTH**i) for one, n in pairs])
-            for i in range(1, 1 + len(_SHARES))
-            if not self.whole
-        )
+    def smaller(self, orders: _Orders) -> list[_Orders]:
+        """Return those that they are compared with; none of whole bodies, whose models are exact.
 
-    @property
-    def whole(self) -> bool:
-        """True if the models have the bodies' exact responses at their contacts."""
-        return all(one.is_whole(n) for one, n in zip(self.hierarchies, self.orders, strict=True))
+        Whole bodies have exact responses at their contacts.
+        """
+        pairs = list(zip(self.hierarchies, orders, strict=True))
+        if all(n >= one.most for one, n in pairs):
+            return []
+        shares = [_GROWTH**i for i in range(1, 1 + len(_SHARES))]
+        return [
+            tuple([n if n >= one.most else int(n / share) for one, n in pairs]) for share in shares
+        ]
 
-    @property
-    def error(self) -> float:
-        """The estimated error."""
-        apart = map(self.apart, self.smaller)
-        return max((share * of for share, of in zip(_SHARES, apart, strict=False)), default=0.0)
-
-    def grow(self, rtol: float) -> None:
-        """Raise the orders of the bodies with too large a share of an error, or of all."""
-        allowed, poor = rtol / len(self.orders), []
-        for which, smaller in enumerate(self.smaller[0]):
-            alone = (*self.orders[:which], smaller, *self.orders[which + 1 :])
-            poor.append(_SHARES[0] * self.apart(alone) > allowed)
-        self.orders = tuple(
-            [
-                one.larger(math.ceil(_GROWTH * order)) if is_poor or not any(poor) else order
-                for one, order, is_poor in zip(self.hierarchies, self.orders, poor, strict=True)
-            ]
-        )
-
-    def found(self, rtol: float) -> Orders:
+    def found(self, orders: _Orders, error: float, rtol: float) -> Orders:
         """Return the models, which meet a tolerance, and their runs."""
-        orders = self.at_most(self.orders)
+        compared, orders = self.smaller(orders), self.at_most(orders)
         finished = [of.finished(n) for of, n in zip(self.hierarchies, orders, strict=True)]
         models = tuple(finished[place] for place in self.places)
-        done = (self.at(each) for each in (orders, *self.smaller))
-        run, *smaller = (run for run in done if run is not None)  # all: their errors are small
-        error = self.error
+        run, *smaller = filter(None, map(self.at, (orders, *compared)))  # all: errors are small
         for one in self.hierarchies:
             one.release()
         numbers = tuple(orders[place] for place in self.places)
-        compared = tuple(zip(smaller, _SHARES, strict=False))
-        return Orders(numbers, models, error, rtol, run, compared)
+        return Orders(numbers, models, error, rtol, run, tuple(zip(smaller, _SHARES, strict=False)))
+
+
+def _apart(quantity: Quantity, exact: Run | None, other: Run | None) -> float:
+    """The relative difference of a quantity between two runs; infinite where there is none."""
+    if exact is None or other is None:
+        return math.inf
+    apart = quantity.difference(exact, other)
+    return apart if math.isfinite(apart) else math.inf
 
 
 def search(
@@ -299,40 +271,52 @@ def search(
                 key = tuple([tip.key for tip in body.tips]), time, slow, solver, oscillators
                 make = partial(body.body.kept.get, key, partial(make, known))
             made.append(make())
-        first, fits = tuple([one.first + oscillators for one in made]), fits + 1
-        trials = _Trials(quantity, run, record, places, tuple(made), first)
+        orders, fits = tuple([one.first + oscillators for one in made]), fits + 1
+        trials = _Trials(run, record, places, tuple(made))
         loosest, too_wide = None, 0
         while True:
             record.reopen()
-            exact = trials.at(trials.orders)
+            exact = trials.at(orders)
             if exact is not None and fits < _MOST_FITS:
                 found = _scales(quantity, exact, scales)
                 if not scales.suit(found):
                     scales = found
                     break
-            error, applies = trials.error, rtol
+            error, applies, smaller = 0.0 if exact else math.inf, rtol, trials.smaller(orders)
+            compared = map(trials.at, smaller) if exact is not None else ()
+            for share, other in zip(_SHARES, compared, strict=False):
+                error = max(error, share * _apart(quantity, exact, other))
             if rtol < error <= LOOSEST and exact is not None and looser is not None:
                 # Errors of meshes are those of any models.
                 applies = max(rtol, looser(exact)) if loosest is None else LOOSEST
                 loosest = applies
             if error <= applies:
-                return trials.found(applies)
+                return trials.found(orders, error, applies)
             too_wide += exact is None and isinstance(trials.failure, LawLimitError)
             if trials.failure is not None and too_wide >= _TOO_WIDE:
                 raise trials.failure
             limit = min(_MOST_ORDER, _MOST_BY_DEFAULT) if best else _MOST_ORDER
-            if max(trials.orders) > limit or trials.whole:
+            if max(orders) > limit or not smaller:
                 if best and error < 1.0:
-                    return trials.found(max(applies, LOOSEST if error <= LOOSEST else 0.0))
-                raise (trials.failure if exact is None else None) or _no_convergence(trials)
-            trials.grow(applies)
+                    return trials.found(orders, error, max(applies, LOOSEST * (error <= LOOSEST)))
+                failure = trials.failure if exact is None else None
+                raise failure or _no_convergence(error, max(orders))
+            # Larger models of the bodies with too large a share of the error, or of all.
+            alone = [(*orders[:i], n, *orders[i + 1 :]) for i, n in enumerate(smaller[0])]
+            apart = [_apart(quantity, exact, other) for other in map(trials.at, alone)]
+            poor = [_SHARES[0] * of * len(orders) > applies for of in apart]
+            orders = tuple(
+                [
+                    one.larger(math.ceil(_GROWTH * n)) if is_poor or not any(poor) else n
+                    for one, n, is_poor in zip(made, orders, poor, strict=True)
+                ]
+            )
 
 
-def _no_convergence(trials: _Trials) -> ConvergenceError:
-    error = trials.error
+def _no_convergence(error: float, order: int) -> ConvergenceError:
     larger = f"take rtol={_EASED * error:.2g} or more, " if _EASED * error < 1.0 else "take "
     return ConvergenceError(
-        f"the quantity still changes by {error:.2g} at {max(trials.orders)} anti-oscillators: "
+        f"the quantity still changes by {error:.2g} at {order} anti-oscillators: "
         f"{larger}a shorter duration, a contact over a patch (radius=), whose waves are longer, or "
         "the full finite-element models"
     )

@@ -13,6 +13,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.metadata import version
 from itertools import islice
 from typing import Any, NamedTuple
@@ -64,9 +65,10 @@ def simulate_many(
     Parameters
     ----------
     cases : iterable
-        Dicts of `simulate`'s keywords, or pairs (scene, duration). Impacts on one contact point
-        share its models where their contacts last about as long and are about as wide; each has
-        its own error. Without `quantity` and `rtol` models are chosen for the peak force.
+        Dicts of `simulate`'s keywords, or pairs (scene, duration) or (scene, keywords), a dict of
+        those of its ``simulate``. Impacts on one contact point share its models where their
+        contacts last about as long and are about as wide; each has its own error. Without
+        `quantity` and `rtol` models are chosen for the peak force.
     workers : int or executor, optional
         Threads (the core runs without Python's lock), or anything with ``.submit``: executors of
         concurrent.futures and mpi4py.futures, a dask.distributed Client. The results are the same
@@ -242,9 +244,12 @@ class _Job:
         return value, tuple(messages)
 
 
+_signature = lru_cache(1)(inspect.signature)
+
+
 def check_keywords(where: str, function: Callable[..., Any], names: Collection[str]) -> None:
     """Refuse keywords that a function does not have, and the lack of those that it needs."""
-    known = inspect.signature(function).parameters
+    known = _signature(function).parameters
     for name in names:
         if name not in known:
             meant = nearest(str(name), known)
@@ -264,8 +269,8 @@ def _run(case: Any) -> Any:
         check_keywords("case", simulate, case)
         return simulate(**case)
     if isinstance(case, (tuple, list)) and len(case) == 2 and hasattr(case[0], "simulate"):
-        scene, duration = case
-        return scene.simulate(duration=duration)
+        scene, how = case
+        return scene.simulate(**(how if isinstance(how, Mapping) else {"duration": how}))
     raise InputTypeError(
         f"case must be a dict of simulate's keywords or a pair (scene, duration), got {case!r}"
     )

@@ -28,7 +28,7 @@ from ..base import (
     write_csv,
 )
 from ..contact import ContactPoint
-from ..impact import SceneCase, simulate
+from ..impact import simulate
 from ..results import COLUMNS, quantity_unit
 from ..scenefile import SceneFile, read_scene
 from .many import check_keywords, run_cases
@@ -320,7 +320,7 @@ def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
         return lambda **parameters: {**base, **parameters}
     if hasattr(base, "simulate"):
         check_keywords("grid", base.simulate, grid)
-        return lambda duration=None, **rest: (SceneCase(base, rest), duration)
+        return lambda **keywords: (base, keywords)
     if callable(base):
         return base
     raise InputTypeError(

@@ -90,6 +90,9 @@ _NEARLY = 1e-3
 # measured to be worse for each solve.
 SHIFT_TIMES_DURATION = 10.0
 
+# Thickness over width of solid elements that are those of a sheet, with room for rounding.
+_FLAT = 0.1 * (1.0 + 1e-6)
+
 # Range of abs(b) for which bᵀKb and bᵀMb neither overflow nor underflow.
 _SMALLEST, _LARGEST = 1e-50, 1e50
 
@@ -448,6 +451,20 @@ class ContactPoint(Frozen):
         if surface is None or self.point is None or self.direction is None:
             return math.inf
         return thickness(surface, self.point, self.direction)
+
+    @cached_property
+    def flat(self) -> bool:
+        """True if the solid elements under it are those of a sheet.
+
+        :meta private:
+        """
+        surface, normal = self.body.surface, self.normal
+        if surface is None or self.point is None or normal is None or self.thin is not None:
+            return False
+        cell = int(surface.cell[surface.nearest(self.point).face[0]])
+        height = float(np.ptp(surface.mesh.nodes[surface.mesh.cells[cell]] @ normal))
+        width = edge_length(surface, self.point)
+        return height <= _FLAT * width and self.depth <= width
 
     def edge_over_wave(self, s: float) -> float:
         """Return the edge of elements at the contact over the length of a bending wave at i s.

@@ -6,5 +6,5 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 
 from .defaults import SPEEDS, checked_duration, number_or_vector
 from .foreseen import Foreseen
-from .scene import Scene, SceneCase
+from .scene import Scene
 from .twobodies import pair, plan_impact, simulate

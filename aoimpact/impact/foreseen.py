@@ -36,16 +36,14 @@ class Foreseen:
     def __init__(self, plan: Scenario) -> None:
         self._plan = plan
 
-    def record(self, length: float | None) -> RecordLength:
-        """Return the length of a record, s: that given, or a first guess.
+    def record(self) -> RecordLength:
+        """Return a first guess of the length of a record, s.
 
         Raises
         ------
         InputError
             If nothing brings bodies that touch towards each other.
         """
-        if length is not None:
-            return RecordLength(length, given=True)
         plan = self._plan
         times = [time for time in self._times if time is not None]
         if not times:
@@ -81,7 +79,7 @@ class Foreseen:
             See `Contact.of_models`.
         """
         plan, bodies = self._plan, list(self._plan.bodies)
-        if not any(body.tips for body in bodies):
+        if not plan.meshed:
             return plan if plan.oblique is None else _with_functionals(plan, names)
         contacts = []
         for number, contact in enumerate(plan.contacts):
@@ -166,7 +164,15 @@ def _known(find: Callable[..., float | None], met: Any) -> float | None:
 
 
 def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
-    """For each body the contact points whose direction of travel must be reversed."""
+    """For each body the contact points whose direction of travel must be reversed.
+
+    It goes out of the first body of a contact and into the second.
+
+    Raises
+    ------
+    InputError
+        If it was given the wrong way round.
+    """
     roles: dict[tuple[int, int], set[bool]] = {}
     sides: dict[ContactPoint | None, set[bool]] = {}
     for contact in plan.contacts:
@@ -177,48 +183,23 @@ def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
     for (body, port), ways in roles.items():
         if len(ways) > 1:  # pressed from both sides: its direction suits one of them
             continue
-        model, outward = plan.bodies[body], True in ways
-        like = len(sides[model.touched_at(port)]) > 1  # one place stands for two like bodies
-        if _turns(names[body], model, port, outward=outward, like=like):
-            around[body] = (*around[body], port)
+        tip, outward = plan.bodies[body].touched_at(port), True in ways
+        if tip is None or tip.point is None or not goes_against(tip, outward=outward):
+            continue
+        assert tip.direction is not None
+        assert tip.normal is not None
+        around[body] = (*around[body], port)
+        like = len(sides[tip]) > 1  # one place stands for two like bodies
+        if tip.directed and tip.thin is None and not like:
+            way, opposite = ("out of", "into") if outward else ("into", "out of")
+            raise InputError(
+                f"{names[body]}: direction {plain(tip.direction)} goes {opposite} the body at "
+                f"point {plain(tip.point)} m, whose outward normal is {plain(tip.normal)}. It is "
+                "the projectile's direction of travel, out of the projectile and into the target, "
+                f"and goes {way} this body: leave direction out, turn it round, or swap the two "
+                "bodies"
+            )
     return around
-
-
-def _turns(name: str, body: BodyModel, port: int, *, outward: bool, like: bool) -> bool:
-    """True if the direction at a contact must be turned round, to go out of the body or into it.
-
-    Parameters
-    ----------
-    name : str
-        Name of the body.
-    body : model
-    port : int
-        Which of its places.
-    outward : bool
-        Whether it must go out of the body, which is then on the projectile's side.
-    like : bool
-        Whether the same place stands for another body on the other side, so that the direction
-        suits one of them.
-
-    Raises
-    ------
-    InputError
-        If it was given the wrong way round.
-    """
-    tip = body.touched_at(port)
-    if tip is None or tip.normal is None or tip.direction is None or tip.point is None:
-        return False
-    if not goes_against(tip, outward=outward):
-        return False
-    if tip.directed and tip.thin is None and not like:
-        way, opposite = ("out of", "into") if outward else ("into", "out of")
-        raise InputError(
-            f"{name}: direction {plain(tip.direction)} goes {opposite} the body at point "
-            f"{plain(tip.point)} m, whose outward normal is {plain(tip.normal)}. It is the "
-            "projectile's direction of travel, out of the projectile and into the target, and goes "
-            f"{way} this body: leave direction out, turn it round, or swap the two bodies"
-        )
-    return True
 
 
 def _with_functionals(plan: Scenario, names: Sequence[str]) -> Scenario:

@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, finite_array, nonnegative, plain
+from ..base import FloatArray, InputError, nonnegative, plain
 from ..contact import ContactPoint
 from ..laws import ContactLaw
 from ..mesh import plane_of
 from ..reduction import Body, BodyModel, FullModel, turning
+from ..scene import Friction
 from .defaults import in_range
 
 # Directions of travel within 5° are one; a contact point's is along its normal within 1°.
@@ -34,14 +35,20 @@ _RANGE = 1e-10, 1e100
 _DOWN = np.array([0.0, 0.0, -1.0])
 
 
-def checked_friction(value: Any) -> float | None:
-    """Return a coefficient of friction; None if it was left out."""
-    return value if value is None else in_range("friction", nonnegative("friction", value), _RANGE)
+def checked_friction(value: Any, law: ContactLaw) -> Friction:
+    """Return the friction of a contact, whose law must not remember or pull.
 
-
-def checked_spin(value: Any) -> FloatArray | None:
-    """Return an angular velocity in three directions, rad/s; None if it was left out."""
-    return None if value is None else finite_array("spin", value, shape=(3,), unit="rad/s")
+    Raises
+    ------
+    InputError, InputTypeError
+    """
+    mu = in_range("friction", nonnegative("friction", value), _RANGE)
+    if mu and (law.has_memory or law.pulls):
+        raise InputError(
+            f"friction: law={law!r} remembers or pulls, and friction is known for other contacts "
+            "only; give Hertz(...), a law with damping and solver=Newmark(), or friction=0"
+        )
+    return Friction(mu)
 
 
 def refuse_held(name: str, model: BodyModel) -> None:
@@ -52,15 +59,6 @@ def refuse_held(name: str, model: BodyModel) -> None:
         raise InputError(
             f"spin: {name} {why}; give the spin of a free body: ao.ball(...), "
             "ao.rigid(mass, inertia=) or one of finite elements"
-        )
-
-
-def refuse_plastic(law: ContactLaw) -> None:
-    """Refuse friction with a law that remembers or pulls."""
-    if law.has_memory or law.pulls:
-        raise InputError(
-            f"friction: law={law!r} remembers or pulls, and friction is known for other contacts "
-            "only; give Hertz(...), a law with damping and solver=Newmark(), or friction=0"
         )
 
 

@@ -41,16 +41,15 @@ from ..reduction import BodyModel, FullModel, body_model
 from ..results import (
     Handle,
     Quantity,
+    RecordLength,
     Run,
     TimeSolver,
-    solve,
     warn_of_bodies,
     warn_of_misfit,
     warn_of_run,
 )
 from ..scene import (
     Contact,
-    Friction,
     Load,
     Oblique,
     Scenario,
@@ -61,9 +60,7 @@ from .foreseen import Foreseen
 from .oblique import (
     axes_of,
     checked_friction,
-    checked_spin,
     refuse_held,
-    refuse_plastic,
     with_tangents,
 )
 
@@ -192,8 +189,11 @@ class Scene:
         name: str = "",
     ) -> Member:
         """Add a body that was given as an argument, and return it with its motion."""
-        model, turns = body_model(argument, body), checked_spin(spin)
-        speed, vector = number_or_vector("velocity", velocity, SPEEDS, "m/s")
+        model, speed, vector, turns = body_model(argument, body), 0.0, None, None
+        if velocity is not None:  # of a target
+            speed, vector = number_or_vector("velocity", velocity, SPEEDS, "m/s")
+        if spin is not None:
+            turns = finite_array("spin", spin, shape=(3,), unit="rad/s")
         own, role = name or model.name, f"body {len(self._members)}"
         role = role if self._mark.name else argument
         called = f"{role} ({own})" if own else role
@@ -251,7 +251,7 @@ class Scene:
                 f"a and b are both {one.called}: a body cannot touch itself; connect it to another"
             )
         apart = real("gap", gap, unit="m") + (other.position - one.position)
-        return self._join(first, second, law, apart, name, friction=friction)
+        return self._join(first, second, law, apart, text("name", name), friction=friction)
 
     def _join(
         self,
@@ -271,15 +271,13 @@ class Scene:
             raise InputError(
                 f"{' and '.join(names)} are both of infinite mass: there is no motion between them"
             )
-        law_error, mu = 0.0, checked_friction(friction)
+        law_error = 0.0
         if law is None:
             found = chosen_law(ends, names)
             law, law_error = found.law, found.error
-        if mu:
-            refuse_plastic(law)
         contact = Contact(
-            *(*first, *second, law, normal_gap(gap), text("name", name)),
-            friction=None if mu is None else Friction(mu),
+            *(*first, *second, law, normal_gap(gap), name),
+            friction=None if friction is None else checked_friction(friction, law),
             law_error=law_error,
         )
         same = self._between.setdefault(contact[:4], [])
@@ -517,19 +515,26 @@ class Scene:
             When the call began, by `perf_counter`, s.
         """
         controlled = quantity is not None or rtol is not None
-        chosen = controlled or any(body.reducible for body in plan.bodies)
-        linear = checked_linear_solver(linear_solver, chosen=chosen)
+        chosen = controlled or (plan.meshed and any(body.reducible for body in plan.bodies))
+        linear: Solver = "auto"
+        if linear_solver is not None:
+            linear = checked_linear_solver(linear_solver, chosen=chosen)
         if controlled:  # bad input is refused before any work is done
             checked_rtol(rtol)
             self._interest(quantity, plan)
         foreseen = Foreseen(plan)
-        record = foreseen.record(None if duration is None else checked_duration(duration))
+        if duration is None:
+            record = foreseen.record()
+        else:
+            record = RecordLength(checked_duration(duration), given=True)
         record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
         names = [member.called for member in self._members]
-        tips = [tip for body in plan.bodies for tip in body.tips]
-        automatic = any(tip.automatic for tip in tips)
-        layered = any(isinstance(tip.thin, Layers) for tip in tips)
-        ways = [(False, False), *[(True, False)] * automatic, *[(True, True)] * layered]
+        ways = [(False, False)]
+        if plan.meshed:
+            tips = [tip for body in plan.bodies for tip in body.tips]
+            automatic = any(tip.automatic for tip in tips)
+            layered = any(isinstance(tip.thin, Layers) for tip in tips)
+            ways += [*[(True, False)] * automatic, *[(True, True)] * layered]
         for wider, bounded in ways:
             factors: dict[Any, LinearSolver] = {}
             fitted = foreseen.fitted(names, factors, wider=wider, bounded=bounded)
@@ -537,7 +542,7 @@ class Scene:
             try:
                 if not chosen:
                     made = fitted.of_models(fitted.bodies, energies=plan.energies)
-                    run = record.run(made, partial(solve, solver=solver))
+                    run = record.run(made, solver)
                     break
                 with bar("models", unit="solution"):
                     run = choose_models(
@@ -557,7 +562,7 @@ class Scene:
             except LawLimitError:
                 if (wider, bounded) == ways[-1]:
                     raise
-        if tips:
+        if plan.meshed:
             if run.chosen is None:
                 warn_of_misfit(run, names)
                 find = partial(errors_left_out, interest=interest, solver=solver)
@@ -565,7 +570,8 @@ class Scene:
             run = replace(run, finer=partial(finer_run, solver=solver))
         for message in run.said:
             warn(message)
-        record.warn_if_cut()
+        if duration is None:
+            record.warn_if_cut()
         warn_of_bodies(run, names)
         warn_of_run(run)
         return run
@@ -597,14 +603,3 @@ class Scene:
                 "the handle of a body for its displacement"
             )
         return interest
-
-
-@dataclass(frozen=True)
-class SceneCase:
-    """A scene and the keywords of its run, without the duration."""
-
-    scene: Any
-    keywords: dict[str, Any]
-
-    def simulate(self, *, duration: float | None = None) -> Any:
-        return self.scene.simulate(duration=duration, **self.keywords)

@@ -130,7 +130,8 @@ def simulate(
         gap=gap,
         energies=energies,
     )
-    warn_of_exchange(*plan.bodies)
+    if plan.meshed:
+        warn_of_exchange(*plan.bodies)
     result = scene._run(plan, duration, quantity, rtol, solver, linear_solver, began)
     assert isinstance(result, Result)
     if duration is not None and result.in_contact_at_end:
@@ -167,9 +168,9 @@ def pair(
     scene = Scene()
     scene._mark = Mark("")
     moving = scene._take("projectile", projectile, velocity, spin)
-    held = scene._take("target", target, 0.0, None)
+    held = scene._take("target", target, None, None)
     for name, member in zip(ROLES, (moving, held), strict=True):
-        if member.body.ports > 1 and member.body.places > 1:
+        if member.body.places > 1:
             raise InputTypeError(
                 f"{name} is touched in several places: build a Scene, and connect its ports"
             )

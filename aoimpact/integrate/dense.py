@@ -53,8 +53,6 @@ class DenseRecorder:
         there is none.
     steps, rejected : int
         Steps of contact taken, and rejected.
-    x, v : bytes
-        The modes of all bodies, and their rates, where the last row ends.
     seconds : float
         How long the run took, s.
     """
@@ -67,8 +65,6 @@ class DenseRecorder:
     events: tuple[Events, ...]
     steps: int
     rejected: int
-    x: bytes
-    v: bytes
     seconds: float = 0.0
     dense: ClassVar[bool] = True
 
@@ -91,20 +87,22 @@ class DenseRecorder:
 
     @property
     def marks(self) -> FloatArray:
-        return np.unique(np.append(_thinned(self._steps[0], self._most_times), self.duration))
+        most = _most_times(self.plan.layout.rows)
+        known = np.unique(np.append(_thinned(self._steps[0], most), self.duration))
+        return known[known <= self.duration]
 
     @property
     def times(self) -> FloatArray:
         """Times that draw smooth curves and hold the peaks and the ends of contacts."""
         start, length, contacts = self._steps
-        pressed = contacts > 0.0
-        per_step = min(_PER_STEP, max(1, self._most_times // max(1, int(pressed.sum()))))
+        pressed, most = contacts > 0.0, _most_times(self.plan.layout.rows)
+        per_step = min(_PER_STEP, max(1, most // max(1, int(pressed.sum()))))
         shares = np.arange(per_step) / per_step
         inside = start[pressed, None] + length[pressed, None] * shares
-        parts = [np.array([0.0, self.duration]), _thinned(inside.ravel(), self._most_times)]
+        parts = [np.array([0.0, self.duration]), _thinned(inside.ravel(), most)]
         parts += [np.array([event.peak_time]) for event in self.events]
         for event in self.events:
-            parts.append(_thinned(np.array(event.contacts).ravel(), self._most_times))
+            parts.append(_thinned(np.array(event.contacts).ravel(), most))
         known = np.unique(np.concatenate(parts))
         return _filled(known[known <= self.duration], self.duration)
 
@@ -113,24 +111,19 @@ class DenseRecorder:
         """Start and length, s, and number of contacts of each row of the track, shape (3, rows)."""
         return np.frombuffer(_core.track_rows(self.track)).reshape(-1, 3).T
 
-    @property
-    def _most_times(self) -> int:
-        """Times of a curve, roughly, beyond which they are thinned out."""
-        return max(1000, int(_MOST_VALUES / self.plan.layout.rows))
-
     # ------------------------------------------------------------------- values
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
         layout = self.plan.layout
         record = np.zeros((layout.rows, len(times)))
-        _core.track_sample(self.track, _ascending(times), record, energies)
+        _core.track_sample(self.track, np.ascontiguousarray(times), record, energies)
         if self.order is not None:
             layout.reordered(record, self.order)
         return record
 
     def forces(self, times: FloatArray) -> FloatArray:
         forces = np.zeros((len(self.events), len(times)))
-        _core.track_forces(self.track, _ascending(times), forces)
+        _core.track_forces(self.track, np.ascontiguousarray(times), forces)
         if self.order is not None:
             forces[self.order] = forces.copy()
         return forces
@@ -143,12 +136,8 @@ class DenseRecorder:
     def modes(self, times: FloatArray, body: int) -> ArrayPair:
         """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
         found = np.empty((len(times), 2, len(self.plan.modal[body].omega)))
-        _core.track_states(self.track, _ascending(times), body, found)
+        _core.track_states(self.track, np.ascontiguousarray(times), body, found)
         return found[:, 0].T, found[:, 1].T
-
-    def state(self, body: int) -> ArrayPair:
-        ours = slice(*self.plan.first_modes[body : body + 2])
-        return np.frombuffer(self.x)[ours], np.frombuffer(self.v)[ours]
 
     def motion(self, body: int) -> Motion:
         return dense_motion(self, body)
@@ -190,7 +179,7 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
     velocities = (1.0,) * len(bodies) if oblique else tuple(plan.velocities)
     rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
     try:
-        track, x, v, found, steps, rejected = _core.adaptive(
+        track, _, _, found, steps, rejected = _core.adaptive(
             *scene, rtol, plan.duration, rest, tuple(moving), velocities, most_steps
         )
     except LawLimitError as error:
@@ -208,13 +197,7 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
         slips = None if contact.friction is None else _slips(track, spans, place)
         events.append(Events(peak, peak_time, tuple(spans), impulse, slips, touches))
     took = perf_counter() - began
-    return DenseRecorder(
-        plan, rtol, scene, track, order, tuple(events), steps, rejected, x, v, took
-    )
-
-
-def _ascending(times: FloatArray) -> FloatArray:
-    return np.ascontiguousarray(times, dtype=np.float64)
+    return DenseRecorder(plan, rtol, scene, track, order, tuple(events), steps, rejected, took)
 
 
 def _filled(times: FloatArray, duration: float) -> FloatArray:
@@ -250,6 +233,11 @@ def _order(plan: Scenario) -> IntArray | None:
     """A better order of the contacts; a wall hands the force of none on to the others."""
     couples = [body.residual is not None or bool(body.push.any()) for body in plan.modal]
     return narrow_order([(contact.first, contact.second) for contact in plan.contacts], couples)
+
+
+def _most_times(rows: int) -> int:
+    """Times of a curve of so many rows, roughly, beyond which they are thinned out."""
+    return max(1000, int(_MOST_VALUES / rows))
 
 
 def _thinned(times: FloatArray, most: int) -> FloatArray:

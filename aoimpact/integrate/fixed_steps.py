@@ -15,7 +15,6 @@ from .. import _core
 from ..base import (
     GIB,
     ROUNDING,
-    ArrayPair,
     ConvergenceError,
     FloatArray,
     Frozen,
@@ -74,8 +73,6 @@ class SteppedRecorder(Frozen):
         s.
     record : ndarray, shape (rows, times)
         As the core wrote it: :class:`RecordLayout` tells its rows apart.
-    final : tuple of (x, v)
-        Each body's coordinates and rates at the end, as the core steps them.
     seconds : float
         How long the run took, with those that its error is estimated from, s.
     """
@@ -85,7 +82,6 @@ class SteppedRecorder(Frozen):
     dt: float
     times: FloatArray
     record: FloatArray
-    final: tuple[ArrayPair, ...]
     seconds: float = 0.0
     dense: ClassVar[bool] = False
 
@@ -115,9 +111,6 @@ class SteppedRecorder(Frozen):
         """Rows of the record at times, s, on straight lines between the steps."""
         found = [np.interp(times, self.times, row) for row in rows]
         return np.array(found).reshape(len(rows), len(times))
-
-    def state(self, body: int) -> ArrayPair:
-        return self.final[body]
 
     @cached_property
     def events(self) -> tuple[Events, ...]:
@@ -288,9 +281,7 @@ def newmark_run(
     t = dt * np.arange(steps + 1, dtype=np.float64)
     if abs(t[-1] - duration) <= ROUNDING * duration:
         t[-1] = duration
-    ends = np.cumsum([len(body.x) for body in bodies])[:-1]
-    final = tuple(zip(np.split(x, ends), np.split(v, ends), strict=True))
-    return SteppedRecorder(plan, rule, dt, t, rows, final)
+    return SteppedRecorder(plan, rule, dt, t, rows)
 
 
 def _steps(plan: Scenario, rule: Newmark, dt: float, duration: float) -> int:

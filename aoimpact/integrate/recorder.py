@@ -23,8 +23,6 @@ forces(times)
     Contact forces at times, N, shape (contacts, n).
 pushes(times)
     Contact forces with those of friction, N; see `RecordLayout.pushes`.
-state(body)
-    A body's own coordinates and their rates at the end of the record.
 motion(body)
     The motion of a body at any times, in the coordinates of its model: a `Motion`.
 """

@@ -27,7 +27,7 @@ def half_space(name: str, of: Any) -> Material:
     if isinstance(of, (Shell, Laminate)):
         return of.half_space(top=True)
     body: Material | Orthotropic = instance(name, of, Material, Orthotropic, Shell, Laminate)
-    return body.half_space((0.0, 0.0, 1.0))
+    return body if isinstance(body, Material) else body.half_space((0.0, 0.0, 1.0))
 
 
 def contact_modulus(material_1: Material, material_2: Material) -> float:
@@ -181,7 +181,7 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
     k: Any = law.k  # type: ignore[attr-defined]
     radius = law.relative_radius
     if radius is None:
-        if not materials or any(of is None for of in materials):
+        if not materials or None in materials:
             return None
         root = 0.75 * k * math.fsum(1.0 / of.plane_strain_modulus for of in materials if of)
         radius = root * root  # ** raises where this overflows

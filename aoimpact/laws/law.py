@@ -178,7 +178,7 @@ class ContactLaw:
         if hasattr(self, "k"):
             object.__setattr__(self, "k", positive("k", self.k, unit=self.units["k"]))
         try:
-            self.force(0.0)
+            self._evaluate(np.zeros(()), np.zeros(()))
         except InputError:
             raise InputError(self._refused()) from None
 
@@ -226,8 +226,8 @@ class ContactLaw:
     @cached_property
     def _parameters(self) -> tuple[float, ...]:
         """Parameters that the core makes the law from, in the order of its row in csrc/law."""
-        values = (getattr(self, entry.name) for entry in self._fields() if not entry.kw_only)
-        return tuple(value for value in values if isinstance(value, float))
+        values = [getattr(self, entry.name) for entry in self._fields() if not entry.kw_only]
+        return tuple([value for value in values if isinstance(value, float)])
 
     def _data(self) -> Any:
         """The objects that the core needs besides numbers: a table, or the user's functions."""

@@ -97,8 +97,9 @@ def law_between(
 def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFromSurfaces:
     slack = one.error + two.error
     try:
-        law = _hertz(one, two, angle)
-        others = [_hertz(one, two, angle, shift) for shift in (-slack, slack) if slack]
+        law, apart = _hertz(one, two, angle), 0.0
+        for shift in (-slack, slack) if slack else ():
+            apart = max(apart, abs(_hertz(one, two, angle, shift).k / law.k - 1.0))
     except InputError as error:
         if slack > _DOUBT * max(map(abs, (*one.curvatures, *two.curvatures))):
             why = "a curvature below its error counts as flat: refine the mesh about it, or "
@@ -108,7 +109,6 @@ def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFrom
             f"{_said(one, two)}: {why}{_CURE}, such as Linear(k=) where they touch along a line or "
             "over a face, or turn one of the bodies"
         ) from error
-    apart = max((abs(other.k / law.k - 1.0) for other in others), default=0.0)
     return LawFromSurfaces(law, apart)
 
 

@@ -133,43 +133,51 @@ class Limit(NamedTuple):
 
 
 class _Joint(NamedTuple):
-    """Properties of a contact that are known before the run."""
+    """Properties of a contact that are known before the run.
+
+    `yields` is True if its law or its surfaces may tell when it yields, `told` if rows that no
+    warning limits are wanted, too.
+    """
 
     plan: Scenario
     contact: Contact
     law: ContactLaw
+    yields: bool
     materials: list[Material]
     surface: RoundContact | None
     tips: list[tuple[int, int, ContactPoint]]
+    told: bool
 
 
-def touched(plan: Scenario, contact: Contact) -> Iterator[tuple[int, int, ContactPoint]]:
-    """Yield the bodies that a contact touches at known places: number, port and place."""
-    for body, port in contact.ports:
-        if (tip := plan.bodies[body].touched_at(port)) is not None:
-            yield body, port, tip
+def limits(plan: Scenario, contact: Contact, *, told: bool = False) -> dict[str, Limit]:
+    """Return the limits of a contact by name, as far as its law and bodies are known.
 
-
-def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
-    """Return the limits of a contact by name, as far as its law and bodies are known."""
+    told: whether rows that no warning limits are wanted, too.
+    """
     law, materials = own_law(contact.law), contact.materials(plan.bodies)
-    known, tips = [of for of in materials if of is not None], list(touched(plan, contact))
-    joint = _Joint(plan, contact, law, known, round_contact(law, materials), tips)
-    found = ((name, rule(joint)) for name, rule in RULES.items())
-    return {name: limit for name, limit in found if limit is not None}
+    known, surface = list(filter(None, materials)), round_contact(law, materials)
+    yields = surface is not None or isinstance(law, ElasticPlastic | Thornton)
+    joint = _Joint(plan, contact, law, yields, known, surface, plan.touched(contact), told)
+    return {
+        name: limit
+        for name, needed, rule in RULES
+        if getattr(joint, needed) and (limit := rule(joint)) is not None
+    }
 
 
 def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]:
     """Yield the rows of a contact of a run; of all rules, or of those that may be exceeded."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
-    moving = [(body.known_mass, v) for body, v in zip(plan.bodies, plan.velocities, strict=True)]
-    reached = {
-        "force": events.peak_force,
-        "speed": abs(plan.velocities[contact.first] - plan.velocities[contact.second]),
-        "energy": sum(0.5 * (math.inf if m is None else m) * v * v for m, v in moving if v),
-    }
-    for name, limit in limits(plan, contact).items() if events.contacts else ():
-        value, most = reached[limit.of], limit.most
+    for name, limit in limits(plan, contact, told=not exceeded).items() if events.contacts else ():
+        if limit.of == "force":
+            value = events.peak_force
+        elif limit.of == "speed":
+            value = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
+        else:
+            both = zip(plan.bodies, plan.velocities, strict=True)
+            moving = [(of.known_mass, v) for of, v in both if v]
+            value = sum(0.5 * (math.inf if m is None else m) * v * v for m, v in moving)
+        most = limit.most
         if exceeded and value <= most:
             continue
         if limit.rows is not None:
@@ -209,10 +217,10 @@ def _yield(joint: _Joint) -> Limit | None:
     return Limit("force", first, 1.0, text, meanings) if math.isfinite(first) else None
 
 
-def _width(joint: _Joint) -> Limit | None:
+def _width(joint: _Joint) -> Limit:
     """The force of a contact too wide for the curvature of its surfaces."""
-    if (surface := joint.surface) is None:
-        return None
+    surface = joint.surface
+    assert surface is not None
     text = (
         f"the contact has a radius of {_WIDTH} times the radius of curvature "
         f"R={with_unit(surface.radius, 'm', 3)}, with strains of about {_STRAIN * _WIDTH:.0%}, and "
@@ -221,15 +229,15 @@ def _width(joint: _Joint) -> Limit | None:
     return Limit("force", surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5, 1.0, text)
 
 
-def _speed(joint: _Joint) -> Limit | None:
+def _speed(joint: _Joint) -> Limit:
     """The speed of bodies that meet too fast."""
-    slowest = min((of.bar_speed for of in joint.materials), default=0.0)
+    slowest = min(of.bar_speed for of in joint.materials)
     text = (
         f"it is {_SPEED:.1%} of the speed of waves, {slowest:.4g} m/s, and strains are as large; "
         "take a lower velocity, and check E and rho"
     )
     meaning = f"of that of waves: slow up to {_SPEED:g}"
-    return Limit("speed", slowest, _SPEED, text, (meaning, meaning)) if slowest else None
+    return Limit("speed", slowest, _SPEED, text, (meaning, meaning))
 
 
 def _deflection(joint: _Joint) -> Limit | None:
@@ -319,16 +327,16 @@ def _shell(joint: _Joint) -> Limit | None:
 
 _UNITS = {"force": "N", "speed": "m/s", "energy": "J"}
 
-# In the order of a summary.
-RULES: dict[str, Callable[[_Joint], Limit | None]] = {
-    "yield": _yield,
-    "width": _width,
-    "deflection": _deflection,
-    "mass ratio": _mass_ratio,
-    "speed": _speed,
-    "thickness": _thickness,
-    "shell": _shell,
-}
+# In the order of a summary, with what must be known of a contact.
+RULES: list[tuple[str, str, Callable[[_Joint], Limit | None]]] = [
+    ("yield", "yields", _yield),
+    ("width", "surface", _width),
+    ("deflection", "tips", _deflection),
+    ("mass ratio", "told", _mass_ratio),
+    ("speed", "materials", _speed),
+    ("thickness", "tips", _thickness),
+    ("shell", "tips", _shell),
+]
 
 
 # ------------------------------------------------------------------- models fitted to a contact
@@ -448,8 +456,8 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     for number, (body, name) in enumerate(zip(plan.bodies, names, strict=True)):
         # The dashpots β k on a contact without mass let it follow its force with the time constant
         # β; the compliance of such a contact is taken without them (`Rayleigh`).
-        longest = max((end - start for start, end in _touches(run, number)), default=math.inf)
-        lag = body.damping.beta if isinstance(body.damping, Rayleigh) and body.massless else 0.0
+        lag = body.damping.beta if body.massless and isinstance(body.damping, Rayleigh) else 0.0
+        longest = max((b - a for a, b in _touches(run, number)), default=math.inf) if lag else 0.0
         if lag > _LAGS * longest:
             warn(
                 f"{name} has no mass at its contact (m0 = 0), where damping with beta = "
@@ -467,8 +475,8 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
                 "that rebound_velocity and restitution are NaN: give FEModel(K=, M=, nodes=)"
             )
     checked = set()
-    for contact in plan.contacts:
-        tips = list(touched(plan, contact))
+    for contact in plan.contacts if plan.meshed else ():
+        tips = plan.touched(contact)
         law = own_law(contact.law)
         for number, _, tip in tips:
             if (number, tip) in checked:
@@ -555,7 +563,7 @@ MESH_LIMIT = 0.1
 def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
     """Warn of a large error by meshes or contacts, and name the cure."""
     quantity, plan = error.quantity or "force", run.plan
-    tips = {(body, port): tip for of in plan.contacts for body, port, tip in touched(plan, of)}
+    tips = {(body, port): tip for of in plan.contacts for body, port, tip in plan.touched(of)}
     meshed = [
         (run.names[body], tip, mesh.quadratic)
         for (body, _), tip in sorted(tips.items())
@@ -579,19 +587,9 @@ def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
         )
 
 
-# Thickness over width of solid elements that are those of a sheet, with room for rounding.
-_FLAT = 0.1 * (1.0 + 1e-6)
-
-
 def _as_a_shell(tip: ContactPoint) -> str:
     """Return the shell to take in place of flat solids under a contact; empty for others."""
-    surface, normal = tip.body.surface, tip.normal
-    if surface is None or tip.point is None or normal is None or tip.thin is not None:
-        return ""
-    cell = int(surface.cell[surface.nearest(tip.point).face[0]])
-    height = float(np.ptp(surface.mesh.nodes[surface.mesh.cells[cell]] @ normal))
-    width = edge_length(surface, tip.point)
-    if height > _FLAT * width or tip.depth > width:
+    if not tip.flat:
         return ""
     material = tip.made_of
     shell = f"ao.Shell(thickness={tip.depth:.4g}, material={material!r})"
@@ -640,7 +638,7 @@ def warn_of_run(run: Run) -> None:
     run : Run
     """
     contacts, worst = run.plan.contacts, dict[str, tuple[float, str]]()
-    if contacts and not any(events.contacts for events in run.events) and (text := _missed(run)):
+    if contacts and run.touching is None and (text := _missed(run)):
         warn(text)
     for number, contact in enumerate(contacts):
         for row in advice(run, number, exceeded=True):
@@ -650,9 +648,11 @@ def warn_of_run(run: Run) -> None:
     for _, text in worst.values():
         warn(text)
     for contact, events in zip(contacts, run.events, strict=True):
-        rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
-        for body, _, tip in touched(run.plan, contact) if rise > 0.0 else ():
+        for body, _, tip in run.plan.touched(contact) if events.contacts else ():
             if not isinstance(tip.thin, Layers) or tip.body.surface is None or tip.point is None:
+                continue
+            rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
+            if rise <= 0.0:
                 continue
             edge = edge_length(tip.body.surface, tip.point)
             waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)

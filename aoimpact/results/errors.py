@@ -24,16 +24,16 @@ class Chosen:
     numbers : mapping of str to float
         The estimated error from the models of the quantity, and of each number that sums up the
         run.
-    largest : str
-        Largest value of a history over the record, with its unit.
+    unit : str
+        That of the quantity.
     most : float
-        The same as a number.
+        Largest value of a history over the record; NaN of a number.
     """
 
     quantity: str
     rtol: float
     numbers: Mapping[str, float]
-    largest: str = ""
+    unit: str = ""
     most: float = math.nan
 
 

@@ -29,6 +29,7 @@ from ..base import (
 from ..fields import Shown
 from ..laws import own_law
 from ..mesh import sphere_mesh
+from .quantities import read
 from .table import ROLES
 
 if TYPE_CHECKING:
@@ -299,7 +300,7 @@ def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArra
     if meshed[0] is None and surface is not None and 0.0 < surface.radii[0] < np.inf:
         radius = surface.radii[0]
         mesh = sphere_mesh(radius, _SIZE * radius)
-        way = hit.read(lambda run: run.bodies[0].centre_displacement, times)
+        way = read(lambda run: run.bodies[0].centre_displacement, hit, times)
         moved = np.repeat((way[:, None] * down)[:, None], mesh.n_nodes, axis=1)
         middle = place - (radius + hit.gap) * down
         bodies.append(Shown(mesh, mesh.nodes + middle, moved, None))

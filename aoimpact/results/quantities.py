@@ -13,7 +13,8 @@ import contextlib
 import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, cast
 
@@ -44,7 +45,17 @@ _BETWEEN = 65
 
 def recorded(rows: Callable[[Run], FloatArray]) -> History:
     """Return a history from rows that a run has at its own times, shape (rows, times)."""
-    return lambda run, times: run.read(rows, times)
+    return partial(read, rows)
+
+
+def read(rows: Callable[[Run], FloatArray], run: Run, times: FloatArray) -> FloatArray:
+    """Return rows of a run, (..., n), at times, s; interpolated between fixed steps."""
+    if run.t is times:
+        return rows(run)
+    if run.recorder.dense:
+        return rows(replace(run, asked=np.minimum(times, run.duration)))
+    interpolated = partial(np.interp, times, run.t)
+    return np.apply_along_axis(interpolated, -1, rows(run))
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +187,7 @@ class Quantity:
         largest of all contacts.
         """
         if self.history is not None:
-            mine, right = (self.history(one, exact.t) for one in (run, exact))
+            mine, right = self.history(run, exact.t), self.history(exact, exact.t)
             size = np.abs(right).max(axis=1)
         else:
             mine, right = self.compared(run), self.compared(exact)
@@ -427,7 +438,7 @@ def _final_spins(run: Run) -> FloatArray:
 
 
 _ALL = (
-    Quantity("force", "N", history=recorded(lambda run: run.pushes)),
+    Quantity("force", "N", history=recorded(attrgetter("pushes"))),
     _of_events("peak_force", "N", column=True),
     _of_events("peak_time", "s", column=True),
     _of_events("contact_duration", "s", column=True),

@@ -40,7 +40,7 @@ from ..scene import Scenario
 from . import plot as figures
 from .advice import Advice, advice, follows, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
-from .quantities import QUANTITIES, all_numbers, look_up, number_errors
+from .quantities import QUANTITIES, all_numbers, look_up, number_errors, read
 from .summary import impact_rows, scene_rows, summary_text
 from .table import ROLES, as_dataframe, as_dataset, columns, different
 
@@ -278,7 +278,7 @@ class BodyResult(Frozen, Measured):
 
 def _moved(number: int, name: str, run: Run, times: FloatArray) -> FloatArray:
     """A motion of a body of a run at times, s."""
-    return run.read(lambda of: of.bodies[number]._motion[name], times)
+    return read(lambda of: of.bodies[number]._motion[name], run, times)
 
 
 class Eventful:
@@ -611,16 +611,6 @@ class Run:
         """
         return self.forces if self.plan.oblique is None else self.plan.layout.pushes(self._rows)
 
-    def read(self, rows: Callable[[Run], FloatArray], times: FloatArray) -> FloatArray:
-        """Return rows of the run, (..., n), at other times, s; interpolated between fixed steps.
-
-        :meta private:
-        """
-        if self.t is times or self.recorder.dense:
-            return rows(self if self.t is times else self.at(times))
-        interpolated = partial(np.interp, times, self.t)
-        return np.apply_along_axis(interpolated, -1, rows(self))
-
     @cached_property
     def bodies(self) -> tuple[BodyResult, ...]:
         """The motions of the bodies, in the order of `add`."""
@@ -730,10 +720,12 @@ class Run:
 
         :meta private:
         """
-        contact, times = self.plan.contacts[number], self.t
+        contact = self.plan.contacts[number]
         law = contact.law
         if self.recorder.dense and not (contact.friction or law.depends_on_rate or law.by_caller):
             times = np.array([self.events[number].peak_time])  # where it is deepest
+        else:
+            times = self.t
         rows = self.plan.layout.contact(self.recorder.rows(times, energies=False), number)
         return float(contact.own_indentation(rows).max(initial=0.0))
 
@@ -874,9 +866,9 @@ class Run:
     def error(self) -> ErrorEstimate:
         """Errors of the quantity of interest; ``error["restitution"]`` is that of a number."""
         energy, models = None, self.plan.bodies
-        walls = [of for of, body in zip(self.bodies, models, strict=True) if body.wall]
+        walls = [i for i, body in enumerate(models) if body.wall]
         # A wall that moves brings energy that is not counted.
-        if self.plan.energies and not any(of.port_velocities.any() for of in walls):
+        if self.plan.energies and not any(self.bodies[i].port_velocities.any() for i in walls):
             of = (replace(self, asked=self.recorder.marks) if self.recorder.dense else self).energy
             stored = float((of.kinetic + of.elastic + of.contact).max())
             energy = float(np.ptp(of.total) / stored) if stored > 0.0 else None
@@ -890,7 +882,7 @@ class Run:
         if self.chosen is not None:
             quantity, rtol, by_model = self.chosen.quantity, self.chosen.rtol, self.chosen.numbers
         out = self._left_out
-        numeric = not any(body.tips for body in models)
+        numeric = not self.plan.meshed
         absent = 0.0 if numeric and self.chosen is not None else None  # there are no meshes
 
         def parts(name: str) -> ErrorParts:

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Any
 
-from ..base import InputError, InputTypeError, LawLimitError, held_warnings, warn, with_unit
+from ..base import (
+    AOImpactError,
+    InputError,
+    InputTypeError,
+    LawLimitError,
+    held_warnings,
+    warn,
+    with_unit,
+)
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
 from ..laws import PatchLaw, wider
 from ..reduction import FullModel
 from ..scene import Scenario
-from .advice import touched
 from .run import Result, Run
 
 TimeSolver = Adaptive | Newmark
@@ -20,25 +28,23 @@ TimeSolver = Adaptive | Newmark
 _BY_DEFAULT, _RUBBING = Adaptive(), Adaptive(rtol=1e-4)
 
 
-def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
-    """Run a plan; by default to a tolerance, with a full model or damped friction in steps.
+def time_solver(plan: Scenario, solver: TimeSolver | None) -> TimeSolver:
+    """Return a solver; by default to a tolerance, of a full model or damped friction in steps.
 
     Raises
     ------
     InputError
         If `solver` is `Adaptive`, and a damped law has friction.
     InputTypeError
-        If `solver` is no solver.
-    LawLimitError
-        If a contact grows wider than its patches, or deeper than its table; with its number.
+        If it is no solver.
     """
-    damped = any(contact.law.depends_on_rate for contact in plan.contacts)
-    damped_friction = plan.oblique is not None and damped
+    damped_friction = plan.oblique is not None and any(
+        contact.law.depends_on_rate for contact in plan.contacts
+    )
     if solver is None:
-        full = any(isinstance(body, FullModel) for body in plan.bodies)
-        solver = _BY_DEFAULT if plan.oblique is None else _RUBBING
-        if full or damped_friction:
-            solver = Newmark()
+        if damped_friction or FullModel in map(type, plan.bodies):
+            return Newmark()
+        return _BY_DEFAULT if plan.oblique is None else _RUBBING
     if not isinstance(solver, (Adaptive, Newmark)):
         raise InputTypeError(f"solver must be Adaptive(...) or Newmark(...), got {solver!r}")
     if isinstance(solver, Adaptive) and damped_friction:
@@ -46,6 +52,20 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
             f"solver={solver!r} takes friction of elastic laws only, and a law is damped; "
             "take Newmark(), or leave it out"
         )
+    return solver
+
+
+def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
+    """Run a plan; see `time_solver`.
+
+    Raises
+    ------
+    InputError, InputTypeError
+        As of that.
+    LawLimitError
+        If a contact grows wider than its patches, or deeper than its table; with its number.
+    """
+    solver = time_solver(plan, solver)
     try:
         with held_warnings() as said:
             recorder, error = (
@@ -61,7 +81,7 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
         factor = wider(contact.law, plan.reduced_mass(contact), plan.fastest)
         if factor is None:
             raise
-        radii = [tip.patch.radius for _, _, tip in touched(plan, contact) if tip.patch is not None]
+        radii = [tip.patch.radius for *_, tip in plan.touched(contact) if tip.patch is not None]
         cure = "leave radius out, so that a patch carries the contact"
         if radii:
             cure = f"give the contact points radius={factor * max(radii):.2g} m or more"
@@ -98,39 +118,43 @@ class RecordLength:
     given: bool
     margin: float = 0.0
 
-    def __post_init__(self) -> None:
-        self._longest = self.length if self.given else _MOST * self.length
-        self._settled = self.given
-        self._cut = False
+    _longest: float = 0.0
+    _settled: bool = False
+    _cut: bool = False
 
     def reopen(self) -> None:
         """Let the next run determine the length of the record, unless it was given."""
-        self._settled = self.given
+        self._settled = False
 
-    def run(self, plan: Scenario, solve: Callable[[Scenario], Run], *, last: bool = True) -> Run:
+    def run(self, plan: Scenario, solver: TimeSolver | None, *, last: bool = True) -> Run:
         """Run a plan for this length, or, where that is open, until its impact is over.
 
         Parameters
         ----------
         plan : Scenario
-        solve : callable
+        solver : Adaptive or Newmark, optional
         last : bool, optional
             Whether this run determines the length: not one with bodies that are rigid for a trial.
         """
-        if self._settled:
-            return solve(_lasting(plan, self.length))
+        if self.given or self._settled:
+            return solve(_lasting(plan, self.length), solver)
+        self._longest = self._longest or _MOST * self.length
         length, longest = self.length, self._longest + self.margin
+        run = _ahead(plan, length, solver)
         while True:
-            run = solve(_lasting(plan, length))
-            wanted = _until_over(run) + self.margin
+            wanted = _until_over(_shortened(run, length)) + self.margin
             if wanted <= length or length >= longest:
                 break
             further = wanted if math.isfinite(wanted) else AS_LONG_AGAIN * length
             length = min(further, longest)
-        self._cut = wanted > length and any(events.contacts for events in run.events)
+            run = run if run.duration >= length else _ahead(plan, length, solver)
+        found = _shortened(run, length)
+        self._cut = wanted > length and any(events.contacts for events in found.events)
         self.length = min(wanted, length)
         self._settled = last
-        return run if self.length == length else solve(_lasting(plan, self.length))
+        found = _shortened(run, self.length)
+        whole = found.duration == self.length and found.events == run.events
+        return found if whole else solve(_lasting(plan, self.length), solver)
 
     def warn_if_cut(self) -> None:
         """Warn where the impact was not over after the longest record."""
@@ -144,6 +168,29 @@ class RecordLength:
 def _lasting(plan: Scenario, length: float) -> Scenario:
     """The plan with that duration, s."""
     return plan if plan.duration == length else replace(plan, duration=length)
+
+
+def _ahead(plan: Scenario, length: float, solver: TimeSolver | None) -> Run:
+    """A run of that length, s, or of more, where free motion costs nothing."""
+    if isinstance(time_solver(plan, solver), Adaptive):
+        with suppress(AOImpactError):  # of a contact that the record may not have
+            return solve(_lasting(plan, AS_LONG_AGAIN * 2.0 ** (1.0 / _LENGTHS) * length), solver)
+    return solve(_lasting(plan, length), solver)
+
+
+def _shortened(run: Run, length: float) -> Run:
+    """The first part of a run, to that length, s; all of one with fixed steps.
+
+    The peak and the impulse of a contact are still those of all of the run.
+    """
+    if not run.recorder.dense or run.duration <= length:
+        return run
+    plan, events = _lasting(run.plan, length), []
+    for of in run.events:
+        spans = tuple([(start, min(end, length)) for start, end in of.contacts if start < length])
+        events.append(of._replace(contacts=spans))
+    recorder: Any = run.recorder
+    return replace(run, plan=plan, recorder=replace(recorder, plan=plan, events=tuple(events)))
 
 
 def _until_over(run: Run) -> float:

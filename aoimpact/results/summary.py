@@ -226,7 +226,7 @@ def error_row(run: Run) -> tuple[str, str]:
     """
     error = run.error
     parts = error[error.quantity or "force"]
-    if parts.model is None and not any(body.tips for body in run.plan.bodies):
+    if parts.model is None and not run.plan.meshed:
         return "error of the peak", f"time {percent(parts.time)} %"
     text = f"{_interest(run, parts)} ({parts.listed()})"
     if error.quantity is None:
@@ -248,7 +248,9 @@ def _interest(run: Run, parts: ErrorParts) -> str:
         if when is not None and len(touches) > 1:  # in which of them the error is largest
             away = [max(start - when, when - end) for start, end in touches]
             at = f" (in contact {away.index(min(away)) + 1} of {len(away)})"
-        largest = f", {run.chosen.largest}" if run.chosen and run.chosen.largest else ""
+        largest, chosen = "", run.chosen
+        if chosen is not None and not math.isnan(chosen.most):
+            largest = f", {with_unit(chosen.most, chosen.unit, 5)}"
         scale = f" of its largest value{largest}" if "±" in bound else ""
         return f"{words} at any time{at}{bound}{scale}"
     values = [run.numbers[of] for of in interest.names(run)]

@@ -4,7 +4,6 @@ A `Scenario` is all that a run needs to know. `impact` makes it, `integrate` run
 reads it; what a user calls a `Scene` stands in `impact`.
 """
 
-from .bodies import stepped
 from .contact import (
     Contact,
     Friction,
@@ -13,5 +12,5 @@ from .contact import (
     normal_gap,
 )
 from .rows import RecordLayout
-from .scenario import Oblique, Scenario, reduced_mass
+from .scenario import Oblique, Scenario
 from .stepped import Equations, SteppedBody

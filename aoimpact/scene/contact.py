@@ -186,8 +186,11 @@ class Contact(NamedTuple):
 
     def materials(self, bodies: Sequence[BodyModel]) -> list[Material | None]:
         """Return the materials of both bodies where they touch; None of one given by numbers."""
-        known = [bodies[of].touched_at(at) or bodies[of].surface_at(at) for of, at in self.ports]
-        return [None if of is None else of.material for of in known]
+        return [
+            None if of is None else of.material
+            for body, port in self.ports
+            for of in (bodies[body].touched_at(port) or bodies[body].surface_at(port),)
+        ]
 
     def own_indentation(self, rows: ContactRows) -> FloatArray:
         """Return the law's own indentation, m: δ + c F with the compliance c taken out of it.

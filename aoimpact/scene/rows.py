@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -70,7 +69,7 @@ class BodyRows(NamedTuple):
 _CONTACT, _BODY, _PORT, _SLIDING = 4, len(BodyRows._fields) - 2, 2, 8
 
 
-@dataclass(frozen=True)
+@dataclass
 class RecordLayout:
     """Places of the rows of a record; it returns views of the record.
 
@@ -82,29 +81,22 @@ class RecordLayout:
         Number of ports of each body.
     sliding : tuple of bool, optional
         True of each contact with friction; none has it if left out.
+    rows : int
+        Number of rows.
     """
 
     contacts: int
     ports: tuple[int, ...]
     sliding: tuple[bool, ...] = ()
 
-    @cached_property
-    def _starts(self) -> tuple[int, ...]:
-        """The first row of each contact, and of the bodies."""
+    def __post_init__(self) -> None:
+        # The first row of each contact and of the bodies, and of each body and the number of rows.
         sliding = self.sliding or (False,) * self.contacts
-        sizes = (_SLIDING if of else _CONTACT for of in sliding)
-        return tuple(itertools.accumulate(sizes, initial=0))
-
-    @cached_property
-    def _first(self) -> tuple[int, ...]:
-        """The first row of each body, and the number of rows."""
-        sizes = (_BODY + _PORT * ports for ports in self.ports)
-        return tuple(itertools.accumulate(sizes, initial=self._starts[-1]))
-
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return self._first[-1]
+        sizes = [_SLIDING if of else _CONTACT for of in sliding]
+        self._starts = tuple(itertools.accumulate(sizes, initial=0))
+        sizes = [_BODY + _PORT * ports for ports in self.ports]
+        self._first = tuple(itertools.accumulate(sizes, initial=self._starts[-1]))
+        self.rows = self._first[-1]
 
     def contact(self, record: FloatArray, contact: int) -> ContactRows:
         """Return the rows of one contact of a record, shape (rows, times)."""

@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import attrgetter
 
 import numpy as np
 
 from ..base import ArrayPair, FloatArray, InputError
+from ..contact import ContactPoint
+from ..fem import Rayleigh
 from ..laws import RoundContact, own_law, round_contact
-from ..reduction import Body, BodyModel, Pull, Velocity
-from .bodies import stepped
+from ..reduction import Body, BodyModel, FullModel, Pull, Velocity
 from .contact import Contact, Load
 from .preload import Equilibrium, equilibrium
 from .rows import RecordLayout
-from .stepped import SteppedBody
-
-
-def reduced_mass(first: BodyModel, second: BodyModel) -> float:
-    """Return 1/(1/m1 + 1/m2) of two bodies' static masses, kg: they meet as it would a wall."""
-    return 1.0 / (1.0 / first.static_mass + 1.0 / second.static_mass)
+from .stepped import PARTS, SteppedBody, SteppedFull
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +100,7 @@ class Scenario:
             bodies = tuple([of.turned(ports) for of, ports in turned])
         if self.around or self.oblique:
             contacts = tuple([of.of_models(bodies, bounded=self.bounded) for of in contacts])
-        for contact in contacts:
+        for contact in contacts if models is not self.bodies else ():
             if all(math.isinf(bodies[body].static_mass) for body, _ in contact.ports):
                 raise InputError(
                     "both bodies of a contact are of infinite mass: there is no motion between them"
@@ -138,6 +134,18 @@ class Scenario:
         given = self.names or [""] * len(self.bodies)
         return tuple(name or body.name for name, body in zip(given, self.bodies, strict=True))
 
+    @cached_property
+    def meshed(self) -> bool:
+        """True if a body is touched at known places."""
+        return any(map(attrgetter("tips"), self.bodies))
+
+    def touched(self, contact: Contact) -> list[tuple[int, int, ContactPoint]]:
+        """Return the bodies that a contact touches at known places: number, port and place."""
+        if not self.meshed:
+            return []
+        known = [(of, at, self.bodies[of].touched_at(at)) for of, at in contact.ports]
+        return [(of, at, tip) for of, at, tip in known if tip is not None]
+
     def round_contact(self, contact: Contact) -> RoundContact | None:
         """Return Hertz's contact of a law like his; None where it is not known."""
         return round_contact(own_law(contact.law), contact.materials(self.bodies))
@@ -146,11 +154,6 @@ class Scenario:
     def modal(self) -> tuple[Body, ...]:
         """The bodies in their natural modes."""
         return tuple([body.modal for body in self.bodies])
-
-    @cached_property
-    def first_modes(self) -> tuple[int, ...]:
-        """Number of the first mode of each body among those of all, and the number of all."""
-        return tuple(itertools.accumulate((len(body.omega) for body in self.modal), initial=0))
 
     @cached_property
     def layout(self) -> RecordLayout:
@@ -205,8 +208,8 @@ class Scenario:
         return np.vstack([found, np.ones((1, len(times)))]) if self.weighed else found
 
     def reduced_mass(self, contact: Contact) -> float:
-        """Return the reduced mass of the two bodies of a contact, kg."""
-        return reduced_mass(self.bodies[contact.first], self.bodies[contact.second])
+        """Return 1/(1/m1 + 1/m2) of the static masses of the two bodies of a contact, kg."""
+        return 1.0 / math.fsum(1.0 / self.bodies[body].static_mass for body, _ in contact.ports)
 
     # ------------------------------------------------------------------- the start
 
@@ -230,12 +233,26 @@ class Scenario:
 
     def stepped(self, body: int) -> SteppedBody:
         """Return a body as a run with fixed steps takes it."""
-        model, load, rest, pressed = self.bodies[body], self.load_on(body), None, None
-        if self.rest is not None:
-            rest, forces = self.rest.modes[body], self.rest.forces[:, None]
-            pressed = self.port_forces(body, np.zeros(1), forces)[: model.ports, 0]
+        model, load, rest = self.bodies[body], self.load_on(body), self.rest
         start = self.start(body)
-        return stepped(model, start, gravity=self.pull, load=load, rest=rest, pressed=pressed)
+        if not isinstance(model, FullModel) or model.in_modes:
+            modal = model.modal
+            parts = dict(zip(PARTS, modal.for_core(self.pull, load), strict=True))
+            x = np.zeros(len(modal.omega)) if rest is None else rest.modes[body]
+            return SteppedBody(parts, x, modal.rates(start))
+        u, of = np.zeros(model.dofs), model.body
+        if rest is not None:
+            u = model.modal.expand(rest.modes[body])
+            if model.modal.following is not None:  # massless contacts follow forces at once
+                pressed = self.port_forces(body, np.zeros(1), rest.forces[:, None])
+                u = u + model.modal.following @ pressed[: model.ports, 0]
+        B = np.ascontiguousarray([tip.b for tip in model.tips])
+        times, forces = (None, None) if load is None else load
+        parts = {"shape": B, "push": B, "load_time": times, "load_force": forces}
+        parts["gravity"] = model.weight(self.pull) if self.weighed else None
+        parts["centre"] = np.ascontiguousarray(model.centre_of_mass[0])
+        damping = of.damping if isinstance(of.damping, Rayleigh) else Rayleigh()
+        return SteppedFull(parts, u, model.rates(start), of.K, of.M, damping)
 
     @cached_property
     def fastest(self) -> float:

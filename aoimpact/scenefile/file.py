@@ -357,8 +357,8 @@ class SceneFile:
         with self._located(self.kind):
             if self.kind == "impact":
                 return simulate(**case)
-            scene, duration = case
-            run: Run = scene.simulate(duration=duration)
+            scene, keywords = case
+            run: Run = scene.simulate(**keywords)
             return run
 
     def probes(self, result: Run) -> dict[str, FloatArray]:

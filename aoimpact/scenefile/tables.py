@@ -15,7 +15,7 @@ from ..accuracy import Sensor, keeper
 from ..base import FloatArray, InputError, choice, integer, nearest, positive, real
 from ..contact import ContactPoint, contact_point
 from ..fem import Damping, Layers, OneMaterial, thin_groups
-from ..impact import Scene, SceneCase
+from ..impact import Scene
 from ..laws import LAWS
 from ..mesh import Mesh, box_mesh, sheet_mesh, sphere_mesh
 from ..reduction import BodyModel, body_model
@@ -369,10 +369,9 @@ def _scene(
     loads: Sequence[Annotated[Any, _LOADS]] = (),
     report: _NAMES | None = None,
     probes: _PROBES | None = None,
-    duration: float | None = None,
-    **more: Any,
-) -> tuple[SceneCase, float | None]:
-    return SceneCase(self, more), duration
+    **keywords: Any,
+) -> tuple[Scene, dict[str, Any]]:
+    return self, keywords
 
 
 _WANTED = Annotated[Any, Reader("a name or a table", (str, dict), _read_wanted)]

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact.impact import SceneCase
 from aoimpact.results import COLUMNS, QUANTITIES
 
 from twelve import IMPACTS
@@ -120,7 +119,7 @@ def test_in_a_scene_the_numbers_of_each_contact_have_theirs():
     assert true <= run.error["contacts.0.impulse"].model <= 0.2
     assert run.error["contacts.0.peak_force"].model <= 1e-2
     kept = ao.simulate_many(
-        [(SceneCase(scene, {"quantity": "peak_force", "rtol": 1e-2}), duration)],
+        [(scene, {"quantity": "peak_force", "rtol": 1e-2, "duration": duration})],
         keep="contacts.0.impulse",
     )
     assert math.isnan(kept[0]["contacts.0.impulse_error"])
