@@ -284,7 +284,7 @@ def finite_array(
     """
     given = _array(name, value, "an array of numbers")
     if given.dtype.kind not in "iuf":
-        raise InputTypeError(f"{name} must be an array of real numbers, got dtype {given.dtype}")
+        raise InputTypeError(f"{name} must be an array of real numbers, got {_short(value)}")
     with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
         array = np.asarray(given, dtype=np.float64, order="C")
     _check_shape(name, array.shape, shape)

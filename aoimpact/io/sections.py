@@ -11,7 +11,7 @@ from typing import Any, get_args
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError, held_warnings
+from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError
 from ..fem import (
     Beam,
     BeamSection,
@@ -22,7 +22,6 @@ from ..fem import (
     Ply,
     Shell,
     Solid,
-    warn_of_units,
 )
 from .abaqusdeck import key
 from .profiles import Profile
@@ -44,16 +43,6 @@ _KINDS: dict[int, tuple[type[Any], ...]] = {3: get_args(Solid), 2: (Shell, Lamin
 # M. J. Hinton and A. S. Kaddour, Compos. Sci. Technol. 58, 1011 (1998), table 1.
 _NU_ACROSS = 0.4
 
-# Consistent systems of units: those of length, force and time in SI, and as arguments.
-_UNITS = {
-    "m, N, kg, s": (1.0, 1.0, 1.0, "scale=1"),
-    "mm, N, t, s": (1e-3, 1.0, 1.0, "scale=1e-3"),
-    "mm, kN, kg, ms": (1e-3, 1e3, 1e-3, "scale=1e-3, force=1e3, time=1e-3"),
-    "mm, kg, s": (1e-3, 1e-3, 1.0, "scale=1e-3, force=1e-3"),
-    "in, lbf, s": (0.0254, 4.44822, 1.0, "scale=0.0254, force=4.44822"),
-    "cm, g, µs": (1e-2, 1e7, 1e-6, "scale=1e-2, force=1e7, time=1e-6"),
-}
-
 _TINY = float(np.finfo(float).tiny)
 
 
@@ -74,8 +63,6 @@ class Source:
         Names of `given` that the deck has.
     wanted : dict of str to types
         Kinds that the deck has of names in `given` that are of another.
-    solids : list of (float, float)
-        E and rho of the materials in the deck's units.
     """
 
     raw: RawMesh
@@ -86,7 +73,6 @@ class Source:
     left_out: list[str] = field(default_factory=list)
     taken: set[str] = field(default_factory=set)
     wanted: dict[str, tuple[type[Any], ...]] = field(default_factory=dict)
-    solids: list[tuple[float, float]] = field(default_factory=list)
 
     def instead(self, name: str, dim: int = 3) -> Any:
         """Return what is given in place of a section of 1 to 3 dimensions, or of a material."""
@@ -99,27 +85,12 @@ class Source:
         self.taken.add(at)
         return given
 
-    def likely_units(self) -> str:
-        """Return the systems of units in which all materials are solids, as a cure."""
-        found = []
-        for name, (length, force, time, arguments) in _UNITS.items():
-            stress = force / length**2
-            with held_warnings() as odd:
-                for E, rho in self.solids:
-                    warn_of_units("E", E * stress)
-                    warn_of_units("rho", rho * stress * (time / length) ** 2)
-            if not odd:
-                found.append(f"{arguments} for {name}")
-        return f"give {' or '.join(found)}" if found else "give scale=, force= and time="
-
     def isotropic(self, E: float, nu: float, rho: float) -> Material:
         """Return the material of constants in the deck's units."""
-        self.solids.append((E, rho))
         return Material(E * self.stress, nu, rho * self.density)
 
     def orthotropic(self, *of: float) -> Orthotropic:
         """Return that of E1, E2, E3, ν12, ν13, ν23, G12, G13, G23, rho in the deck's units."""
-        self.solids.append((of[0], of[9]))
         E1, E2, E3, G12, G13, G23 = (self.stress * of[i] for i in (0, 1, 2, 6, 7, 8))
         return Orthotropic(
             (E1, E2, E3), (G12, G13, G23), (of[3], of[4], of[5]), of[9] * self.density

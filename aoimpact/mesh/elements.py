@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import combinations, pairwise, permutations, product
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -275,88 +275,41 @@ def _quadrature(linear: str, n: int) -> Rule:
     return Rule(np.stack([x, y, z], axis=-1), np.einsum("i,j,k->ijk", *weights).ravel())
 
 
-def _tetrahedra_of_a_brick() -> FloatArray:
-    """Six tetrahedra about one diagonal, each along the axes in another order."""
-    orders = [np.eye(3)[list(order)] for order in permutations(range(3))]
-    pieces = np.stack([np.cumsum([[0, 0, 0], *order], axis=0) for order in orders])
-    odd = np.linalg.det(pieces[:, 1:]) < 0.0
-    pieces[odd] = pieces[odd][:, [0, 2, 1, 3]]
-    return pieces
-
-
-def _pyramids_of_a_brick() -> FloatArray:
-    """A pyramid on each side of the brick, with the apex in the middle."""
-    base = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], dtype=np.float64)
-    sides = [np.roll(base, turn, axis=1) for turn in range(3)]
-    sides += [1.0 - side[::-1] for side in sides]
-    pieces = np.stack([[*side, (0.5, 0.5, 0.5)] for side in sides])
-    odd = np.linalg.det(pieces[:, [1, 3, 4]] - pieces[:, :1]) < 0.0
-    pieces[odd] = pieces[odd][:, [0, 3, 2, 1, 4]]
-    return pieces
-
-
-def _cell(linear: str, corners: Any, normals: Any, of_brick: FloatArray | None = None) -> Cell:
-    places = np.array(corners, dtype=np.float64)
-    pieces = places[None] if of_brick is None else of_brick
-    return Cell(linear, places, np.array(normals, dtype=np.float64), pieces)
-
-
 _AXES, _ORIGIN = np.eye(3), np.zeros(3)
 _SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
-_WEDGE_CORNERS = np.vstack([_SQUARE[[0, 1, 3]], _SQUARE[[0, 1, 3]] + _AXES[2]])
+_BRICK = np.vstack([_SQUARE, _SQUARE + _AXES[2], np.full(3, 0.5)])  # its corners and its middle
+
+
+def _cell(linear: str, corners: Any, normals: Any, of_brick: str) -> Cell:
+    """Return a cell; `of_brick` are the pieces of a brick by the numbers of their corners."""
+    pieces = _BRICK[[[*map(int, piece)] for piece in of_brick.split()]]
+    return Cell(linear, np.array(corners, float), np.array(normals, float), pieces)
+
+
 _TETRAHEDRON = _cell(
     "tetra",
-    corners=np.vstack([_ORIGIN, _AXES]),
-    normals=np.vstack([-_AXES, np.ones(3)]),
-    of_brick=_tetrahedra_of_a_brick(),
+    np.vstack([_ORIGIN, _AXES]),
+    np.vstack([-_AXES, np.ones(3)]),
+    "0126 0516 0236 0376 0456 0746",  # about one diagonal, each along the axes in another order
 )
-_HEXAHEDRON = _cell(
-    "hexahedron",
-    corners=np.vstack([_SQUARE, _SQUARE + _AXES[2]]),
-    normals=np.vstack([-_AXES, _AXES]),
-)
+_HEXAHEDRON = _cell("hexahedron", _BRICK[:8], np.vstack([-_AXES, _AXES]), "01234567")
 _WEDGE = _cell(
     "wedge",
-    corners=_WEDGE_CORNERS,
-    normals=np.vstack([-_AXES[:2], [(1, 1, 0)], -_AXES[2], _AXES[2]]),
-    of_brick=np.stack([_WEDGE_CORNERS, _WEDGE_CORNERS * [-1, -1, 1] + [1, 1, 0]]),
+    _BRICK[[0, 1, 3, 4, 5, 7]],
+    np.vstack([-_AXES[:2], [(1, 1, 0)], -_AXES[2], _AXES[2]]),
+    "013457 231675",
 )
 _PYRAMID = _cell(
     "pyramid",
-    corners=np.vstack([_SQUARE, _AXES[2]]),
-    normals=np.vstack([-_AXES[:2], _AXES[:2] + _AXES[2], -_AXES[2]]),
-    of_brick=_pyramids_of_a_brick(),
+    _BRICK[:5],
+    np.vstack([-_AXES[:2], _AXES[:2] + _AXES[2], -_AXES[2]]),
+    "01238 03748 04518 54768 21568 73268",
 )
 
 # Shells and beams: a surface has one side, seen from +z, and a line none.
-_LINE = _cell("line", np.vstack([_ORIGIN, _AXES[0]]), np.vstack([-_AXES[0], _AXES[0]]))
-_QUAD = _cell("quad", _SQUARE, np.vstack([-_AXES[:2], _AXES[:2]]))
-_TRIANGLE = _cell(
-    "triangle",
-    _SQUARE[[0, 1, 3]],
-    np.vstack([-_AXES[:2], [(1, 1, 0)]]),
-    of_brick=_SQUARE[[[0, 1, 2], [0, 2, 3]]],
-)
-
-
-# The nodes after the corners, each in the middle of these corners (VTK's file-format figures).
-_Middles = tuple[tuple[int, ...], ...]
-
-
-def _ring(n: int, first: int = 0) -> _Middles:
-    """The edges of a face whose corners follow each other."""
-    corners = range(first, first + n)
-    return (*pairwise(corners), (corners[0], corners[-1]))
-
-
-TETRAHEDRON_EDGES = (*_ring(3), *((i, 3) for i in range(3)))
-_HEXAHEDRON_EDGES = (*_ring(4), *_ring(4, 4), *((i, i + 4) for i in range(4)))
-_HEXAHEDRON_MIDDLES = (
-    *(*_HEXAHEDRON_EDGES, (0, 3, 4, 7), (1, 2, 5, 6), (0, 1, 4, 5), (2, 3, 6, 7)),
-    *((0, 1, 2, 3), (4, 5, 6, 7), tuple(range(8))),
-)
-_WEDGE_EDGES = (*_ring(3), *_ring(3, 3), *((i, i + 3) for i in range(3)))
-_PYRAMID_EDGES = (*_ring(4), *((i, 4) for i in range(4)))
+_LINE = _cell("line", _BRICK[:2], np.vstack([-_AXES[0], _AXES[0]]), "01")
+_QUAD = _cell("quad", _SQUARE, np.vstack([-_AXES[:2], _AXES[:2]]), "0123")
+_TRIANGLE = _cell("triangle", _BRICK[[0, 1, 3]], np.vstack([-_AXES[:2], [(1, 1, 0)]]), "012 023")
 
 
 def _space(degree: int, has: Callable[[int, int, int], bool]) -> tuple[_Powers, ...]:
@@ -393,14 +346,21 @@ _SIDES = {
 
 @dataclass(frozen=True)
 class _Kind:
-    """Parts of a `ReferenceElement`; the last two are points of quadrature in each direction."""
+    """Parts of a `ReferenceElement`; the last two are points of quadrature in each direction.
+
+    `middles` are the nodes after the corners, each in the middle of these corners (VTK's
+    file-format figures).
+    """
 
     cell: Cell
-    middles: _Middles
+    middles: str
     space: tuple[_Powers, ...]
     stiffness_points: int
     mass_points: int
 
+
+_EDGES = "01 12 23 03 45 56 67 47 04 15 26 37"  # of a hexahedron
+_FACES = "0347 1256 0145 2367 0123 4567"
 
 # All kinds of elements, by meshio's names. Nothing about a kind is said elsewhere.
 #
@@ -408,23 +368,23 @@ class _Kind:
 # each coordinate: 3p − 1 for ∫∇φ dV, 5p − 1 for ∫φφ dV; tetrahedra, in all: 3p − 3 and 5p − 3.
 # Wedges: 3p − 2 and 5p − 2 in the triangle; pyramids, in x/(1-z) and y/(1-z): 3p and 5p.
 _ALL = {
-    "tetra": _Kind(_TETRAHEDRON, (), _TETRAHEDRON_4, 1, 2),
-    "tetra10": _Kind(_TETRAHEDRON, TETRAHEDRON_EDGES, _TETRAHEDRON_10, 3, 4),
-    "hexahedron": _Kind(_HEXAHEDRON, (), _HEXAHEDRON_8, 2, 3),
-    "hexahedron20": _Kind(_HEXAHEDRON, _HEXAHEDRON_EDGES, _HEXAHEDRON_20, 3, 5),
-    "hexahedron27": _Kind(_HEXAHEDRON, _HEXAHEDRON_MIDDLES, _HEXAHEDRON_27, 3, 5),
-    "wedge": _Kind(_WEDGE, (), _WEDGE_6, 2, 3),
-    "wedge15": _Kind(_WEDGE, _WEDGE_EDGES, _WEDGE_15, 3, 5),
-    "pyramid": _Kind(_PYRAMID, (), _PYRAMID_5, 2, 3),
-    "pyramid13": _Kind(_PYRAMID, _PYRAMID_EDGES, _PYRAMID_13, 4, 6),
+    "tetra": _Kind(_TETRAHEDRON, "", _TETRAHEDRON_4, 1, 2),
+    "tetra10": _Kind(_TETRAHEDRON, "01 12 02 03 13 23", _TETRAHEDRON_10, 3, 4),
+    "hexahedron": _Kind(_HEXAHEDRON, "", _HEXAHEDRON_8, 2, 3),
+    "hexahedron20": _Kind(_HEXAHEDRON, _EDGES, _HEXAHEDRON_20, 3, 5),
+    "hexahedron27": _Kind(_HEXAHEDRON, f"{_EDGES} {_FACES} 01234567", _HEXAHEDRON_27, 3, 5),
+    "wedge": _Kind(_WEDGE, "", _WEDGE_6, 2, 3),
+    "wedge15": _Kind(_WEDGE, "01 12 02 34 45 35 03 14 25", _WEDGE_15, 3, 5),
+    "pyramid": _Kind(_PYRAMID, "", _PYRAMID_5, 2, 3),
+    "pyramid13": _Kind(_PYRAMID, "01 12 23 03 04 14 24 34", _PYRAMID_13, 4, 6),
 }
 
 # Solids, and beside them what shells and beams are made of, without quadrature of its own.
 KINDS = tuple(_ALL)
 _ALL |= {
-    "line": _Kind(_LINE, (), ((0, 0, 0, 0), (1, 0, 0, 0)), 1, 1),
-    "triangle": _Kind(_TRIANGLE, (), _SIDES[3], 1, 1),
-    "quad": _Kind(_QUAD, (), _SIDES[4], 1, 1),
+    "line": _Kind(_LINE, "", ((0, 0, 0, 0), (1, 0, 0, 0)), 1, 1),
+    "triangle": _Kind(_TRIANGLE, "", _SIDES[3], 1, 1),
+    "quad": _Kind(_QUAD, "", _SIDES[4], 1, 1),
 }
 THIN = ("quad", "triangle", "line")
 
@@ -434,7 +394,9 @@ def reference_element(kind: str) -> ReferenceElement:
     """Return the element of meshio's name `kind`, one of `KINDS` or `THIN`."""
     of = _ALL[kind]
     corners = of.cell.corners
-    nodes = np.vstack([corners, *(corners[list(c)].mean(axis=0) for c in of.middles)])
+    nodes = np.vstack(
+        [corners, *(corners[[*map(int, c)]].mean(axis=0) for c in of.middles.split())]
+    )
     basis = _Basis.of(of.space, nodes, 0.5 if of.cell is _HEXAHEDRON else 0.0)
     points = (of.stiffness_points, of.mass_points)
     return ReferenceElement(kind, of.cell, nodes, points, basis)

@@ -265,17 +265,9 @@ def test_a_shell_and_a_bar_may_have_one_number(tmp_path: Path) -> None:
     assert body.mass == pytest.approx(7800 * (0.2 * 0.1 * 1e-3 + 0.05 * 0.02 * 0.01))
 
 
-@pytest.mark.parametrize(
-    ("E", "rho", "argument"),
-    [
-        ("10.3E6", "2.59E-4", "force=4.44822"),  # in, lbf, s
-        ("70000.", "2.7E-9", r"^mesh"),  # mm, N, t, s
-        ("70.", "2.7E-6", r"^mesh"),  # mm, kN, kg, ms
-    ],
-)
-def test_the_likely_units_are_said(E: str, rho: str, argument: str, tmp_path: Path) -> None:
-    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL", ".1", ELASTIC(E=E, rho=rho)]
-    with pytest.warns(ao.AOImpactWarning, match=argument):
+def test_values_of_no_solid_are_said(tmp_path: Path) -> None:
+    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL", ".1", ELASTIC(E="10.3E6", rho="2.59E-4")]
+    with pytest.warns(ao.AOImpactWarning, match="scale="):  # in, lbf, s
         read(abaqus(tmp_path / "a.inp", SHEET, cards))
 
 
