@@ -6,9 +6,6 @@ import gc
 import multiprocessing
 import os
 import signal
-import subprocess
-import sys
-import time
 import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from itertools import compress
@@ -139,35 +136,6 @@ def test_bodies_of_past_cases_are_forgotten(keep: Any) -> None:
     assert most < 1e6
 
 
-MILLION = """
-import resource
-import aoimpact as ao
-
-def cases():
-    for i in range(10**6):
-        yield dict(projectile=ball, target=other, law=law, velocity=1.0 + 1e-6 * i, duration=1e-4,
-                   solver=rule)
-
-ball, other, law = ao.rigid(mass=0.03), ao.rigid(mass=0.05), ao.Hertz(k=1e10)
-rule = ao.Adaptive(rtol=1e-3)
-largest = max(kept["peak_force"] for kept in ao.simulate_many(cases(), keep="peak_force"))
-print(largest, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="ru_maxrss in KiB")
-def test_a_million_cases_stay_within_two_gib() -> None:
-    env = os.environ | {"PYTHONPATH": str(Path(str(ao.__file__)).parent.parent)}
-    command = [sys.executable, "-c", MILLION]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
-    largest, most = map(float, done.stdout.split())
-    # Hertz: the peak goes as v^(6/5).
-    (one,) = ao.simulate_many([balls(1.0)], keep="peak_force")
-    assert largest == pytest.approx(one["peak_force"] * (2.0 - 1e-6) ** 1.2, rel=2e-3)
-    assert most * 1024 < 2 * 2**30
-
-
 # ------------------------------------------------------------------------------- checkpoints
 
 
@@ -241,65 +209,6 @@ def test_errors_that_may_pass_are_tried_again(tmp_path: Path) -> None:
     assert isinstance(first, MemoryError)
     (second,) = ao.simulate_many([(Scene(), 1.0)], keep="impulse", checkpoint=path)
     assert second["impulse"] > 0.0
-
-
-SWEEP = """
-import sys
-import aoimpact as ao
-from concurrent.futures import ProcessPoolExecutor
-
-def cases():
-    for i in range(400):
-        yield dict(projectile=ao.rigid(mass=.03), target=ao.rigid(mass=.05), law=ao.Hertz(k=1e10),
-                   velocity=1.0 + 1e-3 * i, duration=2e-4, solver=ao.Newmark(dt=2e-8))
-
-def main(path, kind):
-    workers = ProcessPoolExecutor(2) if kind == "processes" else int(kind)
-    for kept in ao.simulate_many(cases(), workers, keep="peak_force", checkpoint=path):
-        print(kept["peak_force"].hex(), flush=True)
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="kill -9")
-@pytest.mark.parametrize("kind", ["1", "2", "processes"])
-def test_killed_half_way_it_goes_on_where_it_was(kind: str, tmp_path: Path) -> None:
-    script, path = tmp_path / "sweep.py", tmp_path / "checkpoint"
-    script.write_text(SWEEP)
-    command = [sys.executable, str(script), str(path), kind]
-    env = os.environ | {"PYTHONPATH": str(Path(str(ao.__file__)).parent.parent)}
-    finished = 0
-    for _ in range(3):
-        with subprocess.Popen(
-            command, stdout=subprocess.DEVNULL, env=env, start_new_session=True
-        ) as sweep:
-            _wait_for_growth(path)
-            sweep.kill()
-            sweep.wait()
-        # Workers that the sweep leaves behind must not keep the file from its successor.
-        before, finished = finished, counted(path)
-        if kind == "processes":
-            os.killpg(sweep.pid, signal.SIGKILL)
-        assert before < finished < 400
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
-    assert counted(path) == 400
-    fresh = [sys.executable, str(script), str(tmp_path / "other"), "2"]
-    again = subprocess.run(fresh, capture_output=True, text=True, check=True, env=env)
-    assert len(again.stdout.split()) == 400
-    assert done.stdout == again.stdout
-
-
-def _wait_for_growth(path: Path) -> None:
-    """Wait until another run has finished some cases more."""
-    before = path.stat().st_size if path.exists() else 8
-    for _ in range(3000):
-        time.sleep(0.01)
-        if path.exists() and path.stat().st_size > before + 500:
-            return
-    pytest.fail("the sweep did not get on")
 
 
 def die(result: Any) -> float:

@@ -568,17 +568,6 @@ def test_buffers_are_given_back(name: str) -> None:
         buffer.append(0.0)
 
 
-def test_buffers_are_given_back_after_a_refusal() -> None:
-    for position in range(2, 6):
-        buffers: list[Any] = [doubles(1.0) for _ in range(6)]
-        buffers[0] = law()
-        buffers[position] = doubles(1.0, 2.0)
-        with pytest.raises(ValueError, match=r"rate|force|stiffness|damping"):
-            _core.law_force(*buffers, False)
-        for buffer in buffers[1:]:
-            buffer.append(0.0)
-
-
 LEAK_TEST = """
 import gc, resource, sys
 sys.path.insert(0, sys.argv[1])

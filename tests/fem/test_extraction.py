@@ -302,7 +302,14 @@ def test_a_force_aslant_finds_mindlin_s_share_of_the_half_space() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "divisions"), [("hexahedron", (6, 6, 4)), ("tetra", (6, 6, 4)), ("tetra10", (4, 4, 3))]
+    ("kind", "divisions"),
+    [
+        ("hexahedron", (6, 6, 4)),
+        *(
+            pytest.param(*of, marks=pytest.mark.slow)
+            for of in (("tetra", (6, 6, 4)), ("tetra10", (4, 4, 3)))
+        ),
+    ],
 )
 def test_near_an_edge_meshes_agree_on_how_a_normal_force_moves_the_surface_sideways(
     kind: str, divisions: tuple[int, int, int]

@@ -88,7 +88,7 @@ def test_few_frequencies_above_many_modes_are_solved_for_directly() -> None:
     )  # and SciPy's rounding
 
 
-@pytest.mark.parametrize("off", [1e-3, 1e-7, 1e-9])
+@pytest.mark.parametrize("off", [1e-3, 1e-9])
 def test_the_bound_holds_beside_a_resonance_without_damping(off: float) -> None:
     body, first, second = plate(None, SUPPORTS["clamped"], 10)
     frequency = (1.0 + off) * float(body.frequencies(1)[0])
@@ -112,18 +112,6 @@ def test_modal_damping_of_a_large_body_is_within_its_bound() -> None:
     assert found.modes < body.n_dofs / 4
     assert (np.abs(found.values - known) <= found.error + 1e-7 * np.abs(known)).all()
     assert (found.error <= 2e-2 * np.abs(known).max()).all()
-
-
-def test_kinds_are_derivatives() -> None:
-    body, first, _ = plate(None, SUPPORTS["clamped"], 4)
-    frequencies = np.array([10.0, 300.0])
-    one, two, three = (
-        body.frf(excitation=first, frequencies=frequencies, kind=kind).values
-        for kind in ("receptance", "mobility", "accelerance")
-    )
-    rate = 2j * math.pi * frequencies
-    np.testing.assert_allclose(two, rate * one)
-    np.testing.assert_allclose(three, rate * two)
 
 
 def test_what_makes_no_sense_is_named() -> None:

@@ -29,7 +29,7 @@ def test_a_thin_beam_on_two_supports_that_is_free_to_slide_sideways(solver: str)
     assert star.k0 == pytest.approx(48.0 * STEEL.E * h**4 / 12.0, rel=2e-3)
 
 
-@pytest.mark.parametrize("spring", [10.0, 40.0, 100.0, 300.0, 1e4])
+@pytest.mark.parametrize("spring", [10.0, 1e4])
 @pytest.mark.parametrize("method", ["krylov", "eigen"])
 def test_a_block_on_soft_springs_is_a_lever(spring: float, method: str) -> None:
     """Struck beside the middle of four springs: 1/k = 1/(4 k_s) + e²/(4 k_s a²)."""

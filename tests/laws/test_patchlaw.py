@@ -121,15 +121,6 @@ def test_an_elastic_impact_on_a_patch_keeps_its_energy(solver):
     assert hit.peak_force == pytest.approx(ao.Hertz(K).force(deepest), rel=1e-3)
 
 
-def test_a_thornton_contact_on_a_patch_loses_what_its_law_does():
-    """Restitution by the energies of the law, and by a run."""
-    law = ao.Thornton(K, 200.0).within_patch(C)
-    mass, speed = 0.016, 0.7
-    hit = on_a_wall(law, mass, speed, ao.Newmark(dt=1e-8))
-    assert hit.restitution == pytest.approx(ao.restitution(law, mass, speed), rel=1e-5)
-    assert 0.5 < hit.restitution < 0.95
-
-
 @pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-8), ao.Adaptive(rtol=1e-9)])
 def test_a_spring_in_series_is_a_compliance_below_zero(solver):
     """Linear in series with 1/k is (1/K + 1/k)⁻¹: peak force v √(k m); and F = law(δ - F/k)."""

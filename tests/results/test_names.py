@@ -55,18 +55,6 @@ def test_models_are_called_as_their_body() -> None:
     assert ao.AOModel(m0=1.0, name="mass").name == "mass"
 
 
-def test_an_impact_shows_the_names(tmp_path: Path) -> None:
-    hit = strike()
-    assert (hit.projectile.name, hit.target.name) == ("ball", "bar")
-    assert "projectile         ball: rigid, 10 g\n" in repr(hit)
-    assert repr(hit.target) == "BodyResult(bar: AO(3), 0.108 kg, constrained)"
-    assert "target             bar: AO(3), 108 g, constrained, node 23 at (0.1, " in repr(hit)
-    labels = [text.get_text() for text in hit.plot_displacement().get_legend().get_texts()]
-    assert labels == ["ball", "bar, contact point", "bar, centre of mass"]
-    hit.to_csv(tmp_path / "hit.csv")
-    assert "bar displacement [m]" in headings(tmp_path / "hit.csv")
-
-
 def test_bodies_of_one_name_are_told_apart() -> None:
     hit = strike(BALL, ao.rigid(mass=0.02, name="ball"))
     assert hit.names == ("ball (projectile)", "ball (target)")

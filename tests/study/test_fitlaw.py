@@ -117,7 +117,7 @@ def deviations(count: int) -> np.ndarray:
 
 
 def test_true_parameters_are_within_two_standard_errors() -> None:
-    assert 0.9 <= (deviations(35) < 2.0).mean() <= 0.99
+    assert 0.9 <= (deviations(21) < 2.0).mean() <= 0.99
 
 
 @pytest.mark.slow

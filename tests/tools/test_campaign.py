@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
-
 from campaign.case import Body, Case, Contact, Frame, Law, Load
 from campaign.generate import case_of
 from campaign.judge import judge

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from types import ModuleType
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[2]))
-
-from tools.campaign import abaqusdecks, nastrandecks
+from campaign import abaqusdecks, nastrandecks
 
 
 @pytest.mark.parametrize("written", [abaqusdecks, nastrandecks])

@@ -6,13 +6,14 @@ right to the error that is said with it; on compact bodies of quadratic elements
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 import resolved
-from paperbodies import RESOLVED_FORCE
+from paperbodies import RESOLVED_DURATION, RESOLVED_FORCE
 from resolved import Impact, Solid
 
 import aoimpact as ao
@@ -110,3 +111,30 @@ def test_a_ball_on_a_fine_mesh(name: str) -> None:
     assert true < said + 2e-3  # so much may be wrong with what is resolved
     assert true < 5e-3
     assert said < 0.015
+
+
+# ------------------------------------------------- the resolved spheres themselves
+
+
+@cache
+def two_spheres(finest: float) -> Impact:
+    """Each meets its mirror image at half the velocity: a rigid plane."""
+    ball = resolved.ball(RADIUS, STEEL, finest, reach=0.45e-3)
+    return resolved.strike(ball, None, 0.5, 64e-6)
+
+
+def test_two_spheres_resolved() -> None:
+    coarse, middle, fine = (two_spheres(finest) for finest in (20e-6, 14e-6, 10e-6))
+    # The last refinement moves the force by no more than the error claimed for it.
+    assert abs(fine.peak - middle.peak) < 0.5
+    assert fine.peak == pytest.approx(RESOLVED_FORCE, abs=0.5)
+    assert abs(fine.duration - middle.duration) < abs(middle.duration - coarse.duration)
+    assert fine.duration == pytest.approx(RESOLVED_DURATION, abs=0.03e-6)
+    assert fine.restitution == pytest.approx(1.0, abs=2e-5)
+
+
+def test_impulse_of_the_resolved_spheres_is_the_momentum_they_exchange() -> None:
+    hit, ball = two_spheres(14e-6), resolved.ball(RADIUS, STEEL, 14e-6, reach=0.45e-3)
+    impulse = hit.force.sum() * (hit.t[1] - hit.t[0])
+    assert impulse == pytest.approx(ball.total_mass * 0.5 * (1.0 + hit.restitution), rel=1e-9)
+    assert ball.total_mass == pytest.approx(4 / 3 * math.pi * RADIUS**3 * STEEL.rho, rel=5e-4)

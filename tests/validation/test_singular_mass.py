@@ -33,16 +33,6 @@ def test_a_mass_integrated_at_one_point_has_the_frequencies_of_its_closed_form(n
     assert body.frequencies(6) == pytest.approx(exact, rel=1e-8, abs=1e-12)
 
 
-def test_all_modes_of_a_singular_mass_are_those_with_mass() -> None:
-    n = 300
-    K, M = rod_integrated_at_one_point(n)
-    body = ao.FEModel(K=K, M=M)
-    exact = np.tan(np.arange(n) * np.pi / (2 * n)) / np.pi
-    assert body.frequencies(n) == pytest.approx(exact, rel=1e-6, abs=1e-9)
-    with pytest.raises(ao.InputError, match=r"^n"):
-        body.frequencies(n + 1)
-
-
 @pytest.mark.filterwarnings("ignore:.*anti-oscillators carry mass")
 def test_every_model_of_a_body_of_singular_mass_gives_its_force() -> None:
     """The star of all oscillators is exact, and Newmark's rule on K and M knows no star."""
