@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from .. import _core
 from ..base import FloatArray, IntArray, MemoryLimitError, SingularError
 from .method import Inverse, Method, of_factors
 from .pencil import Pencil
@@ -57,20 +56,9 @@ class Factorization:
             solution[self.order] = self._lu.solve(rhs[self.order])
         return solution
 
-    def for_core(self) -> tuple[Any, ...]:
-        """Return P A Pᵀ = L D Lᵀ as the arrays of the core's ``aoi_factors``."""
-        if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
-            raise SingularError("the matrix needed pivoting, so it is not positive definite")
-        place = self._lu.perm_r.astype(np.int32)
-        if self.order is not None:
-            place[self.order] = self._lu.perm_r
-        lower = sp.tril(self._lu.L, k=-1, format="csc")
-        lower.sort_indices()
-        pivots = np.ascontiguousarray(self._lu.U.diagonal())
-        start, rows = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
-        panel = np.empty(len(start), dtype=np.int32)
-        count = _core.factors_find_panels(start, rows, panel)
-        return start, rows, np.ascontiguousarray(lower.data), pivots, place, panel[: count + 1]
+    def of_bytes(self, rhs: bytes) -> FloatArray:
+        """Return A⁻¹ `rhs` as the core asks for it."""
+        return self.solve(np.frombuffer(rhs))
 
 
 def factorize(

@@ -98,9 +98,9 @@ class SteppedFull(SteppedBody):
         of_mass = 1.0 + self.damping.alpha * gamma * dt
         of_stiffness = beta * dt**2 + self.damping.beta * gamma * dt
         matrix = of_mass * self.M + of_stiffness * self.K
-        factors = factorize(matrix, what="M + γ dt C + β dt² K").for_core()
+        factors = factorize(matrix, what="M + γ dt C + β dt² K")
         damping = self.damping.alpha, self.damping.beta
-        matrices = core_rows(self.K), core_rows(self.M), *damping, factors
+        matrices = core_rows(self.K), core_rows(self.M), *damping, factors.of_bytes
         return tuple({**self.parts, "full": matrices}.get(name) for name in PARTS)
 
     @property

@@ -104,23 +104,17 @@ void take_contact(call *of, PyObject *tuple, aoi_contact *contact, aoi_law *law,
  * Python has raised stays as it is. contact: which failed. The buffers must still be held. */
 void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, size_t count, size_t contact);
 
-/* (start, indices, values) of a matrix of n rows. */
-void take_sparse(call *of, PyObject *tuple, size_t *n, aoi_sparse *matrix);
-
-/* (start, rows, values, pivots, place, panel); factors->work is there already. */
-void take_factors(call *of, PyObject *tuple, size_t n, aoi_factors *factors);
-
 /* Entries of the tuple of a body, in this order; None where the body has none. Python takes the names from
  * _core.MODES. */
 #define MODES_PARTS(X)                                                                             \
     X(centre) X(shape) X(push) X(omega) X(decay) X(residual) X(gravity) X(inertia)                 \
     X(centre_residual) X(load_time) X(load_force) X(full)
 
-/* The matrices of a body and its factors. */
+/* The matrices of a body of n coordinates, and a callable that gives the solution for a right-hand side in bytes. */
 typedef struct taken_full {
     aoi_full full;
-    aoi_factors factors;
-    double *work;
+    PyObject *solve;
+    size_t n;
 } taken_full;
 
 /* A system and all that it is made of. */
@@ -170,8 +164,6 @@ void track_free(kept_track *kept);
     /* star.c */                                                                                   \
     X(star_from_constraint_modes) X(star_receptance) X(star_to_modal)          \
     X(star_from_modal)                                                                             \
-    /* sparse.c */                                                                                 \
-    X(factors_find_panels)                                                        \
     /* multigrid.c */                                                                              \
     X(blocks_pattern) X(blocks_multiply) X(blocks_subtract) X(blocks_smooth) X(graph_aggregate)    \
     /* newmark.c, adaptive.c */                                                                    \

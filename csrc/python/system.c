@@ -1,24 +1,57 @@
 /* Bodies, contacts and the system of them, from Python. */
 #include "python/binding.h"
-#include "linear/work.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #define PLACE_OF(part) part##_at,
 enum { MODES_PARTS(PLACE_OF) MODES_COUNT };
 
-/* (K, M, alpha, beta, factors). */
+/* (start, indices, values) of a matrix of n rows. */
+static void take_sparse(call *of, PyObject *tuple, size_t n, aoi_sparse *matrix)
+{
+    size_t stored = ANY_LENGTH;
+    matrix->n = n;
+    TAKE(of, tuple, LONGER('i', matrix->start, matrix->n, 1), ARRAY('i', matrix->indices, stored),
+         ARRAY('d', matrix->values, stored));
+    if (of->status == AOI_OK) {
+        of->status = aoi_sparse_check(matrix, stored);
+    }
+}
+
+/* aoi_solver.solve by a callable. The run holds no GIL. What is raised stays set. */
+static int solve_by_python(void *data, double *x)
+{
+    const taken_full *of = data;
+    const PyGILState_STATE state = PyGILState_Ensure();
+    const Py_ssize_t size = (Py_ssize_t)(of->n * sizeof *x);
+    Py_buffer view = {.obj = NULL};
+    PyObject *found = PyObject_CallFunction(of->solve, "y#", (const char *)x, size);
+    if (found && PyObject_GetBuffer(found, &view, PyBUF_C_CONTIGUOUS) == 0) {
+        if (view.len == size) {
+            memcpy(x, view.buf, (size_t)size);
+        } else {
+            PyErr_SetString(PyExc_ValueError, "a solution must be as long as its right-hand side");
+        }
+        PyBuffer_Release(&view);
+    }
+    Py_XDECREF(found);
+    const int failed = PyErr_Occurred() != NULL;
+    PyGILState_Release(state);
+    return failed;
+}
+
+/* (K, M, alpha, beta, callable). */
 static void take_full(call *of, PyObject *tuple, size_t n, taken_full *full, signal_check *signals)
 {
-    PyObject *K = NULL, *M = NULL, *factors = NULL;
-    full->full.pause = full->factors.pause = &signals->pause;
-    full->full.solver = (aoi_solver){aoi_factors_solve, &full->factors};
-    full->factors.work = full->work = call_room(of, n, sizeof(double));
+    PyObject *K = NULL, *M = NULL;
+    full->n = n;
+    full->full.pause = &signals->pause;
+    full->full.solver = (aoi_solver){solve_by_python, full};
     TAKE(of, tuple, VALUE('t', K), VALUE('t', M), VALUE('x', full->full.alpha), VALUE('x', full->full.beta),
-         VALUE('t', factors));
-    take_sparse(of, K, &n, &full->full.K);
-    take_sparse(of, M, &n, &full->full.M);
-    take_factors(of, factors, n, &full->factors);
+         VALUE('O', full->solve));
+    take_sparse(of, K, n, &full->full.K);
+    take_sparse(of, M, n, &full->full.M);
 }
 
 void take_body(call *of, PyObject *tuple, aoi_modes *body, taken_full *full, signal_check *signals)
@@ -48,9 +81,6 @@ void take_body(call *of, PyObject *tuple, aoi_modes *body, taken_full *full, sig
 
 void free_system(taken_system *made)
 {
-    for (size_t b = 0; made->full && b < made->system.body_count; b++) {
-        free(made->full[b].work);
-    }
     free(made->body);
     free(made->full);
     free(made->contact);

@@ -11,13 +11,25 @@ enum { MOST = 40 };
  * M + beta dt^2 K, tridiagonal: L has one entry a column. */
 typedef struct chain_body {
     aoi_full full;
-    aoi_factors factors;
     world world;
     int32_t start[MOST + 1], indices[3 * MOST], m_start[MOST + 1], m_indices[MOST];
-    int32_t l_start[MOST + 1], l_rows[MOST], place[MOST], panel[MOST + 1];
     double k_values[3 * MOST], m_values[MOST], l_values[MOST], pivots[MOST];
-    double b[MOST], centre[MOST], u0[MOST], v0[MOST], work[MOST];
+    double b[MOST], centre[MOST], u0[MOST], v0[MOST];
 } chain_body;
+
+/* x <- A^-1 x by two sweeps. */
+static int sweep(void *data, double *x)
+{
+    const chain_body *c = data;
+    const size_t n = c->full.K.n;
+    for (size_t i = 1; i < n; i++) {
+        x[i] -= c->l_values[i - 1] * x[i - 1];
+    }
+    for (size_t i = n; i-- > 0;) {
+        x[i] = x[i] / c->pivots[i] - (i + 1 < n ? c->l_values[i] * x[i + 1] : 0.0);
+    }
+    return 0;
+}
 
 static void chain_body_fill(chain_body *c, int32_t n, double k_first, const double *k,
                             const double *m)
@@ -38,7 +50,7 @@ static void chain_body_fill(chain_body *c, int32_t n, double k_first, const doub
             c->indices[stored] = i + 1;
             c->k_values[stored++] = -after;
         }
-        c->m_start[i] = c->m_indices[i] = c->place[i] = i;
+        c->m_start[i] = c->m_indices[i] = i;
         c->m_values[i] = m[i];
         total += m[i];
     }
@@ -49,7 +61,7 @@ static void chain_body_fill(chain_body *c, int32_t n, double k_first, const doub
     }
     c->full.K = (aoi_sparse){(size_t)n, c->start, c->indices, c->k_values};
     c->full.M = (aoi_sparse){(size_t)n, c->m_start, c->m_indices, c->m_values};
-    c->full.solver = (aoi_solver){aoi_factors_solve, &c->factors};
+    c->full.solver = (aoi_solver){sweep, c};
 }
 
 static void chain_body_factorise(chain_body *c, aoi_rule rule, const double *k, double k_first)
@@ -62,15 +74,8 @@ static void chain_body_factorise(chain_body *c, aoi_rule rule, const double *k, 
         if (i > 0) {
             c->l_values[i - 1] = -reach * before / c->pivots[i - 1];
             c->pivots[i] -= c->l_values[i - 1] * c->l_values[i - 1] * c->pivots[i - 1];
-            c->l_rows[i - 1] = i;
         }
-        c->l_start[i + 1] = i < n - 1 ? i + 1 : i;
     }
-    const size_t panels = aoi_factors_find_panels((size_t)n, c->l_start, c->l_rows, c->panel);
-    c->factors = (aoi_factors){(size_t)n, c->l_start, c->l_rows, c->l_values,       c->pivots,
-                               c->place,  c->panel,   panels,    c->work, NULL};
-    CHECK(aoi_factors_check(&c->factors, (size_t)(n - 1)) == AOI_OK, "factors of a chain of %d",
-          (int)n);
 }
 
 static aoi_modes chain_body_model(const chain_body *c)
@@ -231,13 +236,8 @@ static void row_make(chain_body *c, aoi_rule rule, const double *damping, double
         if (i > 0) {
             c->l_values[i - 1] = -reach / c->pivots[i - 1];
             c->pivots[i] += reach * c->l_values[i - 1];
-            c->l_rows[i - 1] = i;
         }
-        c->l_start[i + 1] = i < ROW - 1 ? i + 1 : i;
     }
-    const size_t panels = aoi_factors_find_panels(ROW, c->l_start, c->l_rows, c->panel);
-    c->factors = (aoi_factors){ROW,      c->l_start, c->l_rows, c->l_values, c->pivots,
-                               c->place, c->panel,   panels,    c->work, NULL};
     ports_b[1] = ports_b[ROW + 4] = 1.0;
     ports_b[ROW + 5] = -0.5;
     c->full.alpha = damping[0];

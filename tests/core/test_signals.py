@@ -118,21 +118,16 @@ def briefs() -> Call:
     return lambda: _core.briefs(standing, moving, (hertz(1e9),), which, each, answers)
 
 
-def full(band: int, mass: Array) -> Call:
-    """Steps of a finite-element body with factors of that many entries a column."""
-    n = len(mass)
+def masses() -> Call:
+    """Accelerations of a finite-element body."""
+    n, mass = 400_000, np.logspace(0.0, 8.0, 400_000)
     start, indices = np.arange(n + 1, dtype=np.int32), np.arange(n, dtype=np.int32)
-    count = np.minimum(band, n - 1 - indices)
-    columns = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
-    rows = np.arange(columns[-1], dtype=np.int32)
-    rows += np.repeat(indices + 1 - columns[:-1], count)
     # A mass matrix that is not diagonal, so that accelerations take iterations.
     pairs = np.stack([mass, np.full(n, 0.7 * mass.min())], axis=1).ravel()
     beside = np.stack([indices, indices ^ 1], axis=1).ravel().astype(np.int32)
-    factors = (columns, rows, np.full(len(rows), 1e-6), np.ones(n), indices, start)
     b = np.zeros(n)
     b[0] = 1.0
-    matrices = (start, indices, np.ones(n)), (2 * start, beside, pairs), 0.0, 0.0, factors
+    matrices = (start, indices, np.ones(n)), (2 * start, beside, pairs), 0.0, 0.0, bytearray
     pulled = {"centre": np.zeros(n), "gravity": np.linspace(1.0, 2.0, n), "full": matrices}
     one, none = np.ones(1), np.zeros(1)
     wall = {"omega": none, "shape": one, "push": none, "inertia": none, "centre": one}
@@ -143,16 +138,8 @@ def full(band: int, mass: Array) -> Call:
     return lambda: _core.newmark(scene, contacts, 1e-3, 0.25, 0.5, *rest)
 
 
-def factors() -> Call:
-    return full(400, np.ones(100_000))
-
-
-def masses() -> Call:
-    return full(1, np.logspace(0.0, 8.0, 400_000))
-
-
 LONG = [law, receptance, to_modal, from_modal]
-LONG += [sample, sample_evenly, states, forces, touch, briefs, factors, masses]
+LONG += [sample, sample_evenly, states, forces, touch, briefs, masses]
 
 
 def seconds_deaf(call: Call, after: float) -> float:

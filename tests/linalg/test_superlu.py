@@ -8,7 +8,6 @@ import pytest
 import scipy.sparse as sp
 
 import aoimpact as ao
-from aoimpact import _core
 from aoimpact.linalg import factorize
 
 from slender import beam
@@ -16,13 +15,11 @@ from slender import beam
 STATM = Path("/proc/self/statm")
 
 
-def test_the_cores_sweeps_solve_the_same_system():
+def test_a_solution_leaves_no_residual():
     K, M = beam(500, fixed=[0, 1])
-    factors = factorize(K + 1e4 * M)
     b = np.random.default_rng(0).standard_normal(1000)
-    x = b.copy()
-    _core.factors_solve(factors.for_core(), np.empty(1000), x)
     A = K + 1e4 * M
+    x = factorize(A).of_bytes(b.tobytes())
     backward_error = np.abs(A @ x - b) / (abs(A) @ np.abs(x) + np.abs(b))
     assert backward_error.max() < 1e-13
 

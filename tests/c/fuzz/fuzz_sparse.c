@@ -1,4 +1,4 @@
-/* Sparse matrices, factors, blocks and graphs: what their checks let through can be used. */
+/* Sparse matrices, blocks and graphs: what their checks let through can be used. */
 #include "fuzz.h"
 #include "multigrid/multigrid.h"
 #include "linear/sparse.h"
@@ -45,54 +45,6 @@ static void of_matrix(input *in)
     }
     aoi_sparse_multiply(&matrix, x, y);
     (void)aoi_sparse_quadratic(&matrix, x);
-}
-
-/* Columns that go on below the diagonal. */
-static void of_factors(input *in)
-{
-    size_t stored = 0;
-    const size_t n = take_below(in, MOST);
-    int32_t *start, *rows, *place = take_bytes(in, n, sizeof *place);
-    int32_t *panel = take_bytes(in, n + 1, sizeof *panel);
-    if (take_byte(in) % 4) {
-        start = take_bytes(in, n + 1, sizeof *start);
-        rows = take_bytes(in, n * n, sizeof *rows);
-        for (size_t j = 0; j < n; j++) {
-            for (size_t i = j + 1; i < n; i++) {
-                if (take_byte(in) & 1) {
-                    rows[stored++] = (int32_t)i;
-                }
-            }
-            start[j + 1] = (int32_t)stored;
-        }
-        int32_t *exact = take_bytes(in, stored, sizeof *exact);
-        memcpy(exact, rows, stored * sizeof *exact);
-        rows = exact;
-    } else {
-        start = take_starts(in, n, &stored);
-        rows = take_indices(in, stored, n);
-    }
-    for (size_t i = 0; i < n; i++) {
-        place[i] = (int32_t)((i + 1) % n);
-    }
-    if (n > 0 && take_byte(in) > 200) {
-        place[take_below(in, n)] = (int32_t)take_below(in, 2 * n);
-    }
-    const aoi_sparse pattern = {n, start, rows, NULL};
-    if (aoi_sparse_check(&pattern, stored) != AOI_OK) {
-        return;
-    }
-    size_t panels = aoi_factors_find_panels(n, start, rows, panel);
-    if (take_byte(in) > 200) {
-        panel[take_below(in, n + 1)] = (int32_t)take_below(in, n + 2) - 1;
-    }
-    aoi_factors factors = {n,     start, rows,   take_array(in, stored, take_signed), take_array(in, n, take_any),
-                           place, panel, panels, take_room(in, n), NULL};
-    if (aoi_factors_check(&factors, stored) != AOI_OK) {
-        return;
-    }
-    double *x = take_array(in, n, take_signed);
-    REQUIRE(aoi_factors_solve(&factors, x) == AOI_OK);
 }
 
 static float *take_floats(input *in, size_t count)
@@ -185,14 +137,11 @@ static void of_graph(input *in)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     input in = open_input(data, size);
-    switch (take_below(&in, 4)) {
+    switch (take_below(&in, 3)) {
     case 0:
         of_matrix(&in);
         break;
     case 1:
-        of_factors(&in);
-        break;
-    case 2:
         of_blocks(&in);
         break;
     default:
