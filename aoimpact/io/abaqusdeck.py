@@ -51,8 +51,10 @@ class Keyword:
         Counted from 1.
     order : int
         Counts the keywords of a deck.
-    pieces : list of (Path, list of str, int, int)
-        Files, their lines, and from which to which line, counted from 0, data may stand.
+    data : list of str
+        Its data lines, without blanks at their ends, comments and empty lines.
+    places : list of (Path, int)
+        Where each of them stands.
     part : str
         The part to which it belongs, in capitals; "" outside of parts.
     labels : ndarray of int, shape (n,)
@@ -64,7 +66,8 @@ class Keyword:
     file: Path
     line: int
     order: int
-    pieces: list[tuple[Path, list[str], int, int]] = field(default_factory=list)
+    data: list[str] = field(default_factory=list)
+    places: list[tuple[Path, int]] = field(default_factory=list)
     part: str = ""
     labels: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
 
@@ -81,12 +84,6 @@ class Keyword:
             if each:
                 found[key(name)] = value.strip()
         return found
-
-    @cached_property
-    def data(self) -> list[str]:
-        """Its data lines, without blanks at their ends, comments and empty lines."""
-        pieces = (lines[start:stop] for _, lines, start, stop in self.pieces)
-        return [text for piece in pieces for text in _texts(piece)]
 
     @cached_property
     def begun(self) -> list[int]:
@@ -108,10 +105,8 @@ class Keyword:
         row : int, optional
             Data line that is wrong, from 0; the keyword itself if left out.
         """
-        places = [(self.file, self.line)]
-        for file, lines, start, stop in self.pieces if row >= 0 else []:
-            places += [(file, i + 1) for i in range(start, stop) if _texts(lines[i : i + 1])]
-        return refused(*places[row + 1], f"*{self.name}", why)
+        place = self.places[row] if row >= 0 else (self.file, self.line)
+        return refused(*place, f"*{self.name}", why)
 
     def check_options(self, *known: str) -> None:
         """Refuse an option that is not known: it may change the mesh."""
@@ -284,18 +279,15 @@ def read_keywords(main: Path) -> list[Keyword]:
                     found.append(keyword)
                     if keyword.name in _WITH_INPUT and "INPUT" in keyword.options:
                         include(keyword, outer)
-            if found:
-                found[-1].pieces.append((file, lines, after, stop))
-                continue
             for i in range(after, stop):
-                for text in _texts(lines[i : i + 1]):
+                text = lines[i].strip()
+                if not text or text[:2] == "**":
+                    continue
+                if not found:
                     why = "a deck of Abaqus or CalculiX begins with *"
                     raise refused(file, i + 1, repr(text[:40]), why)
+                found[-1].data.append(text)
+                found[-1].places.append((file, i + 1))
 
     add(main, (main,))
     return found
-
-
-def _texts(lines: list[str]) -> list[str]:
-    """Return data lines, without blanks at their ends, comments and empty lines."""
-    return [text for line in lines if (text := line.strip()) and text[:2] != "**"]

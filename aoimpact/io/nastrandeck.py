@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import compress, zip_longest
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +18,7 @@ from ..base import BoolArray, FloatArray, IntArray, MeshError, decoded, require
 from .raw import number, numbers, read_text, refused
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
-_PER_BYTE = 20
+_PER_BYTE = 22
 
 # Columns of a line that Nastran reads.
 _COLUMNS = 80
@@ -51,8 +51,8 @@ _DEFAULTS = {"GRID": "GRDSET", "CBAR": "BAROR", "CBEAM": "BEAMOR"}
 # Entries of four fields, of which one may have two.
 _PAIRS = ["CROD", "CTUBE", "CORD1R", "CORD1C", "CORD1S"]
 
-# First characters of INCLUDE and ENDDATA, and of BEGIN and CEND.
-_STOPS, _SECTIONS = frozenset((b"I", b"E", b" ")), frozenset((b"B", b"C", b" "))
+# First characters of BEGIN and CEND.
+_SECTIONS = frozenset((b"B", b"C", b" "))
 
 _NAME = re.compile(rb"[A-Z][A-Z0-9]*")
 
@@ -73,23 +73,20 @@ class Lines:
     ----------
     text : list of bytes
         ASCII; "?" is for any other character.
-    sources : ndarray of int, shape (n_lines, 2)
-        Number of the file, and number of the line in it from 1.
-    files : list of Path
+    places : list of (Path, int)
+        File of each, and its number there from 1.
     """
 
-    text: list[bytes]
-    sources: IntArray
-    files: list[Path]
+    text: list[bytes] = field(default_factory=list)
+    places: list[tuple[Path, int]] = field(default_factory=list)
 
     def part(self, first: int, end: int | None = None) -> Lines:
         """Return some of the lines."""
-        return Lines(self.text[first:end], self.sources[first:end], self.files)
+        return Lines(self.text[first:end], self.places[first:end])
 
     def refused(self, line: int, what: str, why: str) -> MeshError:
         """Return the error for a line."""
-        file, number = self.sources[line]
-        return refused(self.files[file], int(number), what, why)
+        return refused(*self.places[line], what, why)
 
 
 # --------------------------------------------------------------------------- files and sections
@@ -127,38 +124,31 @@ def read_deck(file: Path) -> tuple[Lines, BulkData]:
 
 def _all_lines(main: Path) -> Lines:
     """Return the lines of a deck up to ENDDATA, those of included files in their places."""
-    files: list[Path] = []
-    text: list[bytes] = []
-    sources: list[IntArray] = []
+    found = Lines()
 
     def add(file: Path, within: tuple[Path, ...]) -> bool:
         """Add the lines of a file, and return True if ENDDATA was met."""
-        own, done = len(files), 0
-        files.append(file)
         require(_PER_BYTE * file.stat().st_size, f"mesh file {str(file)!r}", "take a coarser mesh")
         written = read_text(file)
         content = re.sub(rb"\$.*", b"", written.encode("ascii", "replace").upper())
         lines = (content.expandtabs(8) if b"\t" in content else content).split(b"\n")
-
-        def take(end: int) -> None:
-            text.extend(lines[done:end])
-            numbers = np.arange(done + 1, end + 1)
-            sources.append(np.stack([np.full(len(numbers), own), numbers], axis=1))
-
-        stops = [i for i, line in enumerate(lines) if line[:1] in _STOPS]
-        for i in stops:
-            name = lines[i].lstrip()[:7]
-            if i < done or name not in (b"ENDDATA", b"INCLUDE"):
+        done = 0
+        for i, line in enumerate(lines):
+            name = line.strip()[:7]
+            if i < done or not name:
                 continue
-            take(i)
             if name == b"ENDDATA":
                 return True
+            if name != b"INCLUDE":
+                found.text.append(line.rstrip())
+                found.places.append((file, i + 1))
+                continue
             # A name in quotes may go on over several lines.
             ahead = re.sub(r"\$.*", "", "\n".join(written.split("\n")[i : i + _LONGEST]))
-            if (found := _INCLUDE.match(ahead)) is None:
+            if (given := _INCLUDE.match(ahead)) is None:
                 raise refused(file, i + 1, "INCLUDE", "it needs the name of a file, in quotes")
-            of = re.sub(r"\s*\n\s*", "", found[1].strip().strip("'\"")).replace("\\", "/")
-            done = i + 1 + found[0].count("\n")
+            of = re.sub(r"\s*\n\s*", "", given[1].strip().strip("'\"")).replace("\\", "/")
+            done = i + 1 + given[0].count("\n")
             # os.path.isfile is False for a name that is too long, unlike Path.is_file.
             folders = (file.parent, main.parent)
             places = [folder / of for folder in folders if os.path.isfile(folder / of)]
@@ -172,13 +162,10 @@ def _all_lines(main: Path) -> Lines:
                 raise refused(file, i + 1, "INCLUDE", f"{of!r} includes itself")
             if add(included, (*within, file)):
                 return True
-        take(len(lines))
         return False
 
     add(main, ())
-    text = list(map(bytes.rstrip, text))
-    filled = np.fromiter(map(bool, text), bool, len(text))
-    return Lines(list(compress(text, filled)), np.concatenate(sources)[filled], files)
+    return found
 
 
 # ------------------------------------------------------------------------------ lines to entries

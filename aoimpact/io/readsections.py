@@ -134,7 +134,7 @@ def read_sections(
         found: dict[str, OneMaterial] = raw.deck.read(source)
     if of_no_solid:
         said = of_no_solid[0].partition(":")[0]
-        source.left_out.append(f"{said}; give scale=, force= and time=")
+        source.left_out.append(f"{said}; give scale=, force=, time= of its units")
     if not found:
         cure = "give materials to from_mesh"
         if raw.deck.elements:
