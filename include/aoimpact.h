@@ -74,6 +74,9 @@ typedef enum aoi_status {
     AOI_ERROR_SPRINGS         /* a contact with friction needs more springs than there is room for  */
 } aoi_status;
 
+/* AOI_VERSION of the library. */
+AOI_API const char *aoi_version(void);
+
 /* A status in words: a constant string, never NULL. */
 AOI_API const char *aoi_status_text(int status);
 
@@ -436,6 +439,22 @@ typedef struct aoi_modes {
 AOI_API size_t aoi_star_modes_size(const aoi_star *star);
 AOI_API int aoi_star_modes(const aoi_star *star, void *memory, aoi_modes *body);
 
+/* The body of three ports, for friction, of whose directions (normal, t1, t2) each is an AO model: what a force along one
+ * does along another is left out. The centre of mass moves along the normal. memory and errors as for one; at V its modes
+ * have the rates V m_st centre[j] of the first star. */
+AOI_API size_t aoi_star_modes_of_three_size(const aoi_star star[3]);
+AOI_API int aoi_star_modes_of_three(const aoi_star star[3], void *memory, aoi_modes *body);
+
+/* A rigid body that turns: its mass, its moments of inertia about normal, t1 and t2, which are principal axes, and the
+ * arm from the centre of mass to its contact. Six modes, whose rates are the velocity and the angular velocity, and three
+ * ports. memory: AOI_RIGID_ROOM doubles, which the body keeps. AOI_ERROR_ARGUMENT unless all are finite, mass and moments
+ * positive. */
+typedef struct aoi_rigid {
+    double mass, inertia[3], arm[3]; /* kg, kg m^2, m */
+} aoi_rigid;
+enum { AOI_RIGID_ROOM = 54 };
+AOI_API int aoi_rigid_modes(const aoi_rigid *rigid, double *memory, aoi_modes *body);
+
 /* A contact between ports of two bodies: indentation = u_first - u_second - gap; its force presses the first
  * back and the second forward.
  *
@@ -596,6 +615,10 @@ AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
 
 /* Values that the track must have free for any row of a run of a linked system. */
 AOI_API size_t aoi_adaptive_room(const aoi_system *system);
+
+/* Makes a track, of no capacity at first, twice as large by resize, which is realloc or like it; room: aoi_adaptive_room.
+ * AOI_ERROR_TOO_LONG where that gives NULL: what the track has stays. values and row are the caller's to free. */
+AOI_API int aoi_track_grow(aoi_track *track, size_t room, void *(*resize)(void *memory, size_t bytes));
 
 /* The same to its end: AOI_ERROR_TOO_LONG where the track has no room for it. */
 AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);

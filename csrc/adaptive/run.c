@@ -711,6 +711,25 @@ int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track)
     return status;
 }
 
+/* Values and rows of a track at first: most runs have fewer. */
+enum { FIRST_VALUES = 4096, FIRST_ROWS = 48 };
+
+int aoi_track_grow(aoi_track *track, size_t room, void *(*resize)(void *memory, size_t bytes))
+{
+    const size_t capacity = track->capacity > 0 ? aoi_times(2, track->capacity) : aoi_plus(room, FIRST_VALUES);
+    const size_t rows = track->row_capacity > 0 ? aoi_times(2, track->row_capacity) : FIRST_ROWS;
+    double *values = resize(track->values, aoi_times(capacity, sizeof *values));
+    track->values = values ? values : track->values;
+    size_t *row = values ? resize(track->row, aoi_times(rows, sizeof *row)) : NULL;
+    track->row = row ? row : track->row;
+    if (!row) {
+        return AOI_ERROR_TOO_LONG;
+    }
+    track->capacity = capacity;
+    track->row_capacity = rows;
+    return AOI_OK;
+}
+
 int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track)
 {
     int status = AOI_OK;

@@ -1,6 +1,8 @@
 /* What the codes that functions return mean. */
 #include "aoimpact.h"
 
+const char *aoi_version(void) { return AOI_VERSION; }
+
 const char *aoi_status_text(int status)
 {
     static const char *const text[] = {

@@ -10,25 +10,8 @@
 
 static const size_t MOST_BYTES = (size_t)1 << 30;
 
-/* Rows of a track at first, and of a piece between looks at the clock: most runs have fewer. */
+/* Rows of a piece between looks at the clock. */
 enum { ROWS = 48 };
-
-/* A track grows as the run goes on. */
-static int grow(aoi_track *track, size_t room)
-{
-    const size_t capacity = track->capacity ? 2 * track->capacity : room + 4096;
-    const size_t rows = track->row_capacity ? 2 * track->row_capacity : ROWS;
-    double *values = realloc(track->values, capacity * sizeof(double));
-    track->values = values ? values : track->values;
-    size_t *row = realloc(track->row, rows * sizeof(size_t));
-    track->row = row ? row : track->row;
-    if (!values || !row) {
-        return 0;
-    }
-    track->capacity = capacity;
-    track->row_capacity = rows;
-    return 1;
-}
 
 /* A run under way, up to about most_steps steps, rejected ones included. */
 typedef struct job {
@@ -50,7 +33,7 @@ static int few_rows(void *data)
     const int full = track->capacity - track->used < of->room || track->rows == track->row_capacity;
     if (track->used * sizeof(double) > MOST_BYTES || at.steps + at.rejected > of->most_steps) {
         of->status = AOI_ERROR_TOO_LONG;
-    } else if (full && !grow(track, of->room)) {
+    } else if (full && aoi_track_grow(track, of->room, realloc) != AOI_OK) {
         of->status = CALL_NO_MEMORY;
     } else {
         const size_t all = track->row_capacity;

@@ -1,7 +1,8 @@
-/* An AO model as a body in its natural modes. */
+/* AO models and rigid bodies as bodies in their natural modes. */
 #include "linear/work.h"
 
 #include <math.h>
+#include <string.h>
 
 typedef struct arrays {
     double *omega, *shape, *push, *inertia, *centre, *residual, *work;
@@ -76,4 +77,100 @@ int aoi_star_modes(const aoi_star *star, void *memory, aoi_modes *body)
     body->inertia = made.inertia;
     body->centre = made.centre;
     return status;
+}
+
+/* ------------------------------------------------------------------------- in three directions */
+
+/* The body's arrays, and in front of them those of the three stars' bodies. */
+static aoi_modes three_lay_out(const aoi_star *star, void *block, void *part[3], double **array, size_t *size)
+{
+    const size_t n = star[0].n + star[1].n + star[2].n + 3;
+    aoi_memory memory = {block, 0};
+    for (size_t i = 0; i < 3; i++) {
+        part[i] = aoi_memory_take(&memory, 1, aoi_star_modes_size(&star[i]));
+    }
+    *array = aoi_memory_doubles(&memory, aoi_plus(aoi_times(9, n), 9));
+    *size = memory.used;
+    return (aoi_modes){.ports = 3};
+}
+
+size_t aoi_star_modes_of_three_size(const aoi_star star[3])
+{
+    size_t size;
+    void *part[3];
+    double *array;
+    (void)three_lay_out(star, NULL, part, &array, &size);
+    return size;
+}
+
+int aoi_star_modes_of_three(const aoi_star star[3], void *memory, aoi_modes *body)
+{
+    size_t size, at[3] = {0, 0, 0};
+    void *part[3];
+    double *array;
+    aoi_modes of[3];
+    *body = three_lay_out(star, memory, part, &array, &size);
+    for (size_t i = 0; i < 3; i++) {
+        const int status = aoi_star_modes(&star[i], part[i], &of[i]);
+        if (status != AOI_OK) {
+            return status;
+        }
+        body->n += of[i].n;
+    }
+    const size_t n = body->n;
+    double *omega = array, *inertia = omega + n, *centre = inertia + n, *shape = centre + n, *push = shape + 3 * n;
+    double *residual = push + 3 * n;
+    memset(array, 0, (9 * n + 9) * sizeof *array);
+    for (size_t k = 0; k < n; k++) { /* by ascending frequency */
+        size_t axis = 3;
+        for (size_t i = 0; i < 3; i++) {
+            if (at[i] < of[i].n && (axis == 3 || of[i].omega[at[i]] < of[axis].omega[at[axis]])) {
+                axis = i;
+            }
+        }
+        const size_t j = at[axis]++;
+        omega[k] = of[axis].omega[j];
+        inertia[k] = of[axis].inertia[j];
+        centre[k] = axis == 0 ? of[axis].centre[j] : 0.0;
+        shape[axis * n + k] = of[axis].shape[j];
+        push[axis * n + k] = of[axis].push[j];
+    }
+    for (size_t i = 0; i < 3; i++) {
+        residual[4 * i] = of[i].residual ? *of[i].residual : 0.0;
+        body->residual = of[i].residual ? residual : body->residual;
+    }
+    body->omega = omega;
+    body->inertia = inertia;
+    body->centre = centre;
+    body->shape = shape;
+    body->push = push;
+    return AOI_OK;
+}
+
+/* The contact moves with the centre of mass and by the angular velocity times the arm. */
+int aoi_rigid_modes(const aoi_rigid *rigid, double *memory, aoi_modes *body)
+{
+    enum { N = 6 };
+    double *omega = memory, *inertia = omega + N, *centre = inertia + N, *shape = centre + N, *push = shape + 3 * N;
+    memset(memory, 0, AOI_RIGID_ROOM * sizeof *memory);
+    *body = (aoi_modes){.n = N, .ports = 3, .omega = omega, .shape = shape, .push = push};
+    body->inertia = inertia;
+    body->centre = centre;
+    centre[0] = 1.0;
+    for (size_t i = 0; i < 3; i++) {
+        const size_t next = (i + 1) % 3, last = (i + 2) % 3;
+        if (!(rigid->mass > 0.0 && isfinite(rigid->mass) && rigid->inertia[i] > 0.0 && isfinite(rigid->inertia[i]) &&
+              isfinite(rigid->arm[i]))) {
+            return AOI_ERROR_ARGUMENT;
+        }
+        inertia[i] = rigid->mass;
+        inertia[3 + i] = rigid->inertia[i];
+        shape[i * N + i] = 1.0;
+        shape[i * N + 3 + next] = rigid->arm[last];
+        shape[i * N + 3 + last] = -rigid->arm[next];
+    }
+    for (size_t k = 0; k < 3 * N; k++) {
+        push[k] = shape[k] / inertia[k % N];
+    }
+    return AOI_OK;
 }

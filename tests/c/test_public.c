@@ -333,8 +333,80 @@ static void a_run_names_the_contact_that_failed(void)
     }
 }
 
+/* The contact of a body that turns moves by v + omega x arm; its modes hold all of its kinetic energy. */
+static void a_rigid_body_turns_about_its_centre(void)
+{
+    const aoi_rigid rigid = {0.3, {1e-4, 2e-4, 5e-4}, {0.02, -0.03, 0.07}};
+    const double v[3] = {1.0, -2.0, 0.5}, w[3] = {30.0, -7.0, 11.0}, *r = rigid.arm;
+    const double moved[3] = {v[0] + w[1] * r[2] - w[2] * r[1], v[1] + w[2] * r[0] - w[0] * r[2], v[2] + w[0] * r[1] - w[1] * r[0]};
+    double memory[AOI_RIGID_ROOM];
+    aoi_modes body;
+    CHECK(aoi_rigid_modes(&rigid, memory, &body) == AOI_OK && body.n == 6 && body.ports == 3, "a body");
+    for (size_t p = 0; p < 3; p++) {
+        double sum = 0.0;
+        for (size_t j = 0; j < 6; j++) {
+            sum += body.shape[p * 6 + j] * (j < 3 ? v[j] : w[j - 3]);
+            CHECK(near(body.push[p * 6 + j] * body.inertia[j], body.shape[p * 6 + j], 1e-15), "a force does its work");
+        }
+        CHECK(near(sum, moved[p], 1e-14), "port %zu: %g", p, sum);
+    }
+    const aoi_rigid wrong[] = {{-1.0, {1, 1, 1}, {0, 0, 0}}, {1.0, {1, 0, 1}, {0, 0, 0}}, {1.0, {1, 1, 1}, {0, HUGE_VAL, 0}}};
+    for (size_t i = 0; i < 3; i++) {
+        CHECK(aoi_rigid_modes(&wrong[i], memory, &body) == AOI_ERROR_ARGUMENT, "refused: %zu", i);
+    }
+}
+
+/* Each port has the receptance of its own star, and none of another's force. */
+static void three_stars_are_one_body(void)
+{
+    const double m[] = {0.4, 0.2, 0.1}, k[] = {2e6, 3e6, 8e6};
+    const aoi_star star[3] = {{3, 0.1, 0.0, m, k}, {2, 0.3, 5e4, m, k}, {1, 0.0, 1e5, m, k}};
+    void *memory = malloc(aoi_star_modes_of_three_size(star));
+    aoi_modes body;
+    CHECK(aoi_star_modes_of_three(star, memory, &body) == AOI_OK && body.ports == 3, "a body of %zu modes", body.n);
+    for (size_t pair = 0; pair < 9; pair++) {
+        const size_t p = pair / 3, q = pair % 3;
+        const double at = 700.0;
+        double found = body.residual[pair], wanted = 0.0;
+        for (size_t j = 0; j < body.n; j++) {
+            found += body.shape[p * body.n + j] * body.push[q * body.n + j] / (body.omega[j] * body.omega[j] - at * at);
+            CHECK(j == 0 || body.omega[j] >= body.omega[j - 1], "frequencies ascend");
+        }
+        if (p == q) {
+            aoi_star_receptance(&star[p], 1, &at, &wanted);
+        }
+        CHECK(p == q ? near(found, wanted, 1e-11) : found == 0.0, "ports %zu, %zu: %g, not %g", p, q, found, wanted);
+    }
+    free(memory);
+}
+
+static void *no_memory(void *memory, size_t bytes)
+{
+    (void)memory;
+    return bytes > (size_t)1 << 20 ? NULL : realloc(memory, bytes);
+}
+
+static void a_track_grows_as_long_as_there_is_memory(void)
+{
+    aoi_track track = {.values = NULL};
+    CHECK(strcmp(aoi_version(), AOI_VERSION) == 0, "the version is the header's");
+    CHECK(aoi_track_grow(&track, 100, no_memory) == AOI_OK && track.capacity >= 100 && track.row_capacity > 0, "a first room");
+    track.values[track.capacity - 1] = 7.0;
+    while (aoi_track_grow(&track, 100, no_memory) == AOI_OK) {
+    }
+    const size_t capacity = track.capacity;
+    CHECK(capacity > 1000 && capacity * sizeof(double) <= (size_t)1 << 20, "as far as there is memory");
+    CHECK(aoi_track_grow(&track, 100, no_memory) == AOI_ERROR_TOO_LONG && track.capacity == capacity, "it stays as it is");
+    track.values[capacity - 1] = 7.0;
+    free(track.values);
+    free(track.row);
+}
+
 int main(void)
 {
+    a_rigid_body_turns_about_its_centre();
+    three_stars_are_one_body();
+    a_track_grows_as_long_as_there_is_memory();
     a_run_names_the_contact_that_failed();
     a_star_moves_as_a_whole();
     what_is_not_linked_is_refused();
