@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ..base import IntArray
-from ..mesh import right_handed
 from .raw import RawBlock, RawMesh, check_count, grouped, labels_of, nodes_in, opened_hdf5
 
 # Kinds of elements by MED's names.
@@ -58,7 +57,7 @@ def read(file: Path) -> RawMesh:
             cells = np.asarray(group["NOD"][()], np.int64).reshape(width, n_cells).T - 1
             if n_cells and not 0 <= cells.min() <= cells.max() < len(nodes):
                 raise ValueError(f"elements {type_} have nodes that are not there")
-            cells = right_handed(kind, nodes, cells[:, _ORDERS.get(kind, slice(None))])
+            cells = cells[:, _ORDERS.get(kind, slice(None))]
             blocks.append(RawBlock(kind, cells, labels_of(group, "NUM", n_cells)))
             cell_sets += _groups(cell_families, labels_of(group, "FAM", n_cells), first)
             first += n_cells

@@ -111,9 +111,9 @@ def read_mesh(
     Warns
     -----
     AOImpactWarning
-        If nodes were dropped or elements renumbered, if groups of a file
-        have no elements, if a deck says how thick its shells are or which sections its beams have
-        (see `read_sections`), or if meshio read it and nothing was checked.
+        If nodes were dropped or midside nodes put in order, if groups of a file have no elements,
+        if a deck says how thick its shells are or which sections its beams have (see
+        `read_sections`), or if meshio read it and nothing was checked.
 
     Examples
     --------
@@ -196,11 +196,7 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
             first = int(own[wrong[0]])
             which = f"the first is element {first if labels is None else labels[first]}"
             raise MeshError(f"{len(wrong)} {kind} elements repeat nodes, {which}. Repair the mesh")
-    parts = _by_kind(parts)
-    for i, (kind, cells, own) in enumerate(parts):
-        parts[i] = kind, right_handed(kind, nodes, cells), own
-        if parts[i][1] is not cells:
-            warn(f"all {len(cells)} {kind} elements are numbered left-handed; they were renumbered")
+    parts = [(kind, right_handed(kind, nodes, of), own) for kind, of, own in _by_kind(parts)]
     return gathered(replace(raw, nodes=nodes, node_sets=_node_sets(raw)), parts, raw.first[-1])
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import IntArray, MeshError, warn
-from ..mesh import meshio_of_all_kinds, right_handed
+from ..mesh import meshio_of_all_kinds
 from .raw import DIMENSIONS, RawBlock, RawMesh, check_count, grouped
 
 # meshio's formats: the ends of their files' names, and what announces the numbers of nodes and of
@@ -109,9 +109,6 @@ def read(file: Path) -> RawMesh:
     if not announced:
         read = f"{there[0]} nodes and {there[1]} cells"
         warn(f"mesh file {file.name!r} announces no numbers; check that it has {read}")
-    for block in mesh.cells if name == "vtk" else ():
-        if block.type.startswith("wedge"):  # VTK's own are left-handed
-            block.data = right_handed(block.type, mesh.points, block.data)
     for size in re.findall(r"(?m)^CELLS\s+\d+\s+(\d+)", text) if name == "vtk" else ():
         nodes = sum(block.data.size for block in mesh.cells)
         check_count("numbers of cells", int(size) - there[1] * ("OFFSETS" not in text), nodes)

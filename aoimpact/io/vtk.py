@@ -18,7 +18,6 @@ from xml.etree import ElementTree
 import numpy as np
 import numpy.typing as npt
 
-from ..mesh import right_handed
 from .raw import RawBlock, RawMesh, check_count, firsts, integers, nodes_in, numbers_of
 
 # Kinds of cells by VTK's numbers.
@@ -114,9 +113,6 @@ def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
         if wrong := set(counts[of].tolist()) - {width}:
             raise ValueError(f"a {kind} has {width} nodes, not {wrong.pop()}")
         table = nodes[starts[of][:, None] + np.arange(width)][:, _ORDERS.get(type_, slice(None))]
-        # Wedges of VTK's own are left-handed, those of other programs are not.
-        if kind in ("wedge", "wedge15") and 0 <= table.min() <= table.max() < len(points):
-            table = right_handed(kind, points, table)
         blocks.append(RawBlock(kind, table))
     return RawMesh(points, tuple(blocks))
 
