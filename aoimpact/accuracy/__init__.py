@@ -5,7 +5,7 @@ from hierarchy.py, that give it; leftout.py the errors by mesh and contact, and 
 what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
 """
 
-from .choice import checked_linear_solver, checked_rtol, choose_models
+from .choice import check_linear_solver, checked_rtol, choose_models
 from .hierarchy import Hierarchy, alike, model_hierarchy, shared_models
 from .interest import CONTROLLED, Keep, Named, keeper, quantity_of
 from .leftout import errors_left_out, finer_run

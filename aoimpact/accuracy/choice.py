@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -14,11 +14,11 @@ from ..base import ConvergenceError, InputError, positive, warn
 from ..integrate import TIGHTEST, Adaptive, Newmark
 from ..linalg import LinearSolver, Solver, checked_solver
 from ..reduction import Body
-from ..results import Chosen, LeftOut, Quantity, RecordLength, Run, number_errors
+from ..results import Chosen, Quantity, RecordLength, Run, number_errors
 from ..scene import Scenario
 from .hierarchy import Models, fixed_model, only_models
 from .leftout import errors_left_out
-from .order import LOOSEST, Orders, search
+from .order import Orders, search
 
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
@@ -34,13 +34,9 @@ _RTOL, _TIGHTEST = 2e-3, 1e-8
 # was at most 2e-5 of the speed.
 _SHARE_OF_TIME, _SHARE_OF_STEPS, _SHARE_WITH_FRICTION = 0.005, 0.2, 0.05
 
-# Where no tolerance was given, the models' is this share of the mesh's error of the quantity, by
-# which the total error grows, up to the loosest tolerance.
-_SHARE_OF_MESH = 0.2
 
-
-def checked_linear_solver(solver: Solver, *, chosen: bool) -> Solver:
-    """Return the linear solver for models that are chosen, and refuse one where none are.
+def check_linear_solver(solver: Solver, *, chosen: bool) -> None:
+    """Refuse what is no linear solver, and one where no models are chosen.
 
     Parameters
     ----------
@@ -53,7 +49,7 @@ def checked_linear_solver(solver: Solver, *, chosen: bool) -> Solver:
             f"linear_solver={solver!r} is for models that are made for a tolerance: give quantity "
             "or rtol as well, or make them by antioscillators(tip, n, solver=...)"
         )
-    return checked_solver(solver, name="linear_solver")
+    checked_solver(solver, name="linear_solver")
 
 
 def checked_rtol(rtol: float | None) -> float:
@@ -119,23 +115,15 @@ def choose_models(
     tolerance, quantity = checked_rtol(rtol), interest()
     given = rtol is not None
     rule, in_time = time_rule(solver, tolerance, plan, given=given)
-    kept = {
-        body: body
+    fixed = cache(fixed_model)  # like bodies share one
+    bodies = [
+        body
         if body.reducible or (truncated and isinstance(body, Body) and body.ports == 1)
-        else fixed_model(body)
+        else fixed(body)
         for body in plan.bodies
-    }
-    bodies = [kept[body] for body in plan.bodies]
+    ]
     left_out = partial(errors_left_out, interest=interest, solver=rule)
-
     in_models = tolerance - in_time
-
-    known: list[LeftOut] = []  # errors by meshes, which are those of any models
-
-    def looser(run: Run) -> float:
-        """The models' tolerance where the error by the mesh is much larger."""
-        known[:] = [left_out(run)]
-        return min(_SHARE_OF_MESH * known[0].mesh.get(quantity.name, 0.0), LOOSEST) - in_time
 
     def trial(models: Models) -> Run:
         """A run whose bodies determine the length of the record, unless they are yet rigid."""
@@ -157,7 +145,8 @@ def choose_models(
             record,
             solver=linear_solver,
             factors=factors,
-            looser=looser if plan.meshed and not given else None,
+            left_out=left_out if plan.meshed and not given else None,
+            in_time=in_time,
             best=not given,
         )
         if found.rtol > in_models:
@@ -182,7 +171,7 @@ def choose_models(
             f"{cure}"
         )
     run = replace(run, chosen=_chosen(found, quantity, tolerance))
-    return replace(run, left_out=known[0] if known else left_out) if plan.meshed else run
+    return replace(run, left_out=found.left_out or left_out) if plan.meshed else run
 
 
 def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -18,7 +18,7 @@ from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, 
 from ..contact import own_contact_time
 from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel
-from ..results import Quantity, RecordLength, Run
+from ..results import LeftOut, Quantity, RecordLength, Run
 from .hierarchy import Hierarchy, Models, alike, model_hierarchy
 
 # Factor from one order to the next; and the error of a model over its difference to each of the
@@ -47,8 +47,9 @@ _REFIT, _MOST_FITS = 2.0, 4
 # raised: larger models would not help.
 _TOO_WIDE = 3
 
-# The loosest tolerance that is taken where none was given.
-LOOSEST = 1e-2
+# Where no tolerance was given, that of time and models is this share of the mesh's error of the
+# quantity, by which the total error grows, up to the loosest tolerance.
+_SHARE_OF_MESH, _LOOSEST = 0.2, 1e-2
 
 # The order of each different hierarchy.
 _Orders = tuple[int, ...]
@@ -74,6 +75,8 @@ class Orders:
         With these models.
     smaller : tuple of (Run, float)
         Runs with smaller ones, and the error over the difference to each.
+    left_out : LeftOut or None
+        Errors of meshes, which are those of any models, where they made the tolerance looser.
     """
 
     orders: tuple[int, ...]
@@ -82,6 +85,7 @@ class Orders:
     rtol: float
     run: Run
     smaller: tuple[tuple[Run, float], ...]
+    left_out: LeftOut | None = None
 
 
 class TimeScales(NamedTuple):
@@ -219,7 +223,8 @@ def search(
     *,
     solver: Solver = "auto",
     factors: dict[Any, LinearSolver] | None = None,
-    looser: Callable[[Run], float] | None = None,
+    left_out: Callable[[Run], LeftOut] | None = None,
+    in_time: float = 0.0,
     best: bool = False,
 ) -> Orders:
     """Return small orders of bodies that give a quantity to a tolerance of the whole bodies.
@@ -241,10 +246,12 @@ def search(
         The linear solver of the bodies; see `FEModel.inverse`.
     factors : dict of body to LinearSolver, optional
         Those that have been set up, and can be taken from here.
-    looser : callable, optional
-        Where no tolerance was given: returns that which applies to a run, if it is larger than
-        `rtol`, since other errors, such as the mesh's, are larger. Models that meet `LOOSEST` are
-        enlarged once to meet it.
+    left_out : callable, optional
+        Where no tolerance was given: returns the errors of a run by its meshes. Where these are
+        larger, a looser tolerance applies; models that meet `_LOOSEST` are enlarged once to meet
+        it.
+    in_time : float, optional
+        The share of time in the tolerance, which is looser by as much.
     best : bool, optional
         True to return the models of the least error, if it is below 1, where no models tried meet
         the tolerance.
@@ -260,6 +267,7 @@ def search(
     unlike = list(dict.fromkeys(bodies))
     places = tuple([unlike.index(body) for body in bodies])
     scales, fits = first_guess(bodies, run, quantity), 0
+    by_mesh: LeftOut | None = None  # errors, which are those of any models
     while True:
         time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
         made: list[Hierarchy] = []
@@ -273,7 +281,7 @@ def search(
             made.append(make())
         orders, fits = tuple([one.first + oscillators for one in made]), fits + 1
         trials = _Trials(run, record, places, tuple(made))
-        loosest, too_wide = None, 0
+        loose, too_wide = False, 0
         while True:
             record.reopen()
             exact = trials.at(orders)
@@ -286,19 +294,22 @@ def search(
             compared = map(trials.at, smaller) if exact is not None else ()
             for share, other in zip(_SHARES, compared, strict=False):
                 error = max(error, share * _apart(quantity, exact, other))
-            if rtol < error <= LOOSEST and exact is not None and looser is not None:
-                # Errors of meshes are those of any models.
-                applies = max(rtol, looser(exact)) if loosest is None else LOOSEST
-                loosest = applies
+            if rtol < error <= _LOOSEST and exact is not None and left_out is not None:
+                applies = _LOOSEST
+                if not loose:
+                    by_mesh, loose = left_out(exact), True
+                    share = _SHARE_OF_MESH * by_mesh.mesh.get(quantity.name, 0.0)
+                    applies = max(rtol, min(share, _LOOSEST) - in_time)
             if error <= applies:
-                return trials.found(orders, error, applies)
+                return replace(trials.found(orders, error, applies), left_out=by_mesh)
             too_wide += exact is None and isinstance(trials.failure, LawLimitError)
             if trials.failure is not None and too_wide >= _TOO_WIDE:
                 raise trials.failure
             limit = min(_MOST_ORDER, _MOST_BY_DEFAULT) if best else _MOST_ORDER
             if max(orders) > limit or not smaller:
                 if best and error < 1.0:
-                    return trials.found(orders, error, max(applies, LOOSEST * (error <= LOOSEST)))
+                    applies = max(applies, _LOOSEST) if error <= _LOOSEST else applies
+                    return replace(trials.found(orders, error, applies), left_out=by_mesh)
                 failure = trials.failure if exact is None else None
                 raise failure or _no_convergence(error, max(orders))
             # Larger models of the bodies with too large a share of the error, or of all.

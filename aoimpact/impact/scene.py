@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from ..accuracy import (
     Sensor,
-    checked_linear_solver,
+    check_linear_solver,
     checked_rtol,
     choose_models,
     errors_left_out,
@@ -516,9 +516,8 @@ class Scene:
         """
         controlled = quantity is not None or rtol is not None
         chosen = controlled or (plan.meshed and any(body.reducible for body in plan.bodies))
-        linear: Solver = "auto"
         if linear_solver is not None:
-            linear = checked_linear_solver(linear_solver, chosen=chosen)
+            check_linear_solver(linear_solver, chosen=chosen)
         if controlled:  # bad input is refused before any work is done
             checked_rtol(rtol)
             self._interest(quantity, plan)
@@ -552,7 +551,7 @@ class Scene:
                         solver,
                         truncated=controlled,
                         record=record,
-                        linear_solver=linear,
+                        linear_solver=linear_solver or "auto",
                         factors=factors,
                     )
                 # The cost of the models: all but the run itself.

@@ -19,17 +19,7 @@ from ..linalg import Factorization, factorize
 from ..scene import Equations
 
 if TYPE_CHECKING:
-    from .dense import DenseRecorder
     from .fixed_steps import SteppedRecorder
-
-
-# The forces' rates are central differences over this share of the shortest contact: a smooth force
-# has moved far more than its rounding there, and its curve not yet bent.
-_DIFFERENCE = 1e-6
-
-# Accelerations are central differences over this share of the shortest contact: relative errors of
-# 1e-7 by the rates of the forces, and of 1e-6 by the curves of smooth ones.
-_RESOLUTION = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,13 +66,6 @@ class Motion:
     def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
         """Return rows @ q̈; of modes it follows from the forces."""
         raise NotImplementedError
-
-
-def dense_motion(run: DenseRecorder, body: int) -> Motion:
-    """Return the motion of a body in an adaptive run."""
-    lengths = [end - start for of in run.events for start, end in of.contacts]
-    shortest = min(lengths, default=run.duration)
-    return Motion(run, body, _RESOLUTION * shortest, _DIFFERENCE * shortest)
 
 
 class SteppedMotion(Motion):

@@ -123,15 +123,12 @@ class BodyResult(Frozen, Measured):
         Whether supports or a ground spring constrain it.
     port_displacements, port_velocities : (p, n) arrays
         Displacements and velocities of all contact coordinates [m, m/s].
-    energy : BodyEnergy or None
-        None if the run was made with ``energies=False``.
     """
 
     name: str
     label: str
     mass: float | None
     constrained: bool
-    energy: BodyEnergy | None
     port_displacements: FloatArray
     port_velocities: FloatArray
     _motion: dict[str, FloatArray] = field(repr=False)
@@ -164,6 +161,11 @@ class BodyResult(Frozen, Measured):
         and struck through its centre.
         """
         return self._told("centre_displacement")
+
+    @property
+    def energy(self) -> BodyEnergy | None:
+        """Energies of the body; None if the run was made with ``energies=False``."""
+        return self._run.energy.bodies[self._number] if self._run.plan.energies else None
 
     @property
     def final_velocity(self) -> FloatArray:
@@ -633,7 +635,6 @@ class Run:
             label=body.label,
             mass=body.known_mass,
             constrained=body.constrained,
-            energy=self.energy.bodies[index] if self.plan.energies else None,
             port_displacements=rows.port_displacements,
             port_velocities=rows.port_velocities,
             _motion=dict(zip(names, map(read_only, motion), strict=True)),

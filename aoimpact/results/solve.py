@@ -142,14 +142,14 @@ class RecordLength:
         length, longest = self.length, self._longest + self.margin
         run = _ahead(plan, length, solver)
         while True:
-            wanted = _until_over(_shortened(run, length)) + self.margin
+            found = _shortened(run, length)
+            wanted = _until_over(found) + self.margin
             if wanted <= length or length >= longest:
                 break
             further = wanted if math.isfinite(wanted) else AS_LONG_AGAIN * length
             length = min(further, longest)
             run = run if run.duration >= length else _ahead(plan, length, solver)
-        found = _shortened(run, length)
-        self._cut = wanted > length and any(events.contacts for events in found.events)
+        self._cut = wanted > length and found.touching is not None
         self.length = min(wanted, length)
         self._settled = last
         found = _shortened(run, self.length)
