@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import pickle
 from concurrent.futures import Future
 from functools import cache
@@ -105,16 +104,6 @@ def test_the_same_bits_in_any_order_from_any_worker(tmp_path: Path) -> None:
     cases, alone = cases[:2], ao.simulate_many(cases[:2], keep=NAMES)
     for _ in range(2):  # computed, then read
         assert ao.simulate_many(cases, keep=NAMES, checkpoint=tmp_path / "cases") == alone
-
-
-def test_a_copy_of_a_body_has_models_of_its_own() -> None:
-    (case,) = balls(1)
-    first = ao.simulate(**case)
-    other = copy.copy(tip().body)
-    point = other.contact(point=(0.045, 0.035, 0.01))
-    second = ao.simulate(**case | {"target": point, "quantity": point})
-    assert second.models[1].tips[0].body is other
-    assert first.models[1].tips[0].body is tip().body
 
 
 def displacement(hit: ao.Result) -> float:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 import pytest
+from halfspaces import BEHIND, INSIDE, A
 
 from aoimpact import Material, Orthotropic
 from aoimpact.contact import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace
@@ -15,7 +16,6 @@ FloatArray = npt.NDArray[np.float64]
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 PLY = Orthotropic(E=(120e9, 8e9, 8e9), nu=(0.3, 0.3, 0.4), G=(5e9, 5e9, 3e9), rho=1600.0)
-A = 0.002
 P0 = 1.5 / (math.pi * A * A)
 
 
@@ -45,21 +45,6 @@ MODULI = {
     "nearly incompressible": 10e6 / (1.0 - 0.499**2),
     "ply": PLY.half_space((0.0, 0.0, 1.0)).plane_strain_modulus,
 }
-
-# Inside the body: under the disc, below its rim, near the axis, far off, and close to the surface.
-INSIDE = A * np.array(
-    [
-        [0.3, 0.2, 0.5],
-        [0.9, -0.4, 0.05],
-        [0.02, 0.01, 1.3],
-        [-2.0, 1.0, 0.7],
-        [6.0, -5.0, 0.4],
-        [0.4, 0.4, 0.02],
-        [12.0, 3.0, 20.0],
-    ]
-)
-# Behind the tangent plane, where the surface of a concave body may be.
-BEHIND = A * np.array([[2.0, 0.5, -0.3], [-1.5, 1.5, -0.8], [0.3, 0.2, -0.02], [8.0, 1.0, -4.0]])
 
 
 def difference(of: object, places: FloatArray, step: float = 1e-4 * A) -> FloatArray:

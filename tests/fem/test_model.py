@@ -15,7 +15,6 @@ import pytest
 import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pickled import elsewhere
 
 from aoimpact import (
     AOImpactWarning,
@@ -387,21 +386,6 @@ def test_millimetres_are_noticed() -> None:
         FEModel.from_mesh(box_mesh((1000, 20, 20), (10, 1, 1)), ALUMINIUM)
     with pytest.warns(AOImpactWarning, match="weighs"):
         FEModel.from_mesh(sphere_mesh(10.0, 10.0), STEEL)
-
-
-def test_model_is_frozen_pickles_and_says_what_it_is() -> None:
-    body = FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")])
-    assert repr(body) == "FEModel(81 dofs, 36 nodes, 12 hexahedron, 0.234 kg, 27 dofs constrained)"
-    body.frequencies(1)
-    again = elsewhere(body)
-    assert np.array_equal(again.frequencies(3), body.frequencies(3))
-    assert again.mesh.node_sets.keys() == BLOCK.node_sets.keys()
-    assert again.material == STEEL
-    with pytest.raises(AttributeError):
-        body.K = None  # type: ignore[misc]
-    with pytest.raises(ValueError, match="read-only"):
-        body.rigid_modes[...] = 0.0
-    assert repr(FEModel(K=K3, M=M3)) == "FEModel(3 dofs)"
 
 
 @pytest.mark.parametrize("fixed", [None, [("xmin", "xyz")]])

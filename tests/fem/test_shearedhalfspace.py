@@ -10,13 +10,13 @@ import math
 import numpy as np
 import numpy.typing as npt
 import pytest
+from halfspaces import BEHIND, INSIDE, A
 
 import aoimpact as ao
 from aoimpact.contact import ShearedHalfSpace, Splitting, spread
 
 FloatArray = npt.NDArray[np.float64]
 
-A = 0.002
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALU = ao.Material(E=70e9, nu=0.33, rho=2700)
 SPACES = [
@@ -28,20 +28,6 @@ SPACES = [
     )
 ]
 
-# Inside the body: under the disc, below its rim, near the axis, far off, and close to the surface.
-INSIDE = A * np.array(
-    [
-        [0.3, 0.2, 0.5],
-        [0.9, -0.4, 0.05],
-        [0.02, 0.01, 1.3],
-        [-2.0, 1.0, 0.7],
-        [6.0, -5.0, 0.4],
-        [0.4, 0.4, 0.02],
-        [12.0, 3.0, 20.0],
-    ]
-)
-# Behind the tangent plane, where the surface of a concave body may be.
-BEHIND = A * np.array([[2.0, 0.5, -0.3], [-1.5, 1.5, -0.8], [0.3, 0.2, -0.02], [8.0, 1.0, -4.0]])
 ANYWHERE = np.vstack([INSIDE, BEHIND])
 
 

@@ -99,24 +99,6 @@ def test_a_plastic_law_is_named_with_its_parameters_and_says_no_more() -> None:
     assert said(floor, 0.5, law=plastic) == []
 
 
-def test_the_curvature_follows_from_both_materials_where_the_law_does_not_have_it() -> None:
-    floor = ao.antioscillators(plate(SOFT, 0.04, [("zmin", "xyz")]), 2)
-    sphere = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), STEEL)
-    ball = ao.antioscillators(
-        sphere.contact(point=(R, 0, 0), direction=(1, 0, 0)),
-        1,
-        method="krylov",
-        contact_time=5e-4,
-    )
-    law = ao.Hertz.between(STEEL, R, SOFT, math.inf)
-    one, other = (strike(floor, 1e-3, law, projectile=ball) for law in (law, ao.Hertz(law.k)))
-    known, found = (
-        {name: of.most for name, of in limits(hit.plan, hit.plan.contacts[0]).items()}
-        for hit in (one, other)
-    )
-    assert found == pytest.approx(known, rel=1e-12)
-
-
 # ------------------------------------------------------------------- widths and speeds
 
 

@@ -153,22 +153,6 @@ SNAPS = {
             Ball(PULL, 0.366, 0.655),
         ),
     ),
-    "onto one that pulls too": (
-        9.75e-9,
-        (
-            Ball(ao.KelvinVoigt(2.849e9, 8.547e3, end="indentation"), 0.2849, -0.79675, 1e-5),
-            Ball(ao.Linear(8.5276e9), 0.85276, 1.2218),
-            Ball(ao.KelvinVoigt(2.214e9, 6.642e3, end="indentation"), 0.2214, 1.0574, 1e-5),
-        ),
-    ),
-    "over one that overlaps": (
-        8.658e-9,
-        (
-            Ball(ao.Tsuji(5.27e12, 0.3, mass=5.27), 5.27, 1.137, 2e-5),
-            Ball(ao.KelvinVoigt(7.88e9, 2.364e4, end="indentation"), 0.788, -0.461, 1e-5),
-            Ball(ao.Hertz(2.46e11), 0.246, -1.012, 1e-5),
-        ),
-    ),
     "over one that has overlapped and goes on": (
         1.3211e-9,
         (

@@ -455,17 +455,6 @@ def test_tolerances_are_kept_where_the_slide_reverses():
         assert found[1e-6] == pytest.approx(found[1e-8], abs=2e-6)
 
 
-def test_a_wall_stays_under_gravity() -> None:
-    for solver in (ao.Newmark(dt=4e-7), ao.Adaptive(rtol=1e-4)):
-        scene = ao.Scene(gravity=(0, 0, -9.81))
-        ball = scene.add(ao.ball(0.01, STEEL), velocity=(0.3, 0, -0.5))
-        wall = scene.add(ao.wall(STEEL))
-        scene.connect(ball, wall, friction=0.2)
-        run = scene.simulate(duration=2e-4, solver=solver)
-        assert not run.bodies[1].final_velocity.any()
-        assert not run.bodies[1].final_spin.any()
-
-
 @pytest.mark.parametrize(
     ("degrees", "damping", "rtol"),
     [(20.0, 5.0, 0.05), pytest.param(40.0, 50.0, 0.1, marks=pytest.mark.slow)],
