@@ -21,12 +21,6 @@ def no_solid(E: float = 1.0, rho: float = 1.0, nu: float = 0.3) -> Material:
         return Material(E=E, nu=nu, rho=rho)
 
 
-def sparse_random(n: int, seed: int) -> FloatArray:
-    """A full array n x n of which four in five entries are zero."""
-    random = np.random.default_rng(seed)
-    return np.where(random.random((n, n)) < 0.2, random.standard_normal((n, n)), 0.0)
-
-
 _ORDERS = [tuple(1 + axis for axis in order) for order in permutations(range(3))]
 _OCTANTS = np.array(list(product((1.0, -1.0), repeat=3)))
 

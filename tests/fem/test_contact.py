@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import warnings
 from functools import cache
 from typing import Any
 
@@ -246,17 +244,6 @@ def test_the_mean_of_two_nodes_deflects_by_the_mean_of_their_compliances() -> No
     assert static_mode(tip).k0 == pytest.approx(1.0 / expected, rel=1e-9)
     assert tip.direction is not None
     np.testing.assert_allclose(tip.direction, (0, 0, 1))
-
-
-@pytest.mark.parametrize(
-    ("scale", "words"), [(1.0, ""), (2.0, r"of length 2, .* scale b so that it is 1")]
-)
-def test_a_functional_whose_resultant_is_not_1_is_said(scale: float, words: str) -> None:
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        FREE.contact(b=shares(FREE, {0: scale * 0.5, 5: scale * 0.5}))
-    said = "\n".join(str(one.message) for one in caught)
-    assert re.search(words, said) if words else not said
 
 
 def test_a_functional_with_a_couple_is_said() -> None:

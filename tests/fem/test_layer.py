@@ -34,37 +34,6 @@ def test_a_thick_layer_is_a_half_space() -> None:
     assert abs(left) < 0.02 * 0.6 / (3e-4 * STEEL.plane_strain_modulus)
 
 
-def test_the_static_layer_has_the_known_compliance() -> None:
-    """H(k) in closed form: less the plate's 1/(D k⁴), it does not depend on s."""
-    t, a = 2e-3, 3e-4
-    k = np.geomspace(1e-1, 4e5, 4000)
-    q = np.minimum(0.5 * k * t, 15.0)
-    sinh, cosh = np.sinh(2 * q), np.cosh(2 * q)
-    e = 0.91 / 210e9
-    whole = e / k * ((cosh - 1) / (sinh + 2 * q) + (cosh + 1) / (sinh - 2 * q))
-    bent = 12 * e / (t**3 * k**4)
-    x = k * a
-    pressure = (3 * (np.sin(x) - x * np.cos(x)) / np.maximum(x, 1e-2) ** 3) ** 2
-    pressure[x < 1e-2] = 1.0
-    rest = np.where(q < 0.02, 2.4 * e / (t * k**2), whole - bent) - 2 * e / k
-
-    def static(s: float) -> float:
-        length = (210e9 * t**3 / (12 * 0.91) / (7800 * t * s * s)) ** 0.25
-        slow = 1 / (1 + (k * length) ** -4)
-        # Shear and the half-space's share, cut off where bending waves are.
-        values = pressure * ((rest + 2 * e / k) * slow - 2 * e / k) * k**2
-        return float(np.trapezoid(values, np.log(k)) / (2 * np.pi)) + length**2 / (
-            8 / 12 * t**3 / e
-        )
-
-    for s in (1e4, 1e5):
-        # Inertia's terms of the order of t² are the same for all s.
-        shear = 1 / (8 * np.pi * 5 / 6 * STEEL.shear_modulus * t)
-        rotary = t**2 / (96 * np.pi * 210e9 * t**3 / (12 * 0.91))
-        found = layer_compliance(STEEL, t, a, s)
-        assert found == pytest.approx(static(s) - shear - rotary, rel=5e-3)
-
-
 def sheet(t: float, n: int, kind: str, size: float = 0.15) -> tuple[Any, Any, Any, FloatArray, int]:
     """Bending of a free square sheet: K, M, elements, nodes and the node in the middle."""
     nodes, cells, r, s = grid(n, n, lambda r, s: (size * (r - 0.5), size * (s - 0.5), 0 * r), kind)

@@ -69,16 +69,6 @@ def test_frequencies(elements: int, rtol: float, held: bool) -> None:
 
 
 @SIZES
-@pytest.mark.parametrize("held", [True, False])
-@pytest.mark.parametrize("given", [{"method": "krylov", "contact_time": 1e-3}, {"method": "eigen"}])
-def test_ao_models(elements: int, rtol: float, held: bool, given: dict[str, Any]) -> None:
-    found, wanted = (ao.antioscillators(tip, 4, **given) for tip in tips(elements, held))
-    np.testing.assert_allclose(found.m, wanted.m, rtol=10 * rtol)
-    np.testing.assert_allclose(found.k, wanted.k, rtol=10 * rtol)
-    np.testing.assert_allclose((found.m0, found.k0), (wanted.m0, wanted.k0), rtol=10 * rtol)
-
-
-@SIZES
 @pytest.mark.parametrize("model", [lambda tip: tip, ao.full, functools.partial(ao.modal, n=6)])
 def test_impacts(elements: int, rtol: float, model: Callable[[Any], Any]) -> None:
     """By models chosen for a tolerance, by Newmark's rule on K and M, and by natural modes."""

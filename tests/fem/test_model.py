@@ -198,14 +198,6 @@ def test_centre_of_mass_counts_the_nodes_that_are_held() -> None:
     assert body.mass == pytest.approx(7800 * 0.05 * 0.03 * 0.02, rel=1e-13)
 
 
-def test_matrices_given_with_all_nodes_know_their_mass() -> None:
-    body = FEModel.from_mesh(BLOCK, STEEL)
-    given_ = FEModel(K=body.K, M=body.M, nodes=BLOCK.nodes)
-    assert given_.mass == pytest.approx(body.mass, rel=1e-14)
-    assert given_.com_functional([0, 0, 1]) == pytest.approx(body.com_functional([0, 0, 1]))
-    assert np.array_equal(given_.free, np.arange(3 * BLOCK.n_nodes))
-
-
 def test_matrices_without_the_held_dofs_do_not_know_the_mass() -> None:
     held = FEModel.from_mesh(BLOCK, STEEL, fixed=[("xmin", "xyz")])
     given_ = FEModel(K=held.K, M=held.M, nodes=held.nodes, free=held.free)

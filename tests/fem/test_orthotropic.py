@@ -126,26 +126,6 @@ def bending_stiffness(angles: tuple[float, ...]) -> FloatArray:
     return D
 
 
-SUPPORTED = [("xmin", "yz"), ("xmax", "yz"), ("ymin", "xz"), ("ymax", "xz")]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("angles", [(0.0, 90.0, 90.0, 0.0), (90.0, 0.0, 90.0)])
-def test_frequencies_of_a_cross_ply_plate(angles: tuple[float, ...]) -> None:
-    """ω² ρh = D11 α⁴ + 2 (D12 + 2 D66) α²β² + D22 β⁴, α = mπ/a, β = nπ/b (Navier)."""
-    turned = tuple(math.radians(angle) for angle in angles)
-    D = bending_stiffness(turned)
-    area = 1550 * len(angles) * PLY_THICKNESS
-    exact = []
-    for m in range(1, 6):
-        for n in range(1, 6):
-            a, b = m * math.pi / LENGTHS[0], n * math.pi / LENGTHS[1]
-            square = D[0, 0] * a**4 + 2 * (D[0, 1] + 2 * D[2, 2]) * (a * b) ** 2 + D[1, 1] * b**4
-            exact.append(math.sqrt(square / area) / (2.0 * math.pi))
-    found = laminate(turned, (12, 12), fixed=SUPPORTED).frequencies(2)
-    assert found == pytest.approx(sorted(exact)[:2], rel=0.01)
-
-
 def test_the_bending_of_an_angle_ply_plate() -> None:
     """A strip of ±45° plies, free to twist: κ = D⁻¹ M, in a field that is exact everywhere.
 

@@ -1,6 +1,5 @@
 """Scenes of many bodies: what SciPy, Newmark's rule, closed forms and symmetry say of them."""
 
-import concurrent.futures
 import dataclasses
 import itertools
 import math
@@ -45,15 +44,6 @@ def bouncing(gap=1e-3, law=HERTZ):
 
 def velocities(run, bodies):
     return np.array([run[body].velocity[-1] for body in bodies])
-
-
-def richardson(scene, dt, duration, read):
-    """The numbers of a run by Newmark's rule, without the error of second order in dt."""
-    coarse, fine = (
-        read(scene.simulate(duration=duration, solver=ao.Newmark(dt=step, estimate=False)))
-        for step in (dt, dt / 2)
-    )
-    return (4.0 * fine - coarse) / 3.0
 
 
 # ---------------------------------------------------------------------- rows of balls
@@ -136,25 +126,6 @@ def slender_body(ends=("xmin", "xmax")):
 
 def midspan(body):
     return body.contact(point=(0.15, 0.01, 0.02), direction=(0.0, 0.0, -1.0), radius=0)
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*elements of first order")  # models are compared, not meshes
-def test_a_ball_on_a_ball_on_a_beam_under_gravity():
-    """Dropped a little, against Newmark's rule at two small steps."""
-    scene = ao.Scene(gravity=EARTH)
-    law = ao.Hertz(k=1e9)
-    upper, lower = scene.add(ao.rigid(mass=0.1)), scene.add(ao.rigid(mass=0.2))
-    beam = scene.add(ao.antioscillators(midspan(slender_body()), n=4))
-    scene.connect(upper, lower, law, gap=1e-6)
-    scene.connect(lower, beam, law, gap=2e-6)
-    bodies, duration = (upper, lower, beam), 2e-3
-    exact = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=1e-10))
-    assert all(contact.intervals for contact in exact.contacts)
-    by_newmark = richardson(scene, 5e-8, duration, lambda run: velocities(run, bodies))
-    fastest = max(np.abs(exact[body].velocity).max() for body in bodies)
-    np.testing.assert_allclose(velocities(exact, bodies), by_newmark, rtol=0, atol=1e-6 * fastest)
-    assert exact.error.energy < 1e-9
 
 
 @pytest.mark.filterwarnings("ignore:.*elements of first order")  # models are compared, not meshes
@@ -603,21 +574,6 @@ def test_a_run_read_at_other_times_is_the_same_run():
         run["ball"]
     with pytest.raises(ao.InputError, match=r"^body"):
         run[5]
-
-
-@pytest.mark.parametrize("solver", [ao.Adaptive(rtol=1e-8), ao.Newmark(dt=1e-6)], ids=repr)
-def test_runs_travel_between_processes_and_threads(solver):
-    scene, balls = row_of_balls(3)
-    run = scene.simulate(duration=2e-4, solver=solver)
-    copy = pickle.loads(pickle.dumps(run))
-    assert copy.t.tobytes() == run.t.tobytes()
-    assert copy.events == run.events
-    assert copy[balls[2]].velocity.tobytes() == run[balls[2]].velocity.tobytes()
-    assert copy.energy.total.tobytes() == run.energy.total.tobytes()
-    with concurrent.futures.ThreadPoolExecutor(4) as pool:
-        runs = [pool.submit(scene.simulate, duration=2e-4, solver=solver) for _ in range(8)]
-        for other in runs:
-            assert other.result().contacts[1].force.tobytes() == run.contacts[1].force.tobytes()
 
 
 @pytest.mark.slow

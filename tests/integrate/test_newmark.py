@@ -92,11 +92,16 @@ def test_gamma_above_a_half_damps_and_does_not_feed():
 # ----------------------------------------------------------------- one rule on every kind of body
 
 
-@pytest.mark.parametrize("fixed", [[0, 24], []], ids=["held", "free"])
-def test_star_modal_and_full_model_of_one_body_are_one(fixed):
+DAMPED = ao.Rayleigh(alpha=0.05, beta=0.02), ao.ModalDamping(0.05)
+
+
+@pytest.mark.parametrize(
+    ("fixed", "damping"), [([0, 24], None), ([], None), *(([0, 24], of) for of in DAMPED)]
+)
+def test_star_modal_and_full_model_of_one_body_are_one(fixed, damping):
     """In exact arithmetic Newmark does not depend on the coordinates."""
     K, M = beam(12, fixed=fixed)
-    tip = ao.FEModel(K=K, M=M).contact(dof=11 if fixed else 12)
+    tip = ao.FEModel(K=K, M=M, damping=damping).contact(dof=11 if fixed else 12)
     options = {"law": ao.Hertz(k=1e4), "velocity": 0.1, "duration": 2.0}
     ball = ao.rigid(mass=0.1)
     full = pair(2e-3, projectile=ball, target=ao.full(tip), **options)

@@ -149,16 +149,3 @@ def test_equal_eigenvalues_by_the_hundred_take_no_call_of_arpack_each() -> None:
     start = time.process_time()
     assert body.frequencies(3) == pytest.approx([0.5 / np.pi] * 3)
     assert time.process_time() - start < 5.0
-
-
-@pytest.mark.slow
-def test_frequencies_close_together_do_not_keep_arpack_for_ever() -> None:
-    """K and M of a chain with places changed: ω_j² = 1/(1 - cos(jπ/601)), closest when low."""
-    n = 600
-    M = sp.diags_array([-0.5, 1.0, -0.5], offsets=[-1, 0, 1], shape=(n, n))
-    start = time.process_time()
-    found = ao.FEModel(K=sp.eye_array(n), M=M).frequencies(3)
-    assert time.process_time() - start < 8.0
-    angles = np.pi * np.arange(n, n - 3, -1) / (n + 1)
-    expected = np.sqrt(1.0 / (1.0 - np.cos(angles))) / (2.0 * np.pi)
-    assert found == pytest.approx(expected, rel=1e-10)

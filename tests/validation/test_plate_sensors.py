@@ -1,4 +1,4 @@
-"""Sensors of a plate: within their claimed errors of the full model, and an impact-hammer test."""
+"""Sensors of a plate: within their claimed errors of the full model."""
 
 from __future__ import annotations
 
