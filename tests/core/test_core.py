@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 import ast
 import ctypes
+import functools
 import math
 import operator
 import platform
