@@ -283,7 +283,7 @@ def search(
         trials = _Trials(run, record, places, tuple(made))
         loose, too_wide = False, 0
         while True:
-            record.reopen()
+            record.settled = False
             exact = trials.at(orders)
             if exact is not None and fits < _MOST_FITS:
                 found = _scales(quantity, exact, scales)

@@ -37,8 +37,10 @@ def styled() -> Iterator[None]:
     import matplotlib.pyplot as plt
     from cycler import cycler  # of matplotlib
 
+    count = len(DASHES)
+    dashes = [DASHES[(i + i // count) % count] for i in range(count * len(COLOURS))]  # all pairs
     look: Any = {
-        "axes.prop_cycle": cycler(color=COLOURS) + cycler(linestyle=DASHES),
+        "axes.prop_cycle": cycler(color=COLOURS * count) + cycler(linestyle=dashes),
         "axes.grid": True,
         "axes.xmargin": 0.0,
         "figure.constrained_layout.h_pad": 0.08,

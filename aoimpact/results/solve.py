@@ -112,19 +112,17 @@ class RecordLength:
         Whether it was given.
     margin : float, optional
         By how much it is longer than the impact needs, if it was not given.
+    settled : bool, optional
+        False to let the next run determine the length, unless it was given.
     """
 
     length: float
     given: bool
     margin: float = 0.0
 
+    settled: bool = False
     _longest: float = 0.0
-    _settled: bool = False
     _cut: bool = False
-
-    def reopen(self) -> None:
-        """Let the next run determine the length of the record, unless it was given."""
-        self._settled = False
 
     def run(self, plan: Scenario, solver: TimeSolver | None, *, last: bool = True) -> Run:
         """Run a plan for this length, or, where that is open, until its impact is over.
@@ -136,7 +134,7 @@ class RecordLength:
         last : bool, optional
             Whether this run determines the length: not one with bodies that are rigid for a trial.
         """
-        if self.given or self._settled:
+        if self.given or self.settled:
             return solve(_lasting(plan, self.length), solver)
         self._longest = self._longest or _MOST * self.length
         length, longest = self.length, self._longest + self.margin
@@ -151,7 +149,7 @@ class RecordLength:
             run = run if run.duration >= length else _ahead(plan, length, solver)
         self._cut = wanted > length and found.touching is not None
         self.length = min(wanted, length)
-        self._settled = last
+        self.settled = last
         found = _shortened(run, self.length)
         whole = found.duration == self.length and found.events == run.events
         return found if whole else solve(_lasting(plan, self.length), solver)
