@@ -397,8 +397,23 @@ static void what_remembers_or_pulls_is_refused(void)
     CHECK(aoi_friction_create(&friction, NULL, MU, RATIO, 1e-4) == AOI_ERROR_ARGUMENT, "no law");
 }
 
+/* Bodies that are apart touch on their way: only what is left of it then stretches springs. */
+static void a_way_that_begins_apart_counts_from_the_touch(void)
+{
+    const double u = 0.3 * MU / RATIO * DEEP;
+    contact near_by, apart;
+    begin(&near_by, "hertz", MU, 1e-4, ROOM);
+    begin(&apart, "hertz", MU, 1e-4, ROOM);
+    apart.state.indentation = -3.0 * DEEP;
+    const aoi_friction_value one = go(&near_by, DEEP, u, -0.5 * u), other = go(&apart, DEEP, 4.0 * u, -2.0 * u);
+    for (size_t i = 0; i < 2; i++) {
+        CHECK(near(one.force[i], other.force[i], 1e-14) && one.force[i] != 0.0, "along %zu: %g", i, other.force[i]);
+    }
+}
+
 int main(void)
 {
+    a_way_that_begins_apart_counts_from_the_touch();
     a_loop_is_that_of_mindlin_and_deresiewicz();
     a_loop_dissipates_its_area();
     all_slips_with_coulombs_force();
