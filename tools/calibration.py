@@ -487,11 +487,13 @@ def table(rows: list[dict[str, str]]) -> None:
             there = np.isfinite(value) & ((kind == name) | (name == "all"))
             of = there & np.isfinite(claim)
             large = of & (true > 1e-3)
+            text += f"| {name} | {there.sum()} | {(there & ~of).sum()} | "
+            if not of.any():
+                text += " | | | |\n"
+                continue
             medians = " | ".join(_percent(np.median(values[of])) for values in (true, claim))
-            text += (
-                f"| {name} | {there.sum()} | {(there & ~of).sum()} | {medians} | "
-                f"{100 * within[of].mean():.3g} % | {np.median(claim[large] / true[large]):.2g} |\n"
-            )
+            ratio = f"{np.median(claim[large] / true[large]):.2g}" if large.any() else ""
+            text += f"{medians} | {100 * within[of].mean():.3g} % | {ratio} |\n"
         for i in np.flatnonzero(~within & np.isfinite(true + claim)):
             what = f"{rows[i]['body']}, {rows[i]['kind']} of {rows[i]['mesh_mm']} mm"
             beyond += f"- {title}, {what}: {_percent(true[i])}, claim {_percent(claim[i])}\n"
