@@ -38,7 +38,6 @@ from aoimpact.base import choice, instance, integer, positive, sequence, with_un
 from aoimpact.impact import checked_duration, plan_impact
 from aoimpact.integrate import rigid_contact_time
 from aoimpact.reduction import body_model
-from aoimpact.scene import reduced_mass
 
 # Steps of Newmark's rule by scene: the longest of these runs takes a second or two.
 _STEPS = {
@@ -129,7 +128,7 @@ def work_precision(
     models = [body.modal for body in bodies]
     plan = plan_impact(*models, law, velocity=velocity, duration=duration)
     between = plan.contacts[0].law
-    contact_time = rigid_contact_time(between, reduced_mass(*models), abs(velocity))
+    contact_time = rigid_contact_time(between, plan.reduced_mass(plan.contacts[0]), abs(velocity))
     ode = None
     if names:
         ode = ode_scene(

@@ -176,22 +176,21 @@ class Scene:
         >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0, name="ball")
         """
         where, called = real("position", position, unit="m"), text("name", name)
-        self._take("body", body, velocity, spin, where, called)
+        motion = number_or_vector("velocity", velocity, SPEEDS, "m/s")
+        self._take("body", body, motion, spin, where, called)
         return Handle(len(self._members) - 1, name=called, scene=self._mark.name)
 
     def _take(
         self,
         argument: str,
         body: Any,
-        velocity: Any,
-        spin: Any,
+        motion: tuple[float, FloatArray | None] = (0.0, None),
+        spin: Any = None,
         position: float = 0.0,
         name: str = "",
     ) -> Member:
         """Add a body that was given as an argument, and return it with its motion."""
-        model, speed, vector, turns = body_model(argument, body), 0.0, None, None
-        if velocity is not None:  # of a target
-            speed, vector = number_or_vector("velocity", velocity, SPEEDS, "m/s")
+        model, (speed, vector), turns = body_model(argument, body), motion, None
         if spin is not None:
             turns = finite_array("spin", spin, shape=(3,), unit="rad/s")
         own, role = name or model.name, f"body {len(self._members)}"

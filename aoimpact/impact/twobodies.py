@@ -15,6 +15,7 @@ from ..laws import ContactLaw
 from ..linalg import Solver
 from ..results import ROLES, Result, TimeSolver, warn_of_exchange
 from ..scene import Scenario
+from .defaults import SPEEDS, number_or_vector
 from .foreseen import Foreseen
 from .scene import Mark, Scene
 
@@ -167,8 +168,9 @@ def pair(
     """
     scene = Scene()
     scene._mark = Mark("")
-    moving = scene._take("projectile", projectile, velocity, spin)
-    held = scene._take("target", target, None, None)
+    motion = number_or_vector("velocity", velocity, SPEEDS, "m/s")
+    moving = scene._take("projectile", projectile, motion, spin)
+    held = scene._take("target", target)
     for name, member in zip(ROLES, (moving, held), strict=True):
         if member.body.places > 1:
             raise InputTypeError(
