@@ -175,11 +175,8 @@ def drawn(shape: Shape, kind: str, at: Point, sizes: Sizes) -> ao.Mesh:
     assert shape.draw is not None
     if not gmsh.isInitialized():
         gmsh.initialize()
-    for option, value in {
-        "General.Terminal": 0,
-        "Mesh.ScalingFactor": 1e-3,
-        "Mesh.MeshSizeMax": sizes[2],
-    }.items():
+    options = {"General.Terminal": 0, "Mesh.ScalingFactor": 1e-3, "Mesh.MeshSizeMax": sizes[2]}
+    for option, value in options.items():
         gmsh.option.setNumber(option, value)
     gmsh.clear()
     shape.draw(gmsh.model.occ)

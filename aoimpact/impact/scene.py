@@ -190,9 +190,8 @@ class Scene:
         name: str = "",
     ) -> Member:
         """Add a body that was given as an argument, and return it with its motion."""
-        model, (speed, vector), turns = body_model(argument, body), motion, None
-        if spin is not None:
-            turns = finite_array("spin", spin, shape=(3,), unit="rad/s")
+        model, (speed, vector) = body_model(argument, body), motion
+        turns = None if spin is None else finite_array("spin", spin, shape=(3,), unit="rad/s")
         own, role = name or model.name, f"body {len(self._members)}"
         role = role if self._mark.name else argument
         called = f"{role} ({own})" if own else role
