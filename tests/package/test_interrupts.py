@@ -18,7 +18,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a timer t
 
 
 def load() -> Callable[[], Any]:
-    times = np.linspace(0.0, 1.0, 3_000_000)
+    times = np.linspace(0.0, 1.0, 1_500_000)
     scene = ao.Scene()
     ball, wall = scene.add(ao.rigid(1.0)), scene.add(ao.rigid(np.inf))
     scene.connect(ball, wall, ao.Hertz(1e8))
