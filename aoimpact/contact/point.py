@@ -90,7 +90,7 @@ _NEARLY = 1e-3
 # measured to be worse for each solve.
 SHIFT_TIMES_DURATION = 10.0
 
-# Thickness over width of solid elements that are those of a sheet, with room for rounding.
+# Thickness over width, at most, of solid elements that count as a sheet's; with room for rounding.
 _FLAT = 0.1 * (1.0 + 1e-6)
 
 # Range of abs(b) for which bᵀKb and bᵀMb neither overflow nor underflow.

@@ -58,7 +58,7 @@ class Keyword:
     part : str
         The part to which it belongs, in capitals; "" outside of parts.
     labels : ndarray of int, shape (n,)
-        Of the nodes or elements that it defines.
+        Numbers of the nodes or elements that it defines.
     """
 
     name: str

@@ -119,7 +119,6 @@ class RecordLength:
     length: float
     given: bool
     margin: float = 0.0
-
     settled: bool = False
     _longest: float = 0.0
     _cut: bool = False
