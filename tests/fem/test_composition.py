@@ -12,7 +12,7 @@ from bodies import mixed_box, no_solid
 from pickled import elsewhere
 
 import aoimpact as ao
-from aoimpact import InputError, InputTypeError, read_mesh
+from aoimpact import InputError, read_mesh
 from aoimpact.fem import Materials, body_stress_rows, energy_error, gauss_stress, nodal_stress
 from aoimpact.laws import own_law
 
@@ -150,28 +150,6 @@ def test_matrices_of_another_program_stay_when_a_body_with_their_mesh_is_pickled
     again = elsewhere(given.with_mesh(SPLIT, {"lower": ALU, "upper": STEEL}))
     assert (again.K != given.K).nnz == 0
     assert (again.M != given.M).nnz == 0
-
-
-@pytest.mark.parametrize(
-    ("material", "said"),
-    [
-        ({"lower": ALU}, r"^material"),
-        ({"lower": ALU, "uper": STEEL}, r"^material"),
-        ({}, r"^material"),
-    ],
-)
-def test_elements_without_material_are_counted(material: Any, said: str) -> None:
-    with pytest.raises(InputError, match=said):
-        ao.FEModel.from_mesh(SPLIT, material)
-
-
-def test_elements_with_two_materials_are_counted() -> None:
-    groups = {**SPLIT.cell_sets, "all": np.arange(16)}
-    mesh = ao.Mesh(SPLIT.nodes, SPLIT.cells, SPLIT.kind, {}, groups)
-    with pytest.raises(InputError, match=r"^material"):
-        ao.FEModel.from_mesh(mesh, {"lower": ALU, "all": STEEL})
-    with pytest.raises(InputTypeError, match=r"^material"):
-        ao.FEModel.from_mesh(mesh, {"lower": 70e9})  # type: ignore[dict-item]
 
 
 def test_parts_of_a_file_are_bodies_of_their_own() -> None:

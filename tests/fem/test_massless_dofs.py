@@ -104,9 +104,3 @@ def test_contact_on_a_dof_without_mass_has_no_contact_mass() -> None:
     ):
         with pytest.raises(ao.InputError, match="method="):
             refused()
-
-
-def test_frequencies_are_as_many_as_there_are_masses() -> None:
-    whole, _ = bodies(8, True)
-    with pytest.raises(ao.InputError, match=r"^n"):
-        whole.frequencies(9)

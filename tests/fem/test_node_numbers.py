@@ -88,28 +88,3 @@ def test_a_part_keeps_its_numbers() -> None:
     body = ao.FEModel.from_mesh(mesh, STEEL, part="half")
     tip = body.contact(node=int(LABELS[ENDS[1][0]]), direction=(0, 0, -1), radius=0)
     np.testing.assert_array_equal(tip.point, PLAIN.nodes[ENDS[1][0]])
-
-
-TWICE = np.where(np.arange(PLAIN.n_nodes) < 10, 1, 0) + np.arange(PLAIN.n_nodes) % 10
-
-
-@pytest.mark.parametrize(
-    ("labels", "number", "words"),
-    [
-        (LABELS, 0, "nodes"),
-        (LABELS, 995, "node"),
-        (TWICE, 5, "nodes"),
-        (None, 20, "20"),
-    ],
-)
-def test_numbers_that_name_no_node_or_two(labels: Any, number: int, words: str) -> None:
-    mesh = labelled(labels)
-    body = ao.FEModel.from_mesh(mesh, STEEL)
-    for refused in (
-        lambda: ao.FEModel.from_mesh(mesh, STEEL, fixed=[([number], "xyz")]),
-        lambda: ao.FEModel.from_mesh(mesh, STEEL, masses=[([number], 1.0)]),
-        lambda: ao.FEModel.from_mesh(mesh, STEEL, springs=[([number], "x", 1.0)]),
-        lambda: body.contact(node=number, direction=(0, 0, -1), radius=0),
-    ):
-        with pytest.raises(ao.InputError, match=words):
-            refused()

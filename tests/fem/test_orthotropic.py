@@ -11,7 +11,7 @@ import pytest
 import scipy.sparse.linalg as sla
 
 import aoimpact as ao
-from aoimpact import AOImpactWarning, InputError
+from aoimpact import AOImpactWarning
 from aoimpact.fem import energy_error, nodal_stress, stiffness_mass
 from aoimpact.mesh import boundary
 
@@ -155,24 +155,6 @@ def test_the_bending_of_an_angle_ply_plate() -> None:
     flat[let] -= sla.spsolve(K[let][:, let].tocsc(), (K @ flat)[let])
     energy = flat @ (K @ flat) / (LENGTHS[0] * LENGTHS[1])
     assert energy == pytest.approx(kappa @ D @ kappa, rel=0.01)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "said"),
-    [
-        ({"E": (135e9, -9e9, 9e9)}, r"^E\[1\]"),
-        ({"nu": (0.3, 0.3, 1.2)}, r"^nu"),
-        ({"nu": (4.5, 0.3, 0.4)}, r"^nu"),
-        ({"nu": (0.3, 0.3, -1.0)}, r"^nu"),  # none, but for rounding
-        ({"E": (135e9, 5e-324, 9e9)}, r"^E"),
-        ({"E": (1e300, 1e-300, 9e9)}, r"^E"),
-        ({"axes": ((1, 0, 0), (1, 1, 0))}, r"^axes"),
-    ],
-)
-def test_constants_of_no_solid_are_refused(wrong: Any, said: str) -> None:
-    sound: Any = {"E": PLY.E, "G": PLY.G, "nu": PLY.nu, "rho": PLY.rho}
-    with pytest.raises(InputError, match=said):
-        ao.Orthotropic(**sound | wrong)
 
 
 def test_values_in_other_units_are_said() -> None:

@@ -10,18 +10,11 @@ import numpy as np
 import pytest
 
 import aoimpact as ao
-from aoimpact import InputError, InputTypeError, MeshError
+from aoimpact import InputError
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 SHEET = ao.Shell(thickness=2e-3, material=STEEL)
-ROUND = ao.Beam(ao.CircularSection(0.01), STEEL)
 KINDS = pytest.mark.parametrize("kind", ["quad", "triangle"])
-
-
-def line(*places: Any, label: str = "bar") -> ao.Mesh:
-    """A chain of line elements."""
-    cells = np.column_stack([np.arange(len(places) - 1), np.arange(1, len(places))])
-    return ao.Mesh(places, cells, "line", cell_sets={label: np.arange(len(cells))})
 
 
 @KINDS
@@ -139,50 +132,6 @@ def test_sheets_of_the_generator() -> None:
             "ymax": 5,
             "rim": 14,
         }
-
-
-PLAIN, CUBE = ao.sheet_mesh((0.3, 0.3), (2, 2)), ao.box_mesh((1, 1, 1), (1, 1, 1))
-# Arguments of `from_mesh` and what they make impossible.
-BODIES: list[Any] = [
-    (PLAIN, STEEL, None, r"^material"),
-    (PLAIN, ROUND, None, r"^material"),
-    (PLAIN, "steel", None, r"^material"),
-    (CUBE, SHEET, None, r"^material"),
-    (line((0, 0, 0), (1, 0, 0)), SHEET, None, r"^material"),
-    (PLAIN, SHEET, ("rim", "xyz", "q"), r"^fixed\[0\]"),
-    (PLAIN, SHEET, ("rim", ""), r"^fixed\[0\]"),
-    (PLAIN, SHEET, ("rim", "", ""), r"^fixed\[0\]"),
-    (CUBE, STEEL, ("xmin", "xyz", "x"), r"^fixed\[0\]"),
-]
-
-
-@pytest.mark.parametrize(("mesh", "material", "fixed", "words"), BODIES)
-def test_bodies_that_cannot_be(mesh: ao.Mesh, material: Any, fixed: Any, words: str) -> None:
-    with pytest.raises((InputError, InputTypeError), match=words):
-        ao.FEModel.from_mesh(mesh, material, fixed=fixed and [fixed])
-
-
-TRIANGLE, CORNERS = [[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 0, 0], [1, 0, 0], [0.2, 0.2, 0]]
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: ao.read_mesh(PLAIN, order=2), r"^order"),
-        (lambda: ao.Shell(2e-3, STEEL, offset=2.0), r"^offset"),
-        (lambda: ao.Beam(ao.CircularSection(0.01), STEEL, (0, 0, 1), (0, 5)), r"^offset"),
-        (lambda: ao.FEModel.from_mesh(PLAIN, SHEET).inverse(solver="multigrid"), r"^solver"),
-        (lambda: ao.Mesh(TRIANGLE, [[0, 1, 2]], "triangle"), "flat"),
-        (lambda: ao.Mesh([*CORNERS, [0, 1, 0]], [[0, 1, 2, 3]], "quad"), "folded"),
-        (lambda: ao.Mesh([[0, 0, 0], [0, 0, 0]], [[0, 1]], "line"), "flat"),
-        (lambda: ao.sheet_mesh((0.1, 0.0), (1, 1)), r"lengths\[1\]"),
-        (lambda: ao.sheet_mesh((0.1, 0.1), (1, 1, 1)), r"^divisions"),
-        (lambda: ao.sheet_mesh((0.1, 0.1), (1, 1), kind="line"), "kind"),
-    ],
-)
-def test_refusals(make: Any, words: str) -> None:
-    with pytest.raises((InputError, MeshError), match=words):
-        make()
 
 
 @pytest.mark.slow

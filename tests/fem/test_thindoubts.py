@@ -23,19 +23,6 @@ def bar(section: Any, n: int = 20) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("mesh", "material"),
-    [
-        (ao.sheet_mesh((0.3, 0.3), (4, 4)), ao.Shell(2.0, STEEL)),
-        (ao.sheet_mesh((0.3, 0.3), (4, 4)), ao.Laminate([ao.Ply(0.5, STEEL)] * 2)),
-        (ao.Mesh([(0, 0, 0), (1, 0, 0)], [[0, 1]], "line"), ao.Beam(ao.CircularSection(3), STEEL)),
-    ],
-)
-def test_a_thickness_above_the_size_of_the_body_is_refused(mesh: Any, material: Any) -> None:
-    with pytest.raises(ao.InputError, match=r"^material"):
-        ao.FEModel.from_mesh(mesh, material)
-
-
-@pytest.mark.parametrize(
     ("section", "warns"),
     [
         (ao.RectangularSection(0.02, 1e-4), True),

@@ -98,23 +98,3 @@ def test_turning_the_other_body_is_the_same(first, second, angle):
     ).k
     assert one == pytest.approx(other, rel=1e-9)
     assert one == pytest.approx(swapped, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("radius_1", "radius_2", "message"),
-    [
-        (0.0, 0.01, r"^radius_1"),
-        (math.inf, math.inf, r"^radius_1"),
-        (0.01, -0.01, r"^radius_1"),
-        (0.01, -0.009, r"^radius_1"),
-        (-0.01, math.inf, r"^radius_1"),
-        (-0.01, -0.01, r"^radius_1"),
-        ((0.01, math.inf), (0.02, math.inf), r"^radius_1"),
-        ((0.01, math.inf), math.inf, r"^radius_1"),
-        ((0.01, -0.01), math.inf, r"^radius_1"),
-        ((0.01, 0.0), math.inf, r"^radius_1\[1\]"),
-    ],
-)
-def test_surfaces_that_do_not_touch_in_a_point(radius_1, radius_2, message):
-    with pytest.raises(ao.AOImpactError, match=message):
-        ao.Hertz.between(STEEL, radius_1, STEEL, radius_2)

@@ -59,22 +59,3 @@ def test_what_lies_beyond_the_table_is_not_made_up():
         LAW.force(1.001e-4)
     with pytest.raises(ao.InputError, match=r"^contact"):
         on_a_wall(LAW, 1.0, 3.0, ao.Newmark(dt=1e-6), duration=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("indentation", "force", "message"),
-    [
-        ([0, 1e-5, 1e-5], [0, 1, 2], r"^indentation"),
-        ([0, 2e-5, 1e-5], [0, 1, 2], r"^indentation"),
-        ([0, 1e-4, 1e308], [0, 1, 2], r"^indentation"),
-        ([0, 1e200, 2e200], [0, 1e150, 2e150], r"^indentation"),
-        ([0, 1e-5, 2e-5], [0, 2, 1], r"^force"),
-        ([0, 1e-5], [1, 2], r"^force"),
-        ([-1e-5, 1e-5], [0, 2], r"^indentation"),
-        ([0, 1e-5, 2e-5], [0, 0, 1], r"^force"),
-        ([0], [0], r"^indentation"),
-    ],
-)
-def test_bad_tables_are_named(indentation, force, message):
-    with pytest.raises(ao.AOImpactError, match=message):
-        ao.Tabulated(indentation, force)

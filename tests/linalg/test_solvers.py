@@ -254,16 +254,6 @@ def test_pardiso_names_a_singular_matrix_in_place_of_a_regular_one(block):
     assert np.isfinite(dynamic.solve(f)).all()
 
 
-def test_what_is_no_solver_is_refused(bar):
-    tip = bar.contact(point=(0.3, 0, 0), direction=(1, 0, 0), radius=0)
-    with pytest.raises(ao.InputError, match=r"^solver"):
-        ao.antioscillators(tip, 1, solver="pardisso")
-    with pytest.raises(ao.InputTypeError, match=r"^solver"):
-        ao.antioscillators(tip, 1, solver=3)
-    with pytest.raises(ao.InputTypeError, match=r"^solver"):
-        bar.inverse(solver=lambda matrix: 1.0)
-
-
 @pytest.mark.parametrize(("name", "least"), [("multigrid", 1e-6), ("superlu", 0.0)])
 def test_vectors_of_a_subspace_are_solved_to_a_thousandth_where_that_is_quicker(name, least):
     body = ao.FEModel.from_mesh(box_mesh((0.05, 0.05, 0.02), (5, 5, 2), kind="hexahedron20"), STEEL)

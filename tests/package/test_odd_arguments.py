@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import inspect
-import itertools
 import math
 import os
 import re
@@ -102,6 +101,8 @@ PLY = ao.Orthotropic(E=(135e9, 9e9, 9e9), G=(5e9, 5e9, 3.2e9), nu=(0.3, 0.3, 0.4
 BOX = ao.box_mesh((0.1, 0.02, 0.02), (2, 1, 1))
 BAR = ao.FEModel.from_mesh(BOX, STEEL)
 TIP = BAR.contact(point=(0.1, 0.0, 0.0), direction=(-1.0, 0.0, 0.0), radius=0)
+SHEET, SHELL = ao.sheet_mesh((0.3, 0.3), (2, 2)), ao.Shell(2e-3, STEEL)
+CHAIN = np.array([[4.0, -4.0, 0.0], [-4.0, 8.0, -4.0], [0.0, -4.0, 4.0]])
 HELD = ao.FEModel.from_mesh(BOX, STEEL, fixed=[("xmin", "xyz")])
 STRIKE: dict[str, Any] = {
     "projectile": BALL,
@@ -314,6 +315,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
         cell_labels=np.arange(1, BOX.n_cells + 1),
         left_out={"springs": "3 SPRINGA"},
     ),
+    "Mesh of elements": call(ao.Mesh, nodes=BOX.nodes, cells=BOX.cells, kind=BOX.kind),
     "Mesh.part": call(ao.Mesh(BOX.nodes, BOX.cells, BOX.kind, {}, {"all": [0]}).part, names="all"),
     "read_mesh": whole(ao.read_mesh, source=BOX),
     "read_sections": whole(
@@ -350,6 +352,8 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "FEModel.contact of a dof": call(BAR.contact, dof=0),
     "FEModel.contact of a node": call(BAR.contact, node=3, direction=(-1, 0, 0), radius=0.0),
     "FEModel.contact of a functional": call(BAR.contact, b=np.eye(BAR.n_dofs)[0]),
+    "FEModel of matrices": call(ao.FEModel, K=CHAIN, M=np.eye(3)),
+    "FEModel.from_mesh of a sheet": call(ao.FEModel.from_mesh, mesh=SHEET, material=SHELL),
     "FEModel of labels": call(ao.FEModel, K=BAR.K, M=BAR.M, labels=LABELS),
     "FEModel.translation": call(BAR.translation, direction=(1, 0, 0)),
     "FEModel.com_functional": call(BAR.com_functional, direction=(1, 0, 0)),
@@ -672,24 +676,66 @@ def test_every_argument_takes_odd_values_or_names_them(
 WORDS = Path(__file__).with_name("refusals.txt")
 
 
+# What a row may name besides literals.
+NAMES: dict[str, Any] = {
+    "inf": math.inf,
+    "nan": math.nan,
+    "BALL": BALL,
+    "STEEL": STEEL,
+    "PLY": PLY,
+    "TURNED": PLY.turned(0.1),
+    "TIP": TIP,
+    "SHEET": SHEET,
+    "LINE": ao.Mesh([[0, 0, 0], [1, 0, 0]], [[0, 1]], "line"),
+    "HALVES": ao.Mesh(
+        BOX.nodes, BOX.cells, BOX.kind, {}, {"one": [0], "other": [1], "all": [0, 1]}
+    ),
+    "LABELLED": ao.Mesh(BOX.nodes, BOX.cells, BOX.kind, node_labels=[1, 1, *range(2, 12)]),
+    "SHELL": SHELL,
+    "BEAM": ao.Beam(ao.CircularSection(0.01), STEEL),
+    "THICK": ao.Shell(2.0, STEEL),
+    "THICK_BEAM": ao.Beam(ao.CircularSection(3.0), STEEL),
+    "ON_A_NODE": ao.RigidMass([0], 1.0, inertia=(1.0, 1.0, 1.0)),
+    "OFF_ITS_LINE": ao.RigidMass([0, 1], 1.0, centre=(9.0, 0.0, 0.0)),
+}
+
+
+def refused(name: str, odd: dict[str, Any]) -> str:
+    """How a call refuses these values: class and message; empty where it takes them."""
+    function, given = CALLS[name]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ao.AOImpactWarning)
+        try:
+            function(**given | odd)
+        except ao.AOImpactError as error:
+            said = " ".join(str(error).split())
+            said = re.sub(r"/\S+/(?=examples/)|/tmp/[^\s']+| at 0x\w+", "…", said)
+            return f"{type(error).__name__}: {said}"
+        except Exception:  # which the test above judges
+            pass
+    return ""
+
+
 def refusals() -> str:
-    """A line for each argument: how a negative number is refused, or where it is none, a text."""
+    """A line for each argument: how a negative number is refused, or where it is none, a text.
+
+    After an empty line the file has rows of one's own, "call: argument=value, …: class: message",
+    for arguments that are wrong beside the others, or by their values: literals and `NAMES`.
+    """
     lines = []
-    for name, (function, given) in CALLS.items():
-        for argument, kind in itertools.product(given, ("minus one", "text", "object")):
-            if any(line.startswith(f"{name}: {argument}=") for line in lines):
-                continue
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", ao.AOImpactWarning)
-                try:
-                    function(**given | {argument: ODD[kind]})
-                except ao.AOImpactError as error:
-                    said = " ".join(str(error).split())
-                    said = re.sub(r"/\S+/(?=examples/)|/tmp/[^\s']+| at 0x\w+", "…", said)
-                    lines.append(f"{name}: {argument}={kind}: {type(error).__name__}: {said}")
-                except Exception:  # which the test above judges
-                    continue
+    for name, (_, sound) in CALLS.items():
+        for argument in sound:
+            found = ((kind, refused(name, {argument: ODD[kind]})) for kind in TRIED)
+            said = next((f"{kind}: {words}" for kind, words in found if words), "")
+            lines += [f"{name}: {argument}={said}"] if said else []
+    lines.append("")
+    rows = WORDS.read_text("utf-8").partition("\n\n")[2]
+    for name, odd in re.findall(r"^(.+?): (.+?)(?:: \w+Error: .*)?$", rows, re.M):
+        lines.append(f"{name}: {odd}: {refused(name, eval(f'dict({odd})', NAMES))}")
     return "\n".join([*lines, ""])
+
+
+TRIED = "minus one", "text", "object"
 
 
 def test_refusals_read_as_they_did(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
