@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Collection, Iterable, Sequence
-from html import escape
 from typing import Any
 
 from .checks import written_file
@@ -19,16 +18,6 @@ def aligned(rows: Iterable[Sequence[str]], *, left: Collection[int] = ()) -> lis
             [cell.ljust(width) if number in left else cell.rjust(width) for cell in cells]
         )
     return ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
-
-
-def html_table(
-    headings: Iterable[str], rows: Iterable[Iterable[str]], caption: Iterable[str]
-) -> str:
-    """Return an HTML table; each line of `caption` has its own."""
-    cells = [[f"<th>{escape(name)}</th>" for name in headings]]
-    cells += [[f"<td>{escape(cell)}</td>" for cell in row] for row in rows]
-    body = "".join(f"<tr>{''.join(row)}</tr>" for row in cells)
-    return f"<table><caption>{'<br>'.join(map(escape, caption))}</caption>{body}</table>"
 
 
 def write_csv(path: Any, heading: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:

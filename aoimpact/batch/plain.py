@@ -15,13 +15,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base import AOImpactError, boolean, held_warnings, nonnegative
-from ..impact import SPEEDS, checked_duration, number_or_vector, plan_impact
+from ..base import AOImpactError, boolean, held_warnings, nonnegative, positive
+from ..impact import number_or_vector, plan_impact
 from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
 from ..reduction import AOModel, Body, fitted_times, is_valid_for
 from ..results import QUANTITIES, Speeds, warning_limits
-from ..scene import Scenario, normal_gap
+from ..scene import Scenario
 
 ERROR = "error.time"
 
@@ -154,9 +154,9 @@ def _given(case: Any) -> tuple[float, ...] | None:
         return None
     try:
         boolean("energies", case.get("energies", True))
-        velocity, vector = number_or_vector("velocity", case["velocity"], SPEEDS, "m/s")
-        duration = checked_duration(case["duration"])
-        gap = normal_gap(nonnegative("gap", case.get("gap", 0.0), unit="m"))
+        velocity, vector = number_or_vector("velocity", case["velocity"], "m/s")
+        duration = positive("duration", case["duration"], unit="s")
+        gap = nonnegative("gap", case.get("gap", 0.0), unit="m")
     except AOImpactError:  # simulate raises it
         return None
     if vector is not None or velocity <= 0.0:

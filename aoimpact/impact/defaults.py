@@ -2,54 +2,35 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ..base import HUGE, FloatArray, InputError, finite_array, positive, real
+from ..base import FloatArray, InputError, finite_array, real
 from ..contact import ContactPoint
 from ..laws import LawFromSurfaces, law_between
 from ..reduction import BodyModel
 from ..results import warn_of_size
 
-# m/s; squares and energies of speeds beyond these overflow, or vanish. s; their cubes are numbers,
-# and so is the distance that the fastest body covers.
-SPEEDS, _DURATIONS = (1e-60, 1e60), (1.0 / HUGE, HUGE)
+# Squares and energies of speeds of a smaller magnitude vanish, and of the reciprocal overflow.
+_LEAST = 1e-60
 
 
-def in_range(name: str, value: float, bounds: tuple[float, float], unit: str = "") -> float:
-    """Return a number that is 0, or whose magnitude can be computed with.
-
-    Raises
-    ------
-    InputError
-    """
-    low, high = bounds
-    if value and not low <= abs(value) <= high:
-        raise InputError(
-            f"{name}={value:g} {unit} is beyond what can be computed: give 0, or from {low:g} to "
-            f"{high:g}"
-        )
-    return value
-
-
-def checked_duration(duration: Any) -> float:
-    """Return the length of a record, s, over which displacements do not overflow."""
-    return in_range("duration", positive("duration", duration, unit="s"), _DURATIONS, "s")
-
-
-def number_or_vector(
-    name: str, value: Any, bounds: tuple[float, float], unit: str
-) -> tuple[float, FloatArray | None]:
+def number_or_vector(name: str, value: Any, unit: str) -> tuple[float, FloatArray | None]:
     """Return a number along the direction of travel, or the length of a vector, and that vector.
 
     The vector, in three directions, is None of a number.
     """
+    number, vector = value, None
     if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
         vector = finite_array(name, value, shape=(3,), unit=unit)
-        return in_range(name, float(np.linalg.norm(vector)), bounds, unit), vector
-    return in_range(name, real(name, value, unit=unit), bounds, unit), None
+        number = math.hypot(*vector)
+    number = real(name, number, unit=unit)
+    if number and not _LEAST <= abs(number) <= 1.0 / _LEAST:
+        raise InputError(f"{name}={number:g} {unit} is beyond what can be computed with")
+    return number, vector
 
 
 def goes_against(tip: ContactPoint | None, *, outward: bool) -> bool:

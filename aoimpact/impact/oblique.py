@@ -19,17 +19,12 @@ from ..laws import ContactLaw
 from ..mesh import plane_of
 from ..reduction import Body, BodyModel, FullModel, turning
 from ..scene import Friction
-from .defaults import in_range
 
 # Directions of travel within 5° are one; a contact point's is along its normal within 1°.
 _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
 
 # The sides of a body on which it is touched as the first of two, and as the second.
 ROLES = (1.0, -1.0)
-
-# Coefficients of friction: the squares of bounds on stretches must be numbers, and what the least
-# does to a body must be more than the rounding of its normal force.
-_RANGE = 1e-10, 1e100
 
 # Along the outward normal of a body without a mesh.
 _DOWN = np.array([0.0, 0.0, -1.0])
@@ -42,7 +37,7 @@ def checked_friction(value: Any, law: ContactLaw) -> Friction:
     ------
     InputError, InputTypeError
     """
-    mu = in_range("friction", nonnegative("friction", value), _RANGE)
+    mu = nonnegative("friction", value)
     if mu and (law.has_memory or law.pulls):
         raise InputError(
             f"friction: law={law!r} remembers or pulls, and friction is known for other contacts "

@@ -29,6 +29,7 @@ from ..base import (
     bar,
     boolean,
     finite_array,
+    positive,
     real,
     text,
     warn,
@@ -53,9 +54,8 @@ from ..scene import (
     Load,
     Oblique,
     Scenario,
-    normal_gap,
 )
-from .defaults import SPEEDS, checked_duration, chosen_law, number_or_vector
+from .defaults import chosen_law, number_or_vector
 from .foreseen import Foreseen
 from .oblique import (
     axes_of,
@@ -63,10 +63,6 @@ from .oblique import (
     refuse_held,
     with_tangents,
 )
-
-# m/s², the most on a neutron star. Above ten times as much, depths of contacts are no more than the
-# rounding of the ways that bodies fall, and drawn scenes were wrong by 1e-7 to 1e-4.
-_GRAVITIES = 0.0, 1e12
 
 
 @dataclass(frozen=True)
@@ -115,11 +111,10 @@ class Scene:
 
     def __init__(self, *, gravity: float | npt.ArrayLike = 0.0) -> None:
         # Along the direction of travel, and in three directions where it is given so.
-        self.gravity, self._falls = number_or_vector("gravity", gravity, _GRAVITIES, "m/s²")
+        self.gravity, self._falls = number_or_vector("gravity", gravity, "m/s²")
         self._members: list[Member] = []
         self._contacts: list[Contact] = []
         # Laws and gaps of the contacts between two places.
-        self._between: dict[tuple[int, int, int, int], list[tuple[ContactLaw, float]]] = {}
         self._loads: list[Load] = []
         # Copies and pickles keep it: their handles are as good. An impact of two bodies has none.
         self._mark = Mark(uuid.uuid4().hex)
@@ -176,7 +171,7 @@ class Scene:
         >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0, name="ball")
         """
         where, called = real("position", position, unit="m"), text("name", name)
-        motion = number_or_vector("velocity", velocity, SPEEDS, "m/s")
+        motion = number_or_vector("velocity", velocity, "m/s")
         self._take("body", body, motion, spin, where, called)
         return Handle(len(self._members) - 1, name=called, scene=self._mark.name)
 
@@ -274,17 +269,10 @@ class Scene:
             found = chosen_law(ends, names)
             law, law_error = found.law, found.error
         contact = Contact(
-            *(*first, *second, law, normal_gap(gap), name),
+            *(*first, *second, law, gap, name),
             friction=None if friction is None else checked_friction(friction, law),
             law_error=law_error,
         )
-        same = self._between.setdefault(contact[:4], [])
-        if (law, gap) in same:
-            raise InputError(
-                f"contact {len(self._contacts)} is the same as another: {' and '.join(names)} "
-                "under the same law and gap; leave this one out, or double the law's stiffness"
-            )
-        same.append((law, gap))
         self._contacts.append(contact)
         return len(self._contacts) - 1
 
@@ -523,7 +511,7 @@ class Scene:
         if duration is None:
             record = foreseen.record()
         else:
-            record = RecordLength(checked_duration(duration), given=True)
+            record = RecordLength(positive("duration", duration, unit="s"), given=True)
         record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
         names = [member.called for member in self._members]
         ways = [(False, False)]

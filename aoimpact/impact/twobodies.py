@@ -15,7 +15,7 @@ from ..laws import ContactLaw
 from ..linalg import Solver
 from ..results import ROLES, Result, TimeSolver, warn_of_exchange
 from ..scene import Scenario
-from .defaults import SPEEDS, number_or_vector
+from .defaults import number_or_vector
 from .foreseen import Foreseen
 from .scene import Mark, Scene
 
@@ -168,7 +168,7 @@ def pair(
     """
     scene = Scene()
     scene._mark = Mark("")
-    motion = number_or_vector("velocity", velocity, SPEEDS, "m/s")
+    motion = number_or_vector("velocity", velocity, "m/s")
     moving = scene._take("projectile", projectile, motion, spin)
     held = scene._take("target", target)
     for name, member in zip(ROLES, (moving, held), strict=True):

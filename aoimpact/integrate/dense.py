@@ -127,17 +127,14 @@ class DenseRecorder:
             layout.reordered(record, self.order)
         return record
 
-    def forces(self, times: FloatArray) -> FloatArray:
+    def pushes(self, times: FloatArray) -> FloatArray:
+        if self.plan.slides:
+            return self.plan.layout.pushes(self.rows(times, energies=False))
         forces = np.zeros((len(self.events), len(times)))
         _core.track_forces(self.track, np.ascontiguousarray(times), forces)
         if self.order is not None:
             forces[self.order] = forces.copy()
         return forces
-
-    def pushes(self, times: FloatArray) -> FloatArray:
-        if self.plan.oblique is None:
-            return self.forces(times)
-        return self.plan.layout.pushes(self.rows(times, energies=False))
 
     def modes(self, times: FloatArray, body: int) -> ArrayPair:
         """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""

@@ -101,9 +101,6 @@ class SteppedRecorder(Frozen):
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
         return self._between(self.record, times)
 
-    def forces(self, times: FloatArray) -> FloatArray:
-        return self._between(self.plan.layout.forces(self.record), times)
-
     def pushes(self, times: FloatArray) -> FloatArray:
         return self._between(self.plan.layout.pushes(self.record), times)
 
@@ -348,7 +345,7 @@ def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
     Mechanics, eq. 11.25), π for a linear law.
     """
     try:
-        return 3.0 * law.stroke(0.5 * mass * velocity**2) / velocity
+        return 3.0 * law.stroke(0.5 * mass * velocity * velocity) / velocity
     except InputError as error:
         raise InputError(
             f"law={law!r} with velocity={velocity:g} m/s: no contact time can be estimated "

@@ -6,7 +6,6 @@ measured along the direction of travel, from where the bodies were at t = 0.
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -599,19 +598,16 @@ class Run:
         return read_only(self.recorder.rows(self.t, self.plan.energies))
 
     @cached_property
-    def forces(self) -> FloatArray:
-        """Contact forces, N, shape (contacts, n); made without the motions, which cost more."""
-        if "_rows" in self.__dict__:
-            return self.plan.layout.forces(self._rows)
-        return read_only(self.recorder.forces(self.t))
-
-    @property
     def pushes(self) -> FloatArray:
         """Contact forces, each followed by those of its friction along two tangents, N.
 
+        Without friction they are made without the motions, which cost more.
+
         :meta private:
         """
-        return self.forces if self.plan.oblique is None else self.plan.layout.pushes(self._rows)
+        if "_rows" in self.__dict__:
+            return self.plan.layout.pushes(self._rows)
+        return read_only(self.recorder.pushes(self.t))
 
     @cached_property
     def bodies(self) -> tuple[BodyResult, ...]:
@@ -1205,11 +1201,3 @@ class Result(Eventful, Run):
 
     def __repr__(self) -> str:
         return summary_text("Impact", impact_rows(self), 18)
-
-    def _repr_html_(self) -> str:
-        cells = "".join(
-            f'<tr><th style="text-align:left">{html.escape(name)}</th>'
-            f'<td style="text-align:left">{html.escape(value)}</td></tr>'
-            for name, value in impact_rows(self)
-        )
-        return f"<table><caption>Impact</caption><tbody>{cells}</tbody></table>"

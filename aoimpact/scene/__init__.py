@@ -9,7 +9,6 @@ from .contact import (
     Friction,
     Load,
     extraction_of,
-    normal_gap,
 )
 from .rows import RecordLayout
 from .scenario import Oblique, Scenario

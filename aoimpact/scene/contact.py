@@ -3,33 +3,17 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base import HUGE, FloatArray, InputError
+from ..base import FloatArray
 from ..contact import Compliance
 from ..fem import Material
 from ..laws import ContactLaw, CoreLaw, HertzianLaw, PatchLaw, effective_law, own_law
 from ..reduction import BodyModel
 from .rows import ContactRows
-
-
-def normal_gap(gap: float) -> float:
-    """Return a gap, m; 0 for a subnormal one, which no time of approach can tell from 0.
-
-    Raises
-    ------
-    InputError
-        If its square is no number.
-    """
-    if abs(gap) > HUGE:
-        raise InputError(
-            f"gap={gap:g} m is beyond what can be computed with: give up to {HUGE:g} m"
-        )
-    return gap if abs(gap) >= sys.float_info.min else 0.0
 
 
 def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> Compliance | None:

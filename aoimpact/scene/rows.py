@@ -5,7 +5,6 @@ All contacts come first, then the bodies, each followed by its ports.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -71,32 +70,31 @@ _CONTACT, _BODY, _PORT, _SLIDING = 4, len(BodyRows._fields) - 2, 2, 8
 
 @dataclass
 class RecordLayout:
-    """Places of the rows of a record; it returns views of the record.
+    """Places of the rows of a record.
 
     Attributes
     ----------
-    contacts : int
-        Number of contacts.
     ports : tuple of int
         Number of ports of each body.
-    sliding : tuple of bool, optional
-        True of each contact with friction; none has it if left out.
+    sliding : tuple of bool
+        True of each contact with friction.
     rows : int
         Number of rows.
     """
 
-    contacts: int
     ports: tuple[int, ...]
-    sliding: tuple[bool, ...] = ()
+    sliding: tuple[bool, ...]
 
     def __post_init__(self) -> None:
         # The first row of each contact and of the bodies, and of each body and the number of rows.
-        sliding = self.sliding or (False,) * self.contacts
-        sizes = [_SLIDING if of else _CONTACT for of in sliding]
-        self._starts = tuple(itertools.accumulate(sizes, initial=0))
-        sizes = [_BODY + _PORT * ports for ports in self.ports]
-        self._first = tuple(itertools.accumulate(sizes, initial=self._starts[-1]))
-        self.rows = self._first[-1]
+        sizes = np.where(self.sliding, _SLIDING, _CONTACT).astype(np.intp)
+        self._starts: IntArray = np.append(0, np.cumsum(sizes))
+        bodies = [_BODY + _PORT * ports for ports in self.ports]
+        self._first: IntArray = np.cumsum([self._starts[-1], *bodies])
+        self.rows = int(self._first[-1])
+        kinds = zip(self._starts.tolist(), self.sliding, strict=False)
+        pushes = [first + row for first, of in kinds for row in ((0, 4, 5) if of else (0,))]
+        self._pushes = np.array(pushes, dtype=np.intp)
 
     def contact(self, record: FloatArray, contact: int) -> ContactRows:
         """Return the rows of one contact of a record, shape (rows, times)."""
@@ -114,34 +112,24 @@ class RecordLayout:
         return BodyRows._make([*record[first : first + _BODY], ports[::_PORT], ports[1::_PORT]])
 
     def forces(self, record: FloatArray) -> FloatArray:
-        """Return all contact forces, N, shape (contacts, times); with friction a copy."""
-        return self._row(record, 0)
+        """Return all contact forces, N, shape (contacts, times)."""
+        return record[self._starts[:-1]]
 
     def indentations(self, record: FloatArray) -> FloatArray:
         """Return all indentations, m, shape (contacts, times)."""
-        return self._row(record, 1)
-
-    def _row(self, record: FloatArray, row: int) -> FloatArray:
-        if not any(self.sliding):
-            return record[row : self._starts[-1] : _CONTACT]
-        return record[[first + row for first in self._starts[:-1]]]
+        return record[self._starts[:-1] + 1]
 
     def pushes(self, record: FloatArray) -> FloatArray:
         """Return the forces of all contacts, of one with friction with those along its tangents.
 
         N, shape (pushes, times): a contact has one row, or with friction three.
         """
-        if not any(self.sliding):
-            return self.forces(record)
-        kinds = zip(self._starts[:-1], self.sliding, strict=True)
-        rows = [[first, first + 4, first + 5] if of else [first] for first, of in kinds]
-        return record[list(itertools.chain.from_iterable(rows))]
+        return record[self._pushes]
 
     @property
     def normal(self) -> BoolArray:
         """Which of `pushes` are normal forces, shape (pushes,)."""
-        kinds = [(True, False, False) if of else (True,) for of in self.sliding]
-        return np.array([*itertools.chain(*kinds)] or [True] * self.contacts, dtype=bool)
+        return np.isin(self._pushes, self._starts)
 
     def of_contacts(self, record: FloatArray) -> FloatArray:
         """Return the rows of all contacts: a view."""
@@ -159,4 +147,4 @@ class RecordLayout:
     def centre_velocities(self, record: FloatArray) -> FloatArray:
         """Return the velocities of all centres of mass, m/s, shape (bodies, times): a copy."""
         at = BodyRows._fields.index("velocity")
-        return record[[first + at for first in self._first[:-1]]]
+        return record[self._first[:-1] + at]

@@ -160,7 +160,7 @@ class Scenario:
         """Places of the rows of a record."""
         sliding = tuple([contact.friction is not None for contact in self.contacts])
         ports = tuple([body.ports for body in self.bodies])
-        return RecordLayout(len(self.contacts), ports, sliding)
+        return RecordLayout(ports, sliding)
 
     @cached_property
     def _loads_of(self) -> dict[int, list[Load]]:
@@ -268,7 +268,7 @@ class Scenario:
         first, second = contact.first, contact.second
         speed = self.velocities[first] - self.velocities[second]
         pull = self._acceleration(first) - self._acceleration(second)
-        square = speed**2 + 2.0 * pull * contact.gap
+        square = speed * speed + 2.0 * pull * contact.gap
         if square < 0.0 or (meets := math.sqrt(square)) + speed <= 0.0:
             return math.inf, 0.0
         return 2.0 * max(contact.gap, 0.0) / (meets + speed), meets

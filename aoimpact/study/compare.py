@@ -21,7 +21,6 @@ from ..base import (
     error_axes,
     given_axes,
     held_warnings,
-    html_table,
     instance,
     integer,
     real,
@@ -186,16 +185,9 @@ class Comparison:
 
     def __repr__(self) -> str:
         rows = aligned([_HEADINGS, *map(_cells, self.rows)], left={0, len(_HEADINGS) - 1})
-        return "\n".join([self.scene, self._reference(), *rows])
-
-    def _repr_html_(self) -> str:
-        caption = self.scene, self._reference()
-        return html_table(_HEADINGS, map(_cells, self.rows), caption=caption)
-
-    def _reference(self) -> str:
         known = "" if self.exact_error is None else f" (in time right to {self.exact_error:.1g})"
         by = f"; reduced by {self.linear_solver}" if self.linear_solver else ""
-        return f"errors relative to {self.exact}{known}{by}"
+        return "\n".join([self.scene, f"errors relative to {self.exact}{known}{by}", *rows])
 
 
 # Failures need no heading.

@@ -306,9 +306,7 @@ class Signal(Frozen):
 
 def force_at(run: Run, contact: int, times: FloatArray) -> FloatArray:
     """Force of a contact at times within the record, N; straight between fixed steps."""
-    if run.recorder.dense:
-        return np.asarray(run.at(times).forces[contact])
-    return np.asarray(np.interp(times, run.t, run.forces[contact]))
+    return np.asarray(run.recorder.pushes(times)[run.plan.layout.normal][contact])
 
 
 def contacts(force: Signal, name: str) -> list[tuple[int, int]]:

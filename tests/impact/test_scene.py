@@ -460,14 +460,6 @@ def test_a_run_is_read_by_its_own_handles_only():
         ao.simulate(projectile=BALL, target=WALL, law=HERTZ, velocity=1.0, duration=1e-4)[ball]
 
 
-def test_the_same_contact_twice_is_a_mistake():
-    scene, ball, beam = pair()
-    scene.connect(ball, beam, HERTZ)
-    with pytest.raises(ao.InputError, match=r"^contact"):
-        scene.connect(ball, beam, HERTZ)
-    assert scene.connect(ball, beam, HERTZ, gap=1e-5) == 1  # a stop behind a stop
-
-
 @pytest.mark.parametrize(
     ("force", "message"),
     [

@@ -153,10 +153,9 @@ def test_what_cannot_be_run_says_why():
     assert table["AO(1)"].force == 0.0
 
 
-def test_text_html_figure_and_file(table, tmp_path):
+def test_text_figure_and_file(table, tmp_path):
     assert "AO(3)" in repr(table)
     assert repr(table).count("\n") == 8
-    assert table._repr_html_().count("<tr>") == 7
     axes = table.plot(error="impulse")
     assert axes.get_ylabel() == "relative error of the impulse"
     assert len(axes.lines) == 3
