@@ -99,7 +99,7 @@ def adaptive(
     velocities: tuple[float, ...],
     most_steps: int,
     /,
-) -> tuple[_Track, bytes, bytes, tuple[_Found, ...], int, int]: ...
+) -> tuple[_Track, tuple[_Found, ...], int, int]: ...
 def track_open(
     bodies: tuple[_Modes, ...],
     contacts: tuple[_Contact, ...],
@@ -110,26 +110,10 @@ def track_open(
 def track_bytes(track: _Track, /) -> tuple[bytes, bytes]: ...
 def track_rows(track: _Track, /) -> bytes: ...
 def track_slips(track: _Track, /) -> bytes: ...
-def track_sample(
-    track: _Track,
-    times: _F,
-    record: _F,
-    energies: bool,
-    /,
-) -> None: ...
-def track_forces(
-    track: _Track,
-    times: _F,
-    forces: _F,
-    /,
-) -> None: ...
-def track_states(
-    track: _Track,
-    times: _F,
-    body: int,
-    states: _F,
-    /,
-) -> None: ...
+
+# what: 0 and 1 of the record, without energies or with them; 2 of the contact forces; 3 of the
+# states of a body.
+def track_read(track: _Track, times: _F, what: int, body: int, out: _F, /) -> None: ...
 def briefs(
     bodies: tuple[Any, ...],
     moving: tuple[_F, ...],

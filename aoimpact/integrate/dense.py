@@ -122,7 +122,7 @@ class DenseRecorder:
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
         layout = self.plan.layout
         record = np.zeros((layout.rows, len(times)))
-        _core.track_sample(self.track, np.ascontiguousarray(times), record, energies)
+        _core.track_read(self.track, np.ascontiguousarray(times), int(energies), 0, record)
         if self.order is not None:
             layout.reordered(record, self.order)
         return record
@@ -131,7 +131,7 @@ class DenseRecorder:
         if self.plan.slides:
             return self.plan.layout.pushes(self.rows(times, energies=False))
         forces = np.zeros((len(self.events), len(times)))
-        _core.track_forces(self.track, np.ascontiguousarray(times), forces)
+        _core.track_read(self.track, np.ascontiguousarray(times), 2, 0, forces)
         if self.order is not None:
             forces[self.order] = forces.copy()
         return forces
@@ -139,7 +139,7 @@ class DenseRecorder:
     def modes(self, times: FloatArray, body: int) -> ArrayPair:
         """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
         found = np.empty((len(times), 2, len(self.plan.modal[body].omega)))
-        _core.track_states(self.track, np.ascontiguousarray(times), body, found)
+        _core.track_read(self.track, np.ascontiguousarray(times), 3, body, found)
         return found[:, 0].T, found[:, 1].T
 
     def motion(self, body: int) -> Motion:
@@ -184,7 +184,7 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
     velocities = (1.0,) * len(bodies) if oblique else tuple(plan.velocities)
     rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
     try:
-        track, _, _, found, steps, rejected = _core.adaptive(
+        track, found, steps, rejected = _core.adaptive(
             *scene, rtol, plan.duration, rest, tuple(moving), velocities, most_steps
         )
     except LawLimitError as error:

@@ -109,15 +109,12 @@ static PyObject *contacts_of(const aoi_adaptive *run, kept_track *kept, double e
     return result;
 }
 
-/* (track, x, v, contacts, steps, rejected); the track is given away. */
+/* (track, contacts, steps, rejected); the track is given away. */
 static PyObject *adaptive_result(const aoi_adaptive *run, kept_track **kept, double end)
 {
-    const aoi_system *system = &(*kept)->made.system;
-    const Py_ssize_t state = (Py_ssize_t)(system->first[system->body_count] * sizeof(double));
     const aoi_progress at = aoi_adaptive_progress(run);
     PyObject *contacts = contacts_of(run, *kept, end), *track = contacts ? track_capsule(kept) : NULL;
-    return Py_BuildValue("Ny#y#Nnn", track, (const char *)at.x, state, (const char *)at.v, state, contacts,
-                         (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
+    return Py_BuildValue("NNnn", track, contacts, (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
 }
 
 /* (bodies, contacts, rtol, end, x, moving, velocities, most steps); x: modes at the start, None where they are zero. */

@@ -169,7 +169,7 @@ void track_free(kept_track *kept);
     /* newmark.c, adaptive.c */                                                                    \
     X(newmark) X(adaptive)                                                                         \
     /* track.c */                                                                                  \
-    X(track_open) X(track_bytes) X(track_rows) X(track_slips) X(track_sample) X(track_forces) X(track_states)     \
+    X(track_open) X(track_bytes) X(track_rows) X(track_slips) X(track_read)                        \
     /* many.c */                                                                                   \
     X(briefs)
 

@@ -121,6 +121,14 @@ PyObject *track_bytes(PyObject *args)
     return Py_BuildValue("NN", values, places);
 }
 
+/* Bytes of so many times three doubles, which are freed. */
+static PyObject *triples(call *of, double *made, size_t count)
+{
+    PyObject *bytes = made ? bytes_of(made, 3 * count * sizeof *made) : finish(of, "dense output", "");
+    free(made);
+    return bytes;
+}
+
 /* The start and length of each row, s, and its number of contacts, as bytes of doubles. */
 PyObject *track_rows(PyObject *args)
 {
@@ -129,18 +137,13 @@ PyObject *track_rows(PyObject *args)
     TAKE(&of, args, VALUE('O', capsule));
     const kept_track *kept = held(&of, capsule);
     double *made = call_room(&of, kept ? 3 * kept->track.rows : 0, sizeof *made);
-    if (!made) {
-        return NULL;
-    }
-    for (size_t r = 0; r < kept->track.rows; r++) {
+    for (size_t r = 0; made && r < kept->track.rows; r++) {
         const double *row = kept->track.values + kept->track.row[r];
         made[3 * r] = row[AOI_TRACK_START];
         made[3 * r + 1] = row[AOI_TRACK_LENGTH];
         made[3 * r + 2] = row[AOI_TRACK_CONTACTS];
     }
-    PyObject *bytes = bytes_of(made, 3 * kept->track.rows * sizeof *made);
-    free(made);
-    return bytes;
+    return triples(&of, made, kept ? kept->track.rows : 0);
 }
 
 /* As aoi_track_slips has it, a contact, a time and 1 or 0 in a row, as bytes of doubles. */
@@ -153,111 +156,74 @@ PyObject *track_slips(PyObject *args)
     const size_t count = kept ? aoi_track_slips(&kept->made.system, &kept->track, 0, NULL) : 0;
     aoi_slip *slip = call_room(&of, count, sizeof *slip);
     double *made = call_room(&of, 3 * count, sizeof *made);
-    PyObject *bytes = NULL;
-    if (slip && made) {
+    if (made) {
         (void)aoi_track_slips(&kept->made.system, &kept->track, count, slip);
-        for (size_t i = 0; i < count; i++) {
-            made[3 * i] = (double)slip[i].contact;
-            made[3 * i + 1] = slip[i].time;
-            made[3 * i + 2] = slip[i].slips;
-        }
-        bytes = bytes_of(made, 3 * count * sizeof *made);
+    }
+    for (size_t i = 0; made && i < count; i++) {
+        made[3 * i] = (double)slip[i].contact;
+        made[3 * i + 1] = slip[i].time;
+        made[3 * i + 2] = slip[i].slips;
     }
     free(slip);
-    free(made);
-    return bytes;
+    return triples(&of, made, count);
 }
 
 /* ------------------------------------------------------------------------------ dense output */
 
-/* The values read at each of many times; for a body, its state. */
+/* What is read at each of many times: a column of the record, with energies or without them, contact forces, or the state
+ * of a body. */
+enum { RECORD = 0, ENERGIES, FORCES, STATES, READINGS };
 typedef struct reading {
-    const kept_track *kept;
-    void (*read)(const struct reading *of, size_t i);
     aoi_sampler *sampler;
     const double *time;
     double *out;
-    size_t count, done, body, width; /* width: of a state */
-    int energies;
+    size_t what, body, count, done, width; /* width: of a state */
 } reading;
 
-static void read_column(const reading *of, size_t i)
-{
-    aoi_sampler_column(of->sampler, of->time[i], of->energies, of->out + i, of->count);
-}
-
-static void read_forces(const reading *of, size_t i)
-{
-    aoi_sampler_forces(of->sampler, of->time[i], of->out + i, of->count);
-}
-
-static void read_state(const reading *of, size_t i)
-{
-    aoi_sampler_state(of->sampler, of->time[i], of->body, of->out + i * of->width);
-}
-
-static int next_time(void *data)
+static int read_next(void *data)
 {
     reading *of = data;
-    if (of->done < of->count) {
-        of->read(of, of->done++);
+    if (of->done == of->count) {
+        return 0;
+    }
+    const size_t i = of->done++;
+    if (of->what == STATES) {
+        aoi_sampler_state(of->sampler, of->time[i], of->body, of->out + i * of->width);
+    } else if (of->what == FORCES) {
+        aoi_sampler_forces(of->sampler, of->time[i], of->out + i, of->count);
+    } else {
+        aoi_sampler_column(of->sampler, of->time[i], of->what == ENERGIES, of->out + i, of->count);
     }
     return of->done < of->count;
 }
 
-/* Reads a track at ascending times into an array of so many rows, or columns, the item of args at a place of so many;
- * between looks for signals without the GIL. */
-static PyObject *read_track(call *of, PyObject *args, size_t place, size_t size, size_t rows,
-                            reading at)
+/* (track, times, what, body, out): reads a track at ascending times; between looks for signals without the GIL. */
+PyObject *track_read(PyObject *args)
 {
-    TAKE_SOME(of, args, place, size, MATRIX('D', at.out, at.count, rows));
-    at.sampler = call_room(of, at.kept ? aoi_sampler_size(&at.kept->made.system) : 0, 1);
-    if (at.sampler) {
-        of->status = aoi_sampler_start(at.sampler, &at.kept->made.system, &at.kept->track);
+    call of = {.status = AOI_OK};
+    PyObject *capsule = NULL, *out;
+    reading at = {.count = ANY_LENGTH};
+    TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('n', at.what), VALUE('n', at.body),
+         VALUE('O', out));
+    const kept_track *kept = held(&of, capsule);
+    const aoi_system *system = kept ? &kept->made.system : NULL;
+    if (kept && (at.what >= READINGS || at.body >= system->body_count)) {
+        call_fail(&of, AOI_ERROR_ARGUMENT);
     }
-    if (of->status == AOI_OK) {
+    if (of.status == AOI_OK) {
+        at.width = at.what == FORCES   ? system->contact_count
+                   : at.what == STATES ? 2 * system->body[at.body].n
+                                       : aoi_record_rows(system);
+        TAKE_SOME(&of, args, 4, 5, MATRIX('D', at.out, at.count, at.width));
+        at.sampler = call_room(&of, aoi_sampler_size(system), 1);
+    }
+    if (at.sampler) {
+        of.status = aoi_sampler_start(at.sampler, system, &kept->track);
+    }
+    if (of.status == AOI_OK) {
         signal_check signals;
-        run_pieces(&signals, next_time, &at);
+        run_pieces(&signals, read_next, &at);
     }
     free(at.sampler);
-    return finish(of, "dense output", "");
-}
-
-/* (track, times, record, energies) */
-PyObject *track_sample(PyObject *args)
-{
-    call of = {.status = AOI_OK};
-    PyObject *capsule = NULL, *record;
-    reading at = {.read = read_column, .count = ANY_LENGTH};
-    TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('O', record), VALUE('p', at.energies));
-    at.kept = held(&of, capsule);
-    const size_t rows = at.kept ? aoi_record_rows(&at.kept->made.system) : 0;
-    return read_track(&of, args, 2, 4, rows, at);
-}
-
-/* (track, times, forces) */
-PyObject *track_forces(PyObject *args)
-{
-    call of = {.status = AOI_OK};
-    PyObject *capsule = NULL, *forces;
-    reading at = {.read = read_forces, .count = ANY_LENGTH};
-    TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('O', forces));
-    at.kept = held(&of, capsule);
-    return read_track(&of, args, 2, 3, at.kept ? at.kept->made.system.contact_count : 0, at);
-}
-
-/* (track, times, body, states) */
-PyObject *track_states(PyObject *args)
-{
-    call of = {.status = AOI_OK};
-    PyObject *capsule = NULL, *states;
-    reading at = {.read = read_state, .count = ANY_LENGTH};
-    TAKE(&of, args, VALUE('O', capsule), ARRAY('d', at.time, at.count), VALUE('n', at.body), VALUE('O', states));
-    at.kept = held(&of, capsule);
-    if (at.kept && at.body >= at.kept->made.system.body_count) {
-        call_fail(&of, AOI_ERROR_ARGUMENT);
-    } else if (at.kept) {
-        at.width = 2 * at.kept->made.system.body[at.body].n;
-    }
-    return read_track(&of, args, 3, 4, at.width, at);
+    return finish(&of, "dense output", "");
 }

@@ -142,15 +142,7 @@ def track() -> Any:
 
 def sample_arguments() -> list[Any]:
     record = np.zeros((2 * 4 + 3 * 6 + 4 * 2, 7))
-    return [track(), np.linspace(0.0, 1e-3, 7), record, True]
-
-
-def forces_arguments() -> list[Any]:
-    return [track(), np.linspace(0.0, 1e-3, 7), np.zeros((2, 7))]
-
-
-def states_arguments() -> list[Any]:
-    return [track(), np.linspace(0.0, 1e-3, 7), 1, np.zeros((7, 2, 3))]
+    return [track(), np.linspace(0.0, 1e-3, 7), 1, 0, record]
 
 
 def open_arguments() -> list[Any]:
@@ -219,9 +211,7 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
     "track_bytes": (lambda: [track()], set()),
     "track_rows": (lambda: [track()], set()),
     "track_slips": (lambda: [track()], set()),
-    "track_sample": (sample_arguments, {2}),
-    "track_forces": (forces_arguments, {2}),
-    "track_states": (states_arguments, {3}),
+    "track_read": (sample_arguments, {4}),
     "briefs": (briefs_arguments, {5}),
     "newmark": (lambda: steps_arguments(star(velocity=1.0), star()), {5, 6, 9}),
 }
@@ -358,16 +348,17 @@ def test_a_track_that_was_stored_is_the_same() -> None:
     assert _core.track_bytes(one) == _core.track_bytes(again)
     records = [np.zeros((34, 7)) for _ in range(2)]
     for of, record in zip((one, again), records, strict=True):
-        _core.track_sample(of, np.linspace(0.0, 1e-3, 7), record, True)
+        _core.track_read(of, np.linspace(0.0, 1e-3, 7), 1, 0, record)
     assert np.array_equal(*records)
 
 
-@pytest.mark.parametrize("body", [-1, 3, 2**62])
-def test_states_of_a_body_that_is_not_there_are_refused(body: int) -> None:
-    arguments = states_arguments()
-    arguments[2] = body
+@pytest.mark.parametrize("which", [2, 3])
+@pytest.mark.parametrize("number", [-1, 4, 2**62])
+def test_what_is_not_in_a_track_is_refused(which: int, number: int) -> None:
+    arguments = sample_arguments()
+    arguments[which] = number
     with pytest.raises(ao.InputError):
-        _core.track_states(*arguments)
+        _core.track_read(*arguments)
 
 
 @pytest.mark.parametrize(
@@ -545,7 +536,7 @@ for name, (make, _) in t.CALLS.items():
     calls.append((t.function(name), good, make()))
     for wrong in ([1.0], np.ones(3, complex)):
         bad = list(good)
-        bad[{"newmark": 9, "track_sample": 2}.get(name, -1)] = wrong
+        bad[{"newmark": 9, "track_read": 4}.get(name, -1)] = wrong
         calls.append((t.function(name), bad, bad))
 
 def call(function, arguments, originals):

@@ -75,7 +75,7 @@ def sample() -> Call:
     made, _ = track(2000)
     times = np.linspace(0.0, 1.0, 20_000) ** 1.5
     record = np.zeros((20, len(times)))
-    return lambda: _core.track_sample(made, times, record, True)
+    return lambda: _core.track_read(made, times, 1, 0, record)
 
 
 def sample_evenly() -> Call:
@@ -83,20 +83,20 @@ def sample_evenly() -> Call:
     made, _ = track(2000)
     times = np.linspace(0.0, 1.0, 150_000)
     record = np.zeros((20, len(times)))
-    return lambda: _core.track_sample(made, times, record, True)
+    return lambda: _core.track_read(made, times, 1, 0, record)
 
 
 def states() -> Call:
     made, _ = track(2000)
     times = np.linspace(0.0, 1.0, 40_000)  # a quarter as many are over in 0.1 s
     found = np.empty((len(times), 4000))
-    return lambda: _core.track_states(made, times, 0, found)
+    return lambda: _core.track_read(made, times, 3, 0, found)
 
 
 def forces() -> Call:
     made, times = track(1)
     found = np.empty((1, len(times)))
-    return lambda: _core.track_forces(made, times, found)
+    return lambda: _core.track_read(made, times, 2, 0, found)
 
 
 def touch() -> Call:
