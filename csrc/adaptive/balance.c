@@ -6,11 +6,11 @@
  * derivative, d' = z' - C F', with F' = K d' for a law without rate, and from F = f(d, d') for one with rate. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
+#include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
 #include "model/coupled.h"
 #include "model/system.h"
-#include "motion/free.h"
 #include "motion/modes.h"
 #include "collocation/collocation.h"
 
@@ -72,11 +72,8 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
     const size_t width = 2 * e->band + 1;
     for (size_t i = 0; i < e->count; i++) {
         const aoi_contact_state *contact = &run->balanced[i];
-        double here, rate, acceleration;
-        aoi_free_pair pair;
-        aoi_pair_now(run, contact->contact, &pair);
-        aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
-        e->free[i] = here;
+        double rate;
+        const double here = e->free[i] = aoi_contact_free(run, contact->contact, &rate);
         e->rate_free[i] = time > 0.0 ? rate + (here - contact->indentation) / time : 0.0;
         for (size_t k = 0; k < width; k++) {
             const size_t j = i + k - e->band; /* wraps round below the first */
@@ -135,15 +132,12 @@ static void uncut_force(const aoi_adaptive *run, const aoi_contact_state *of, do
 static double placed(const aoi_adaptive *run, size_t c)
 {
     const aoi_contact *of = &run->system->contact[c];
-    double indentation, rate, acceleration;
-    aoi_free_pair pair;
-    aoi_pair_now(run, c, &pair);
-    aoi_free_pair_indentation(&pair, &indentation, &rate, &acceleration);
+    double load, slope, indentation = aoi_contact_free(run, c, &slope);
     for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = pair.body[side];
+        const aoi_modes *body = &run->system->body[of->body[side]];
         for (size_t q = 0; body->residual && q < body->ports; q++) {
-            aoi_modes_load(body, q, run->time, &rate, &acceleration);
-            indentation -= (side == 0 ? 1.0 : -1.0) * rate *
+            aoi_modes_load(body, q, run->time, &load, &slope);
+            indentation -= (side == 0 ? 1.0 : -1.0) * load *
                            body->residual[of->port[side] * body->ports + q];
         }
     }
@@ -268,10 +262,7 @@ static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
 {
     const size_t width = 2 * e->band + 1;
     for (size_t i = 0; i < e->count; i++) {
-        double acceleration;
-        aoi_free_pair pair;
-        aoi_pair_now(run, run->balanced[i].contact, &pair);
-        aoi_free_pair_indentation(&pair, &e->indentation[i], &e->rate_free[i], &acceleration);
+        e->indentation[i] = aoi_contact_free(run, run->balanced[i].contact, &e->rate_free[i]);
         for (size_t k = 0; k < width; k++) {
             const size_t j = i + k - e->band; /* wraps round below the first */
             e->indentation[i] -= j < e->count ? e->compliance[i * width + k] * e->force[j] : 0.0;
@@ -293,9 +284,10 @@ static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *
             e->rate[i] = e->rate_free[i];
         }
         set_changes(run, time, 1, e, change);
-        if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
+        if (!aoi_band_factorise(e->count, e->band, e->rate_compliance)) {
             return 0;
         }
+        aoi_band_substitute(e->count, e->band, e->rate_compliance, change);
         (void)set_rates(time, e, change, &largest);
         changed = force = 0.0;
         for (size_t i = 0; i < e->count; i++) {
@@ -315,9 +307,10 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
     double *change = e->free, largest;
     for (int i = 0; i < MOST_LOOPS; i++) {
         set_changes(run, time, 0, e, change);
-        if (!aoi_coupled_eliminate(e->count, e->band, e->rate_compliance, change)) {
+        if (!aoi_band_factorise(e->count, e->band, e->rate_compliance)) {
             break;
         }
+        aoi_band_substitute(e->count, e->band, e->rate_compliance, change);
         if (set_rates(time, e, change, &largest) <= AOI_RATE_ERROR * largest) {
             return largest;
         }

@@ -1,7 +1,6 @@
 /* Predicts when a contact separates, so that its last steps end there and are of suitable lengths. */
 #include "adaptive/run.h"
 #include "law/law.h"
-#include "motion/free.h"
 #include "collocation/collocation.h"
 
 #include <float.h>
@@ -45,9 +44,8 @@ double aoi_release_after(const aoi_adaptive *run, double within)
     const size_t c = run->entry[0].contact;
     const aoi_law *law = run->system->contact[c].law;
     const double depth = contact->start - aoi_law_rest(law, contact->memory);
-    double here, rate, acceleration;
+    double rate;
     aoi_law_value value;
-    aoi_free_pair pair;
     aoi_law_force(law, contact->memory, contact->piece, contact->start, contact->start_rate, &value);
     if (!(depth > 0.0) || !(value.force > 0.0)) {
         return HUGE_VAL;
@@ -60,8 +58,7 @@ double aoi_release_after(const aoi_adaptive *run, double within)
     if (gain > squared || depth > within * sqrt(squared + gain)) {
         return HUGE_VAL;
     }
-    aoi_pair_now(run, c, &pair);
-    aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
+    (void)aoi_contact_free(run, c, &rate);
     const double speed = rate * rate + gain;
     return depth / sqrt(speed) * slowness(gain / speed, power);
 }

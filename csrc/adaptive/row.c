@@ -1,4 +1,4 @@
-/* Contacts with friction in the rows of a track. */
+/* Contacts in the rows of a track. */
 #include "adaptive/row.h"
 #include "collocation/collocation.h"
 #include "motion/nodes.h"
@@ -89,25 +89,39 @@ void aoi_row_rub(const aoi_contact *contact, const double *of, double place, dou
     *bent = law.compliance * force[0];
 }
 
-void aoi_row_forces(const aoi_contact *contact, const double *of, double place, double force[3][AOI_NODES])
+/* The forces at a place. */
+static void forces_at(const aoi_contact *contact, const double *of, double h, double place, double force[3])
+{
+    double slope, bent;
+    aoi_law_value value;
+    if (contact->friction) {
+        aoi_row_rub(contact, of, place, force, &bent);
+        return;
+    }
+    const double indentation = aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
+    aoi_law_force(contact->law, of + AOI_TRACK_MEMORY, (int)of[AOI_TRACK_PIECE], indentation, slope / h, &value);
+    force[0] = value.force;
+}
+
+void aoi_row_forces(const aoi_contact *contact, const double *of, double h, double place, double force[3][AOI_NODES])
 {
     const enum aoi_edge edge = (enum aoi_edge)of[AOI_TRACK_EDGE];
-    const double *whole[3] = {of + AOI_TRACK_FORCE, tangent_of(of, 0) + AOI_TRACK_TANGENT_FORCE,
-                              tangent_of(of, 1) + AOI_TRACK_TANGENT_FORCE};
-    for (size_t k = 0; k < AOI_NODES && place < 1.0 && edge != AOI_EDGE_NONE; k++) {
-        double here[3], bent;
-        aoi_row_rub(contact, of, place * aoi_radau_edge_point[edge][k], here, &bent);
+    const int anew = place < 1.0 && edge != AOI_EDGE_NONE;
+    for (size_t k = 0; k < AOI_NODES && anew; k++) {
+        double here[3] = {0.0};
+        forces_at(contact, of, h, place * aoi_radau_edge_point[edge][k], here);
         for (size_t i = 0; i < 3; i++) {
             force[i][k] = here[i];
         }
     }
-    for (size_t i = 0; i < 3; i++) {
-        if (!(place < 1.0)) {
-            memcpy(force[i], whole[i], sizeof force[i]);
-        } else if (edge != AOI_EDGE_NONE) {
+    for (size_t i = 0; i < aoi_contact_forces(contact); i++) {
+        const double *whole = i == 0 ? of + AOI_TRACK_FORCE : tangent_of(of, i - 1) + AOI_TRACK_TANGENT_FORCE;
+        if (anew) {
             aoi_edge_project(edge, force[i], force[i]);
+        } else if (place < 1.0) {
+            aoi_nodes_on_part(whole, place, force[i]);
         } else {
-            aoi_nodes_on_part(whole[i], place, force[i]);
+            memcpy(force[i], whole, sizeof force[i]);
         }
     }
 }
@@ -115,7 +129,7 @@ void aoi_row_forces(const aoi_contact *contact, const double *of, double place, 
 double aoi_row_slide_work(const aoi_contact *contact, const double *of, double place)
 {
     double force[3][AOI_NODES], normal[AOI_NODES], work = 0.0, slope;
-    aoi_row_forces(contact, of, place, force);
+    aoi_row_forces(contact, of, 1.0, place, force); /* of an elastic law: no rate matters */
     aoi_nodes_to_legendre(force[0], normal); /* on the part */
     for (size_t k = 0; k < AOI_NODES; k++) {
         const double at = aoi_radau_node[k], weight = aoi_radau_to_legendre[0][k];

@@ -68,8 +68,9 @@ static inline size_t aoi_row_contact_size(const aoi_contact *contact)
  * row, N, and the indentation beyond that of the bodies, m. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent);
 
-/* The polynomials of these forces at the nodes of the part up to place: at an edge the nearest ones on that part. */
-void aoi_row_forces(const aoi_contact *contact, const double *of, double place, double force[3][AOI_NODES]);
+/* The polynomials of the force, with friction of all three, at the nodes of the part up to place of a row of length h. At an
+ * edge these are the nearest ones on that part, since the row's own is right on the whole only. */
+void aoi_row_forces(const aoi_contact *contact, const double *of, double h, double place, double force[3][AOI_NODES]);
 
 /* The work on slides up to a place, with that before, J: but for that on slides which the compliance that is taken out
  * would make of friction. With it what is dissipated or in the stretches. */

@@ -298,18 +298,6 @@ static int begin_contacts(aoi_adaptive *run)
     return status;
 }
 
-/* Copies the modes at the start; 0 where they are no numbers. */
-static int take_state(const double *from, size_t count, double *to)
-{
-    for (size_t j = 0; j < count; j++) {
-        to[j] = from ? from[j] : 0.0;
-        if (!isfinite(to[j])) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
 /* 1 if a law with friction depends on the rate. */
 static int is_damped(const aoi_system *system)
 {
@@ -337,7 +325,7 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
     run->grain = modes > 1 && is_quick(system) ? AOI_LEVELS : 1;
     run->table_cost = modes > 1 && !aoi_system_rubs(system) ? (double)modes : 0.0; /* far below a step's with friction */
     (void)lay_out(run, system, run);
-    if (!take_state(start->x, all, run->x) || !take_state(start->v, all, run->v)) {
+    if (!aoi_vector_take(all, start->x, run->x) || !aoi_vector_take(all, start->v, run->v)) {
         return AOI_ERROR_NOT_FINITE;
     }
     begin_bodies(run);

@@ -194,6 +194,9 @@ size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
  * rate by the force rates at the end of the last step, m/s. */
 double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates);
 
+/* A contact's indentation now without contact forces, m, and its rate, m/s. */
+double aoi_contact_free(const aoi_adaptive *run, size_t c, double *rate);
+
 /* A contact's indentation now, including the deflection of residual compliances, m. */
 double aoi_contact_place(const aoi_adaptive *run, size_t c);
 

@@ -142,13 +142,19 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
     return sum;
 }
 
-double aoi_contact_place(const aoi_adaptive *run, size_t c)
+double aoi_contact_free(const aoi_adaptive *run, size_t c, double *rate)
 {
-    double without_forces, rate, acceleration;
+    double indentation, acceleration;
     aoi_free_pair pair;
     aoi_pair_now(run, c, &pair);
-    aoi_free_pair_indentation(&pair, &without_forces, &rate, &acceleration);
-    return without_forces - aoi_contact_bent(run, c, 0);
+    aoi_free_pair_indentation(&pair, &indentation, rate, &acceleration);
+    return indentation;
+}
+
+double aoi_contact_place(const aoi_adaptive *run, size_t c)
+{
+    double rate;
+    return aoi_contact_free(run, c, &rate) - aoi_contact_bent(run, c, 0);
 }
 
 double aoi_contact_slide(const aoi_adaptive *run, size_t c, size_t axis)

@@ -77,12 +77,6 @@ typedef struct aoi_collocation_error {
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry, aoi_collocation_error *error);
 
-/* At the nodes of the part of a step up to place (0 .. 1): the polynomial of least squares, on that part, for the law's
- * force along an indentation given by its Legendre coefficients. The motion within a step with an edge follows from it
- * with the accuracy of the motion at its end. h: of the step. */
-void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
-                             double h, const double *legendre, double place, double *force);
-
 /* The least-squares polynomial, at the nodes, of values at the quadrature points of an edge; in place, too. */
 static inline void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
 {

@@ -3,6 +3,7 @@
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
 #include "collocation/sliding.h"
+#include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
 #include "motion/polynomial.h"
@@ -12,6 +13,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 enum { SQUARE = AOI_NODES * AOI_NODES };
 
@@ -89,60 +91,6 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
     }
 }
 
-/* Gauss without pivoting within a band: I + influence diag(stiffness), with influence nearly a
- * Volterra operator, has pivots near or above one. Element (i, j) is matrix[i * stride + j]. Leaves the
- * factors to the left of the diagonal, and the inverse pivots on it. */
-static void factorise_band(size_t n, size_t half, size_t stride, double *matrix)
-{
-    for (size_t k = 0; k < n; k++) {
-        const double inverse = 1.0 / matrix[k * stride + k];
-        const size_t last = k + half < n ? k + half : n - 1;
-        const double *pivot_row = matrix + k * stride;
-        for (size_t i = k + 1; i <= last; i++) {
-            double *row = matrix + i * stride;
-            const double factor = row[k] * inverse;
-            for (size_t q = k + 1; q <= last; q++) {
-                row[q] -= factor * pivot_row[q];
-            }
-            row[k] = factor;
-        }
-        matrix[k * stride + k] = inverse;
-    }
-}
-
-static void substitute(size_t n, size_t half, size_t stride, const double *matrix, double *right)
-{
-    for (size_t k = 1; k < n; k++) {
-        double sum = right[k];
-        for (size_t q = k > half ? k - half : 0; q < k; q++) {
-            sum -= matrix[k * stride + q] * right[q];
-        }
-        right[k] = sum;
-    }
-    /* The newest entry last, and no division: each step waits for one product of the step before. */
-    for (size_t k = n; k-- > 0;) {
-        double sum = right[k];
-        for (size_t q = k + half < n ? k + half : n - 1; q > k; q--) {
-            sum -= matrix[k * stride + q] * right[q];
-        }
-        right[k] = sum * matrix[k * stride + k];
-    }
-}
-
-void aoi_collocation_on_part(enum aoi_edge edge, const aoi_law *law, const double *memory, int piece,
-                             double h, const double *legendre, double place, double *force)
-{
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        aoi_law_value value;
-        double slope;
-        const double indentation = aoi_legendre_evaluate(
-            AOI_NODES + 1, legendre, place * aoi_radau_edge_point[edge][k], &slope);
-        aoi_law_force(law, memory, piece, indentation, slope / h, &value);
-        force[k] = value.force;
-    }
-    aoi_edge_project(edge, force, force);
-}
-
 /* Adds a block, its columns weighed. */
 static void add_block(enum aoi_edge edge, const double *by, const double *block, size_t stride,
                       double *matrix)
@@ -157,20 +105,19 @@ static void add_block(enum aoi_edge edge, const double *by, const double *block,
 }
 
 /* Newton's equations for the forces, (1 + stiffness A + damping B) F = f + stiffness (delta_h - delta) +
- * damping (rate_h - rate), all without the constant
- * forces, and later for their changes: the same matrix, with f - F on the right. */
+ * damping (rate_h - rate), all without the constant forces, and later for their changes: the same matrix, with f - F on
+ * the right. The influences are nearly Volterra operators: pivots are near or above one. */
 typedef struct equations {
-    size_t n, half, stride, size;
-    double *storage, *matrix; /* element (i, j) is matrix[i * stride + j] */
-    double *right;            /* and the solution                         */
+    size_t n, half, stride;
+    double *band, *matrix; /* element (i, j) is matrix[i * stride + j] */
+    double *right;         /* and the solution                         */
 } equations;
 
 /* In work space behind the couplings. */
 static equations lay_out(size_t count, size_t span, double *work)
 {
     const size_t n = count * AOI_NODES, half = half_width(span);
-    const size_t size = n * (2 * half + 1);
-    return (equations){n, half, 2 * half, size, work, work + half, work + size};
+    return (equations){n, half, 2 * half, work, work + half, work + n * (2 * half + 1)};
 }
 
 /* Rows of a contact, or of one of the three entries of one with friction: its force depends on all three places. */
@@ -199,8 +146,8 @@ static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t 
 static int set_equations(const aoi_system *system, const couplings *of, const aoi_contact_step *entry,
                           const aoi_newton *newton, const equations *to)
 {
-    for (size_t k = 0; k < to->size && newton->renew; k++) {
-        to->storage[k] = 0.0;
+    if (newton->renew) {
+        memset(to->band, 0, to->n * (2 * to->half + 1) * sizeof(double));
     }
     for (size_t s = 0; s < of->count; s++) {
         aoi_law_values law;
@@ -267,9 +214,9 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
             return AOI_ERROR_NO_CONVERGENCE;
         }
         if (newton.renew) {
-            factorise_band(to.n, to.half, to.stride, to.matrix);
+            (void)aoi_band_factorise(to.n, to.half, to.band);
         }
-        substitute(to.n, to.half, to.stride, to.matrix, to.right);
+        aoi_band_substitute(to.n, to.half, to.band, to.right);
         change = update(&of, to.right, newton.iteration == 0, entry);
         if (aoi_newton_done(&newton, change)) {
             return AOI_OK;

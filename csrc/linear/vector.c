@@ -1,4 +1,4 @@
-/* The vector operations that everything dense is made of. */
+/* The operations that everything dense is made of. */
 #include "linear/vector.h"
 
 #include <math.h>
@@ -33,4 +33,56 @@ int aoi_vector_is_finite(size_t n, const double *x)
         }
     }
     return 1;
+}
+
+int aoi_vector_take(size_t n, const double *from, double *to)
+{
+    for (size_t i = 0; i < n; i++) {
+        to[i] = from ? from[i] : 0.0;
+    }
+    return aoi_vector_is_finite(n, to);
+}
+
+int aoi_band_factorise(size_t n, size_t band, double *matrix)
+{
+    const size_t stride = 2 * band; /* of columns counted from the diagonal of row 0 */
+    int sound = 1;
+    matrix += band;
+    for (size_t k = 0; k < n; k++) {
+        const double *pivot_row = matrix + k * stride;
+        const double pivot = pivot_row[k], inverse = 1.0 / pivot;
+        const size_t last = k + band < n ? k + band : n - 1;
+        sound = sound && pivot > 0.0 && isfinite(pivot);
+        for (size_t i = k + 1; i <= last; i++) {
+            double *row = matrix + i * stride;
+            const double factor = row[k] * inverse;
+            for (size_t q = k + 1; q <= last && factor != 0.0; q++) {
+                row[q] -= factor * pivot_row[q];
+            }
+            row[k] = factor;
+        }
+        matrix[k * stride + k] = inverse;
+    }
+    return sound;
+}
+
+void aoi_band_substitute(size_t n, size_t band, const double *matrix, double *x)
+{
+    const size_t stride = 2 * band;
+    matrix += band;
+    for (size_t k = 1; k < n; k++) {
+        double sum = x[k];
+        for (size_t q = k > band ? k - band : 0; q < k; q++) {
+            sum -= matrix[k * stride + q] * x[q];
+        }
+        x[k] = sum;
+    }
+    /* The newest entry last, and no division: each step waits for one product of the step before. */
+    for (size_t k = n; k-- > 0;) {
+        double sum = x[k];
+        for (size_t q = k + band < n ? k + band : n - 1; q > k; q--) {
+            sum -= matrix[k * stride + q] * x[q];
+        }
+        x[k] = sum * matrix[k * stride + k];
+    }
 }

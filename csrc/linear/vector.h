@@ -13,4 +13,14 @@ void aoi_vector_add(size_t n, double factor, const double *x, double *y);
 /* True if none of n doubles is infinite or NaN. */
 int aoi_vector_is_finite(size_t n, const double *x);
 
+/* Copies n doubles, or zeros where from is NULL; true if all are finite. */
+int aoi_vector_take(size_t n, const double *from, double *to);
+
+/* Gauss's elimination without pivoting of an n x n matrix by rows of 2 band + 1 doubles, row i with the columns i - band ..
+ * i + band: leaves factors left of the diagonal, and the inverse pivots on it. True if all pivots are positive numbers. */
+int aoi_band_factorise(size_t n, size_t band, double *matrix);
+
+/* From the right-hand side in x to the solution. */
+void aoi_band_substitute(size_t n, size_t band, const double *matrix, double *x);
+
 #endif

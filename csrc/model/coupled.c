@@ -15,6 +15,7 @@
  *
  * A contact with friction has three equations z, R, F, which oblique.c solves together, and a 3 x 3 matrix a = dF/dz. */
 #include "model/coupled.h"
+#include "linear/vector.h"
 #include "linear/work.h"
 #include "law/equation.h"
 #include "law/law.h"
@@ -324,33 +325,6 @@ static void fill_matrix(const newton *s)
     }
 }
 
-int aoi_coupled_eliminate(size_t n, size_t band, double *matrix, double *x)
-{
-    const size_t width = 2 * band + 1;
-    for (size_t p = 0; p < n; p++) {
-        const double *row = matrix + p * width;
-        if (!(row[band] > 0.0) || !isfinite(row[band])) {
-            return 0;
-        }
-        for (size_t i = p + 1; i < n && i <= p + band; i++) {
-            double *other = matrix + i * width + (p + band - i); /* column p of row i */
-            const double factor = other[0] / row[band];
-            for (size_t j = 1; factor != 0.0 && j <= band; j++) {
-                other[j] -= factor * row[band + j];
-            }
-            x[i] -= factor * x[p];
-        }
-    }
-    for (size_t p = n; p-- > 0;) {
-        const double *row = matrix + p * width + band;
-        for (size_t j = 1; j <= band && p + j < n; j++) {
-            x[p] -= row[j] * x[p + j];
-        }
-        x[p] /= row[0];
-    }
-    return 1;
-}
-
 static void find_moves(const newton *s)
 {
     const aoi_coupled *e = s->e;
@@ -398,9 +372,10 @@ static int newton_step(newton *s, double *merit, int *nearer)
     double share = 1.0, after = HUGE_VAL;
     *nearer = 0;
     fill_matrix(s);
-    if (!aoi_coupled_eliminate(s->e->count, s->e->band, s->matrix, s->change)) {
+    if (!aoi_band_factorise(s->e->count, s->e->band, s->matrix)) {
         return AOI_OK;
     }
+    aoi_band_substitute(s->e->count, s->e->band, s->matrix, s->change);
     find_moves(s);
     for (int i = 0; i < MOST_HALVINGS && !*nearer && status == AOI_OK; i++, share *= 0.5) {
         status = find_trial(s, share, &after);

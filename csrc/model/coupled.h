@@ -57,8 +57,4 @@ size_t aoi_coupled_size(size_t count, size_t band);
  * contact with aoi_contact_solve. One contact is that alone. Errors as there. */
 int aoi_coupled_solve(aoi_coupled *equations, const aoi_contact_state *contact);
 
-/* Solves matrix x = right by elimination without pivoting; right in x, the solution out. The matrix has rows as
- * above, and is overwritten. 0 where a pivot is not positive. */
-int aoi_coupled_eliminate(size_t count, size_t band, double *matrix, double *x);
-
 #endif

@@ -442,14 +442,6 @@ static int rests_deflected(const aoi_system *system, const aoi_start *start)
     return start->rested && !start->force && aoi_system_bends(system);
 }
 
-static int take(const double *given, size_t count, double *copy)
-{
-    for (size_t i = 0; i < count; i++) {
-        copy[i] = given ? given[i] : 0.0;
-    }
-    return aoi_vector_is_finite(count, copy);
-}
-
 /* Names the contact, ports, law and friction of each force. */
 static void set_states(aoi_newmark *run)
 {
@@ -521,7 +513,7 @@ int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule
     run->record = record;
     run->columns = columns;
     run->failed = SIZE_MAX;
-    if (!take(start->x, all, run->x) || !take(start->v, all, run->v)) {
+    if (!aoi_vector_take(all, start->x, run->x) || !aoi_vector_take(all, start->v, run->v)) {
         return AOI_ERROR_NOT_FINITE;
     }
     int status = AOI_OK;

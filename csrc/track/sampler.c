@@ -93,23 +93,10 @@ static const double *row_of(const aoi_sampler *sampler, size_t row)
     return sampler->track + sampler->index[row];
 }
 
-/* The force of a contact at the nodes of the part of its row up to place. At an edge that is the
- * polynomial nearest on that part: the row's own is right only on the whole. */
-static void force_on_part(const aoi_sampler *sampler, size_t c, double place, double *force)
+static void forces_on_part(const aoi_sampler *sampler, size_t c, double place, double force[3][AOI_NODES])
 {
-    const double *of = sampler->track + sampler->contact_at[c], *whole = of + AOI_TRACK_FORCE;
-    const double h = row_of(sampler, sampler->contact_row[c])[AOI_TRACK_LENGTH];
-    if (place < 1.0 && of[AOI_TRACK_EDGE] != AOI_EDGE_NONE) {
-        aoi_collocation_on_part((enum aoi_edge)of[AOI_TRACK_EDGE], sampler->system->contact[c].law,
-                                of + AOI_TRACK_MEMORY, (int)of[AOI_TRACK_PIECE], h,
-                                of + AOI_TRACK_INDENTATION, place, force);
-        return;
-    }
-    if (place < 1.0) {
-        aoi_nodes_on_part(whole, place, force);
-    } else {
-        memcpy(force, whole, AOI_NODES * sizeof *force);
-    }
+    aoi_row_forces(&sampler->system->contact[c], sampler->track + sampler->contact_at[c],
+                   row_of(sampler, sampler->contact_row[c])[AOI_TRACK_LENGTH], place, force);
 }
 
 /* The forces on all ports, of a part of the present row; part: up to where. */
@@ -126,11 +113,7 @@ static void gather(aoi_sampler *sampler, double part)
             continue;
         }
         double force[3][AOI_NODES];
-        if (system->contact[c].friction) {
-            aoi_row_forces(&system->contact[c], sampler->track + sampler->contact_at[c], part, force);
-        } else {
-            force_on_part(sampler, c, part, force[0]);
-        }
+        forces_on_part(sampler, c, part, force);
         for (size_t i = 0, count = 2 * aoi_contact_forces(&system->contact[c]); i < count; i++) {
             const size_t side = i % 2, axis = i / 2;
             const size_t port = system->first_port[system->contact[c].body[side]] +
@@ -289,13 +272,13 @@ void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *s
 static double contact_work(const aoi_sampler *sampler, size_t c, double place)
 {
     const double *of = sampler->track + sampler->contact_at[c];
-    double force[AOI_NODES], work = 0.0;
-    force_on_part(sampler, c, place, force);
+    double force[3][AOI_NODES], work = 0.0;
+    forces_on_part(sampler, c, place, force);
     for (size_t i = 0; i < AOI_NODES; i++) {
         double slope;
         (void)aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION,
                                     place * aoi_radau_node[i], &slope);
-        work += aoi_radau_to_legendre[0][i] * place * force[i] * slope;
+        work += aoi_radau_to_legendre[0][i] * place * force[0][i] * slope;
     }
     return work;
 }
