@@ -8,7 +8,6 @@ from __future__ import annotations
 import codecs
 import re
 from collections import Counter
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -45,25 +44,9 @@ _Types = dict[str, np.dtype[np.generic]] | None
 _Tags = dict[tuple[int, int], set[int]]
 
 
-@dataclass(frozen=True)
-class _Elements:
-    """Elements of one type in one entity.
-
-    Attributes
-    ----------
-    type : int
-        A key of `_KINDS`.
-    tags : ndarray of int, shape (n,)
-    nodes : ndarray of int, shape (n, nodes per element)
-        Tags in Gmsh's order.
-    groups : dict of int to ndarray of int
-        Rows of the elements in each physical group.
-    """
-
-    type: int
-    tags: IntArray
-    nodes: IntArray
-    groups: dict[int, IntArray]
+# Elements of one type in one entity: the type, a key of `_KINDS`; their tags; the tags of their
+# nodes in Gmsh's order, shape (n, nodes per element); and the rows of those in each physical group.
+_Elements = tuple[int, IntArray, IntArray, dict[int, IntArray]]
 
 
 class _Numbers:
@@ -252,9 +235,9 @@ def _elements_4(numbers: _Numbers, groups: _Tags, parts: _Tags, n_parts: int) ->
         rows = numbers.ints("P", width * count).reshape(count, width)
         members = {group: np.arange(count) for group in groups.get((dim, tag), ())}
         met.setdefault(dim, set()).update(parts.get((dim, tag), ()))
-        found.append(_Elements(type_, rows[:, 0], rows[:, 1:], members))
+        found.append((type_, rows[:, 0], rows[:, 1:], members))
     numbers.finish()
-    raw.check_count("elements", n_elements, sum(len(block.tags) for block in found))
+    raw.check_count("elements", n_elements, sum(len(tags) for _, tags, *_ in found))
     if len(met[max(met)]) < n_parts:
         raise ValueError(_PART)
     return found
@@ -267,50 +250,34 @@ def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
     that takes its entity in reverse; here it is there once.
     """
     line, _, rest = content.partition(b"\n")
+    chunks: list[tuple[int, int, IntArray]] = []  # type, number of tags, and all but these
+    if types is None:
+        alike: dict[tuple[int, int, int], list[list[bytes]]] = {}
+        for words in filter(None, map(bytes.split, rest.splitlines())):
+            key = int(words[1]), int(words[2]), len(words)
+            alike.setdefault(key, []).append(words[:1] + words[3:])
+        chunks = [(*key[:2], np.array(rows).astype(np.int64)) for key, rows in alike.items()]
+    else:
+        numbers = _Numbers(rest, types)
+        while sum(len(rows) for *_, rows in chunks) < int(line):
+            kind, count, n_tags = numbers.ints("i", 3).tolist()
+            table = numbers.ints("i", count * (1 + n_tags + _width(kind)))
+            chunks.append((kind, n_tags, table.reshape(count, -1)))
+        numbers.finish()
+    raw.check_count("elements", int(line), sum(len(rows) for *_, rows in chunks))
     found: dict[tuple[int, int], list[IntArray]] = {}
-    numbers = _Numbers(rest, types)
-    total, n_elements = 0, int(line)
     parts: set[int] = set()
-    while total < n_elements:
-        if types is None:
-            type_, n_tags, rows = _alike(numbers)
-        else:
-            type_, count, n_tags = (int(number) for number in numbers.ints("i", 3))
-            width = 1 + n_tags + _width(type_)
-            rows = numbers.ints("i", count * width).reshape(count, width)
-        if n_tags < 2 or not len(rows):
-            raise ValueError("elements without physical and elementary tag, or an empty block")
+    for kind, n_tags, rows in chunks:
+        if n_tags < 2 or rows.shape[1] != 1 + n_tags + _width(kind):
+            raise ValueError("elements without physical and elementary tag, or with other nodes")
         # The number, the physical and the elementary tag, and the nodes.
-        columns = np.r_[0:3, 1 + n_tags : rows.shape[1]]
+        table = rows[:, np.r_[0:3, 1 + n_tags : rows.shape[1]]]
         for entity in np.unique(rows[:, 2]).tolist():
-            found.setdefault((type_, entity), []).append(rows[rows[:, 2] == entity][:, columns])
+            found.setdefault((kind, entity), []).append(table[rows[:, 2] == entity])
         parts |= set(np.unique(rows[:, 4])) if n_tags > 3 else set()
-        total += len(rows)
-    numbers.finish()
-    raw.check_count("elements", n_elements, total)
     if len(parts) == 1:
         raise ValueError(_PART)
-    return [_once(type_, np.concatenate(rows)) for (type_, _), rows in found.items()]
-
-
-def _alike(numbers: _Numbers) -> tuple[int, int, IntArray]:
-    """Take the next elements of one type in a text: rows of as many numbers."""
-    start = numbers.at
-    _, type_, n_tags = numbers.ints("i", 3)
-    width = 3 + int(n_tags) + _width(int(type_))
-    most = (len(numbers.content) - start) // width
-    count, alike = 0, True
-    while alike and count < most:
-        more = min(most, 2 * count + 1)
-        rows = numbers.content[start + count * width : start + more * width].reshape(-1, width)
-        other = np.flatnonzero((rows[:, 1] != type_) | (rows[:, 2] != n_tags))
-        alike = not len(other)
-        count = more if alike else count + int(other[0])
-    if not count:
-        raise ValueError("it ends within an element")
-    numbers.at = start
-    found = numbers.ints("i", count * width).reshape(count, width)
-    return int(type_), int(n_tags), np.delete(found, [1, 2], axis=1)
+    return [_once(kind, np.concatenate(rows)) for (kind, _), rows in found.items()]
 
 
 def _once(type_: int, rows: IntArray) -> _Elements:
@@ -318,14 +285,14 @@ def _once(type_: int, rows: IntArray) -> _Elements:
     nodes, tags = rows[:, 3:], np.abs(rows[:, 1])
     if (tags == tags[0]).all():
         group = {int(tags[0]): np.arange(len(rows))} if tags[0] else {}
-        return _Elements(type_, rows[:, 0], nodes, group)
+        return type_, rows[:, 0], nodes, group
     _, first, number = np.unique(
         np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True
     )
     order = np.argsort(first)  # that of the file
     number = np.argsort(order)[number.reshape(-1)]
     groups = {int(tag): np.unique(number[tags == tag]) for tag in np.unique(tags) if tag}
-    return _Elements(type_, rows[first[order], 0], nodes[first[order]], groups)
+    return type_, rows[first[order], 0], nodes[first[order]], groups
 
 
 def _mesh(
@@ -335,18 +302,18 @@ def _mesh(
         raise ValueError(f"node {tags[again[0]]} is there twice")
     groups: list[tuple[str, IntArray]] = []
     blocks, first = [], 0
-    for part in elements:
-        kind = _KINDS[part.type]
-        cells = raw.rows_of(tags, part.nodes)
+    for type_, labels, nodes, members in elements:
+        kind = _KINDS[type_]
+        cells = raw.rows_of(tags, nodes)
         for row, column in np.argwhere(cells < 0)[:1]:
-            node = part.nodes[row, column]
-            raise ValueError(f"element {part.tags[row]} has node {node}, which is not there")
+            why = f"element {labels[row]} has node {nodes[row, column]}, which is not there"
+            raise ValueError(why)
         cells = right_handed(kind, places, cells[:, _ORDERS.get(kind, slice(None))])
-        blocks.append(RawBlock(kind, cells, part.tags))
-        for tag, members in part.groups.items():
+        blocks.append(RawBlock(kind, cells, labels))
+        for tag, own in members.items():
             dim = blocks[-1].dim
             called = names.get((-1, tag), f"{raw.DIMENSIONS[dim]} {tag}")
-            groups.append((names.get((dim, tag), called), first + members))
+            groups.append((names.get((dim, tag), called), first + own))
         first += len(cells)
     for name, count in Counter(names.values()).items():
         if count > 1:
