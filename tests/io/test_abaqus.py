@@ -83,7 +83,7 @@ def test_groups_have_the_elements_that_abaqus_puts_into_them(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of nodes that no cube uses
         mesh = read(tmp_path, ROW + deck)
-        part = read(tmp_path, ROW + deck, part=name)
+        part = read(tmp_path, ROW + deck, part=name.swapcase())
     assert groups(mesh)[name] == members
     assert part.cell_labels is not None
     assert part.cell_labels.tolist() == members
@@ -113,24 +113,6 @@ def test_a_set_of_nodes_is_not_mixed_with_a_group_of_elements_of_its_name(tmp_pa
     assert groups(mesh)["FIX"] == [1, 2, 3, 4]
 
 
-def test_names_are_found_in_any_case(tmp_path: Path) -> None:
-    deck = f"{ROW}{C3D8},ELSET=Bar\n{cubes(1, 2, 3, 4)}*NSET,NSET=Left\n1,6,11,16\n"
-    mesh = read(tmp_path, deck, scale=0.01)
-    held = [
-        ao.FEModel.from_mesh(mesh, {group: STEEL}, fixed=[(nodes, "xyz")]).free
-        for group, nodes in (("Bar", "Left"), ("BAR", "LEFT"))
-    ]
-    assert np.array_equal(*held)
-    assert mesh.part("bar").n_cells == 4
-
-
-def test_comments_and_blank_lines_lose_no_elements(tmp_path: Path) -> None:
-    deck = f"{ROW}{C3D8},ELSET=E\n{cubes(1, 2)}** the other half\n\n{cube(3)}  ** last\n{cube(4)}"
-    mesh = read(tmp_path, deck, scale=0.01)
-    assert mesh.n_cells == 4
-    assert ao.FEModel.from_mesh(mesh, STEEL).mass == pytest.approx(4e-6 * 7800.0)
-
-
 @pytest.mark.parametrize(
     "deck",
     [
@@ -150,7 +132,7 @@ def test_comments_and_blank_lines_lose_no_elements(tmp_path: Path) -> None:
         NODES.replace("0.01", "1.D-2") + BRICK,
         NODES.replace("0.01", "1.0-2") + BRICK,
         re.sub(r",0\.0(?=[,\n])", ",", NODES) + BRICK,
-        NODES + BRICK.replace("4,3,5", "4,3,\n5"),
+        NODES + BRICK.replace("4,3,5", "4,3,\n** more\n\n5"),
         "* Node, NSET = all\n" + NODES[6:].replace(",", " , ") + " " + BRICK,
         BRICK + NODES,
         NODES + BRICK + "*SOLID SECTION, ELSET=BAR, MATERIAL=S\n*MATERIAL, NAME=S\n*ELASTIC\n1,2\n",
@@ -454,17 +436,3 @@ def test_a_file_to_include_that_is_not_there(tmp_path: Path) -> None:
 def test_decks_are_known_by_their_content(tmp_path: Path) -> None:
     (tmp_path / "all.msh").write_text(NODES + BRICK)  # as CalculiX GraphiX calls them
     assert ao.read_mesh(tmp_path / "all.msh").n_cells == 1
-
-
-def test_nodes_of_matrices_come_from_the_same_reader(tmp_path: Path) -> None:
-    mesh = ao.box_mesh((0.02, 0.01, 0.01), (2, 1, 1))
-    files = ao.write_matrices(ao.FEModel.from_mesh(mesh, STEEL), tmp_path)
-    lines = [f"{n},{x!r},{y!r},{z!r}\n" for n, (x, y, z) in enumerate(mesh.nodes.tolist(), 1)]
-    (tmp_path / "low.inc").write_text("".join(lines[:5]))
-    deck = tmp_path / "nodes.inp"
-    deck.write_text(
-        "*NODE\n*INCLUDE,INPUT=low.inc\n** the rest\n*Node, nset=N\n" + "".join(lines[5:])
-    )
-    body = ao.read_matrices(files["K"], files["M"], dofs=files["dofs"], nodes=deck)
-    assert body.nodes is not None
-    assert np.array_equal(body.nodes, mesh.nodes)

@@ -249,15 +249,6 @@ def test_a_strip_with_a_stringer_rings_as_steiner_says(tmp_path: Path) -> None:
     assert body.frequencies(1)[0] == pytest.approx(euler, rel=0.01)
 
 
-def test_a_box_of_calculix_has_its_mass(tmp_path: Path) -> None:
-    """Of 70 x 50 - 64 x 44 = 684 mm²."""
-    box = "*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION=BOX\n.07, .05, .003, .003, .003, .003"
-    cards = [box, "0, 1, 0", STEEL]
-    path = abaqus(tmp_path / "a.inp", line(), cards, "B31R")
-    body = ao.FEModel.from_mesh(path, ao.read_sections(path))
-    assert body.mass == pytest.approx(684e-6 * 7800)
-
-
 def test_a_shell_and_a_bar_may_have_one_number(tmp_path: Path) -> None:
     bars = "CBAR,99,7,1,2,0.,0.,1.\nPBARL,07,+1,,BAR\n,.02,.01"
     path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,+7,01,.001,+1", MAT1, bars])

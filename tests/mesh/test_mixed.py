@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import meshio
 import numpy as np
 import pytest
 import scipy.linalg as la
@@ -13,7 +10,6 @@ from bodies import mixed_box, rigid_motions
 import aoimpact as ao
 from aoimpact.base import InputError, InputTypeError, MeshError
 from aoimpact.fem import energy_error, gauss_stress, nodal_stress, stiffness_mass
-from aoimpact.io import read_mesh
 from aoimpact.mesh import boundary, weights_at
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -109,19 +105,6 @@ def test_frequencies_converge_with_twice_the_order(order: int, rate: float) -> N
     assert np.log2(errors[0] / errors[1]) == pytest.approx(rate, abs=0.3)
 
 
-def test_files_with_cells_of_second_order_that_meshio_cannot_hold(tmp_path: Path) -> None:
-    """Abaqus' C3D15, as a file has it."""
-    box = ao.box_mesh((1, 1, 1), (1, 1, 1), kind="wedge15")
-    nodes = "".join(f"{i + 1}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(box.nodes))
-    rows = "".join(
-        f"{i + 1}, " + ", ".join(str(n + 1) for n in cell) + "\n"
-        for i, cell in enumerate(box.cells)
-    )
-    (tmp_path / "wedge.inp").write_text(f"*NODE\n{nodes}*ELEMENT, TYPE=C3D15\n{rows}")
-    read = read_mesh(tmp_path / "wedge.inp")
-    assert np.array_equal(read.cells, box.cells)
-
-
 def joined(lower: ao.Mesh, upper: ao.Mesh, height: float) -> list[tuple[str, np.ndarray]]:
     nodes = np.vstack([lower.nodes, upper.nodes + np.array([0, 0, height])]).round(9)
     unique, number = np.unique(nodes, axis=0, return_inverse=True)
@@ -163,22 +146,6 @@ def test_what_is_no_mixed_mesh() -> None:
         ao.Mesh(mesh.nodes, [("hexaeder", cells)])
     with pytest.raises(InputError, match=r"^cell_sets"):
         ao.Mesh(mesh.nodes, [(b.kind, b.cells) for b in mesh.blocks], "mixed", {}, {"a": [999]})
-
-
-def test_a_file_with_two_bodies_is_read_part_by_part(tmp_path: Path) -> None:
-    one = ao.box_mesh((1, 1, 1), (1, 1, 1))
-    raw = meshio.Mesh(
-        np.vstack([one.nodes, one.nodes + np.array([0, 0, 2])]),
-        [("hexahedron", one.cells), ("hexahedron", one.cells + one.n_nodes)],
-        cell_sets={
-            "tup": [np.array([0]), np.array([], int)],
-            "plate": [np.array([], int), np.array([0])],
-        },
-    )
-    whole = read_mesh(raw)
-    assert set(whole.cell_sets) == {"tup", "plate"}
-    plate = read_mesh(raw, part="plate")
-    assert plate.nodes[:, 2].min() == 2.0
 
 
 @pytest.mark.slow

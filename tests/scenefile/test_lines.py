@@ -98,16 +98,3 @@ def test_nothing_valid_leads_it_astray(values: list[str]) -> None:
     begins = accumulate((entry.count("\n") + 1 for entry in entries), initial=1)
     for i, line in zip(range(len(entries)), begins, strict=False):
         assert line_of(text, (f"key{i}",)) == line
-
-
-def test_a_string_of_many_lines_is_passed_over() -> None:
-    text = "a = 1\n" + 'b = """\n' + "c = 2\n" * 5000 + '"""\nd = 3\n'
-    assert [line_of(text, (name,)) for name in "abd"] == [1, 2, 5004]
-
-
-def test_places_deep_in_arrays_and_tables_of_many_lines_have_theirs() -> None:
-    text = "a = [\n[[1, 2], [\n" + "{c = [\n3]},\n" * 1000 + "]],\n]\nb = 1\n"
-    assert tomllib.loads(text)["b"] == 1
-    assert line_of(text, ("a", 0, 1, 900, "c")) == 1803
-    assert line_of(text, ("a", 0, 1, 900, "c", 0)) == 1804
-    assert line_of(text, ("b",)) == 2005

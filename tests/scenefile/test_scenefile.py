@@ -63,7 +63,8 @@ law = { type = "Hertz", k = 1e9 }
 
 def read(folder: Path, text: str) -> SceneFile:
     """The scene file of a text."""
-    (folder / "scene.toml").write_text(text, encoding="utf-8")
+    text = "\ufeff" + text.replace("\n", "\r\n")  # as of Windows
+    (folder / "scene.toml").write_bytes(text.encode())
     return ao.read_scene(folder / "scene.toml")
 
 
@@ -91,12 +92,6 @@ def test_an_impact_is_the_same_as_in_python(tmp_path: Path) -> None:
         solver=ao.Newmark(dt=1e-6),
     )
     assert np.array_equal(hit.force, same.force)
-
-
-def test_every_keyword_of_a_function_is_a_key(tmp_path: Path) -> None:
-    """Tables are bound to signatures: what is not written in any list of names works as well."""
-    text = STARS.replace("gap = 1e-5", "gap = 1e-5\nenergies = false")
-    assert read(tmp_path, text).simulate().target.energy is None
 
 
 def test_a_body_is_fixed_and_touched_as_in_python(tmp_path: Path) -> None:
@@ -516,10 +511,3 @@ def test_the_examples_of_the_documents_are_right(tmp_path: Path) -> None:
             assert len(read(tmp_path, blocks[0] + block).grid) == 4
         elif "duration" in block:
             read(tmp_path, block).case()
-
-
-@pytest.mark.parametrize("mark", ["", "\ufeff"])
-def test_windows_ends_of_lines_and_mark_at_the_start(mark: str, tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_bytes((mark + STARS).replace("\n", "\r\n").encode())
-    assert ao.read_scene(path).case()["velocity"] == 2.0
