@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bodies import distorted_box
+from bodies import distorted_box, mixed_box
 
 import aoimpact as ao
 from aoimpact.mesh import KINDS, weights_at
 
+MIXED = [mixed_box((2.0, 1.5, 1.0), (2, 2, 3), order=order) for order in (1, 2)]
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_coordinates_interpolated_at_a_point_are_the_point(kind: str) -> None:
-    mesh = distorted_box(kind)
+
+@pytest.mark.parametrize("mesh", [*map(distorted_box, KINDS), *MIXED], ids=lambda of: of.contents)
+def test_coordinates_interpolated_at_a_point_are_the_point(mesh: ao.Mesh) -> None:
     for point in np.random.default_rng(0).uniform(0.0, 1.0, (15, 3)) * [2.0, 1.5, 1.0]:
         nodes, weights = weights_at(mesh, point)
         np.testing.assert_allclose(weights @ mesh.nodes[nodes], point, atol=1e-12)

@@ -10,7 +10,7 @@ from bodies import mixed_box, rigid_motions
 import aoimpact as ao
 from aoimpact.base import InputError, InputTypeError, MeshError
 from aoimpact.fem import energy_error, gauss_stress, nodal_stress, stiffness_mass
-from aoimpact.mesh import boundary, weights_at
+from aoimpact.mesh import boundary
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 LENGTHS = (2.0, 1.5, 1.0)
@@ -46,20 +46,6 @@ def test_patch_constant_strain_and_rigid_motions(order: int) -> None:
 
 
 @both_orders
-def test_the_surface_is_that_of_the_box(order: int) -> None:
-    surface = boundary(mixed_box(LENGTHS, (3, 2, 4), order=order))
-    everything = np.arange(len(surface.cell))
-    normals = surface.normal(everything, surface.middle(everything))
-    assert np.sort(np.abs(normals), axis=1) == pytest.approx(np.tile([0, 0, 1], (len(normals), 1)))
-    x, tangents = surface.at(everything, surface.middle(everything))
-    triangle = surface.middle(everything)[:, 0] < 0.4
-    area = np.linalg.norm(np.cross(*tangents.swapaxes(0, 1)), axis=1) * np.where(triangle, 0.5, 1)
-    assert area.sum() == pytest.approx(2 * (3.0 + 2.0 + 1.5))
-    assert (area * np.einsum("ni,ni->n", x, normals)).sum() == pytest.approx(9.0)  # 3 volumes
-    assert (surface.part == 0).all()
-
-
-@both_orders
 def test_stress_of_a_constant_strain(order: int) -> None:
     mesh = distorted(order)
     gradient = 1e-4 * np.random.default_rng(1).standard_normal((3, 3))
@@ -80,15 +66,6 @@ def test_stress_of_a_constant_strain(order: int) -> None:
     on_surface = np.zeros(mesh.n_nodes, dtype=bool)
     on_surface[boundary(mesh).nodes] = True
     assert energy_error(body, moved, on_surface)[0].sum() < 1e-20 * energy
-
-
-@both_orders
-def test_points_are_found_in_whatever_element(order: int) -> None:
-    mesh = distorted(order)
-    for point in np.random.default_rng(4).uniform(0.02, 0.98, (60, 3)) * LENGTHS:
-        nodes, weights = weights_at(mesh, point)
-        assert weights @ mesh.nodes[nodes] == pytest.approx(point, abs=1e-10)
-        assert weights.sum() == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("order", "rate"), [(1, 2.0), (2, 4.0)])
