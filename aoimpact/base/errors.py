@@ -201,8 +201,8 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     7: (
         ConvergenceError,
         "the run takes too many steps: they fill a GiB, or are far more than those of the run that "
-        "it is to confirm; take a shorter duration, a larger rtol, fewer stiff oscillators, or "
-        "Newmark(dt=...)",
+        "it is to confirm; take a shorter duration, a larger rtol, fewer stiff oscillators, a "
+        "smoother law, or Newmark(dt=...)",
     ),
     8: (
         LawLimitError,

@@ -12,7 +12,6 @@ from ..base import FloatArray, InputError, finite_array, real
 from ..contact import ContactPoint
 from ..laws import LawFromSurfaces, law_between
 from ..reduction import BodyModel
-from ..results import warn_of_size
 
 # Squares and energies of speeds of a smaller magnitude vanish, and of the reciprocal overflow.
 _LEAST = 1e-60
@@ -68,9 +67,6 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
             )
         surfaces.append(surface)
         tips.append(body.touched_at(port))
-    for at, name in enumerate(names):
-        if tips[at] is None:
-            warn_of_size(abs(surfaces[at].radii[0]), tips[1 - at], name, names[1 - at])
     along = [None if tip is None else tip.direction for tip in tips]
     try:
         return law_between(

@@ -14,11 +14,9 @@ from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
-import scipy.sparse as sp
 
 from .. import _core
-from ..base import ArrayPair, FloatArray, IntArray, LawLimitError, MemoryLimitError
-from ..laws import CoreLaw
+from ..base import ArrayPair, FloatArray, MemoryLimitError
 from ..scene import Scenario
 from .events import Events
 from .motion import Motion
@@ -51,9 +49,6 @@ class DenseRecorder:
         As the core takes them.
     track : object
         The core's own record.
-    order : ndarray, shape (contacts,), or None
-        Which contact of the scene each is, where the core takes them in another order. All else
-        is by contacts.
     events : tuple of Events
         Of each contact; an interval that the record cuts off ends with it, one that would begin
         there is none.
@@ -67,7 +62,6 @@ class DenseRecorder:
     rtol: float
     scene: tuple[tuple[Any, ...], tuple[Any, ...]]
     track: Any
-    order: IntArray | None
     events: tuple[Events, ...]
     steps: int
     rejected: int
@@ -123,8 +117,6 @@ class DenseRecorder:
         layout = self.plan.layout
         record = np.zeros((layout.rows, len(times)))
         _core.track_read(self.track, np.ascontiguousarray(times), int(energies), 0, record)
-        if self.order is not None:
-            layout.reordered(record, self.order)
         return record
 
     def pushes(self, times: FloatArray) -> FloatArray:
@@ -132,8 +124,6 @@ class DenseRecorder:
             return self.plan.layout.pushes(self.rows(times, energies=False))
         forces = np.zeros((len(self.events), len(times)))
         _core.track_read(self.track, np.ascontiguousarray(times), 2, 0, forces)
-        if self.order is not None:
-            forces[self.order] = forces.copy()
         return forces
 
     def modes(self, times: FloatArray, body: int) -> ArrayPair:
@@ -167,42 +157,32 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
     MemoryLimitError
         If the run's steps, up to a GiB of them, do not fit into memory.
     """
-    began, count = perf_counter(), len(plan.contacts)
-    order = _order(plan) if count > 2 else None
-    places = range(count) if order is None else np.argsort(order).tolist()
-    laws: dict[int, CoreLaw] = {}  # each of them once
-    joined: list[Any] = [None] * count
-    for contact, place in zip(plan.contacts, places, strict=True):
-        key = id(contact.law)
-        law = laws.get(key) or laws.setdefault(key, contact.law.for_core())
-        joined[place] = contact.for_core(law)
+    began = perf_counter()
+    laws = {id(contact.law): contact.law.for_core() for contact in plan.contacts}  # each once
+    contacts = tuple(contact.for_core(laws[id(contact.law)]) for contact in plan.contacts)
     bodies, moving, oblique, pull = [], [], plan.oblique is not None, plan.pull
     for i, body in enumerate(plan.modal):
         bodies.append(body.for_core(pull, plan.load_on(i) if plan.loads else None))
         moving.append(body.rates(plan.start(i)) if oblique else body.whole.moving)
-    scene = tuple(bodies), tuple(joined)
+    scene = tuple(bodies), contacts
     velocities = (1.0,) * len(bodies) if oblique else tuple(plan.velocities)
     rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
     try:
         track, found, steps, rejected = _core.adaptive(
             *scene, rtol, plan.duration, rest, tuple(moving), velocities, most_steps
         )
-    except LawLimitError as error:
-        if order is not None and error.contact is not None:
-            error.contact = int(order[error.contact])
-        raise
     except MemoryError:
         raise MemoryLimitError(
             f"the steps of a run of {plan.duration:g} s to rtol={rtol:g} do not fit into the "
             "memory that is left; take a shorter duration, a larger rtol, or Newmark(dt=...)"
         ) from None
     events = []
-    for contact, place in zip(plan.contacts, places, strict=True):
-        peak, peak_time, impulse, spans, touches = found[place]
-        slips = None if contact.friction is None else _slips(track, spans, place)
+    for number, (contact, of) in enumerate(zip(plan.contacts, found, strict=True)):
+        peak, peak_time, impulse, spans, touches = of
+        slips = None if contact.friction is None else _slips(track, spans, number)
         events.append(Events(peak, peak_time, tuple(spans), impulse, slips, touches))
     took = perf_counter() - began
-    return DenseRecorder(plan, rtol, scene, track, order, tuple(events), steps, rejected, took)
+    return DenseRecorder(plan, rtol, scene, track, tuple(events), steps, rejected, took)
 
 
 def _filled(times: FloatArray, duration: float) -> FloatArray:
@@ -215,14 +195,14 @@ def _filled(times: FloatArray, duration: float) -> FloatArray:
 
 
 def _slips(
-    track: Any, contacts: Sequence[tuple[float, float]], place: int
+    track: Any, contacts: Sequence[tuple[float, float]], number: int
 ) -> tuple[tuple[float, float], ...]:
-    """The intervals in which all of a contact slips, by its number in the core.
+    """The intervals in which all of a contact slips, by its number.
 
     The core's rows are a contact, a time, s, and 1 where all of it slips from then on, or 0.
     """
     rows = np.frombuffer(_core.track_slips(track)).reshape(-1, 3)
-    _, times, slips = rows[rows[:, 0] == place].T
+    _, times, slips = rows[rows[:, 0] == number].T
     ends = np.append(times[1:], np.inf)
     found: list[tuple[float, float]] = []
     for start, end in contacts:
@@ -234,12 +214,6 @@ def _slips(
     return tuple(found)
 
 
-def _order(plan: Scenario) -> IntArray | None:
-    """A better order of the contacts; a wall hands the force of none on to the others."""
-    couples = [body.residual is not None or bool(body.push.any()) for body in plan.modal]
-    return narrow_order([(contact.first, contact.second) for contact in plan.contacts], couples)
-
-
 def _most_times(rows: int) -> int:
     """Times of a curve of so many rows, roughly, beyond which they are thinned out."""
     return max(1000, int(_MOST_VALUES / rows))
@@ -248,44 +222,3 @@ def _most_times(rows: int) -> int:
 def _thinned(times: FloatArray, most: int) -> FloatArray:
     """Every so many of the times, at most about so many."""
     return times[:: 1 + len(times) // most]
-
-
-def narrow_order(ends: Sequence[tuple[int, int]], couples: Sequence[bool]) -> IntArray | None:
-    """Return an order of contacts with a narrower band (Cuthill and McKee's, reversed).
-
-    Parameters
-    ----------
-    ends : sequence of (int, int)
-        The bodies of each contact.
-    couples : sequence of bool
-        Of each body: whether a force on it moves its other contacts; a wall does not.
-
-    Returns
-    -------
-    ndarray, shape (contacts,), or None
-        None where the order that they have is as good.
-    """
-    pairs = np.array(ends, dtype=np.intp).reshape(-1, 2)
-    contact, side = np.nonzero(np.asarray(couples)[pairs])
-    bodies = pairs[contact, side]
-    band = _band(contact, bodies, len(couples))
-    if band < 2:
-        return None
-    incidence = sp.csr_array(
-        (np.ones(len(bodies)), (contact, bodies)), shape=(len(pairs), len(couples))
-    )
-    # Through the bodies as vertices of their own: all pairs of contacts of one body may be many.
-    graph = sp.block_array([[None, incidence], [incidence.T, None]], format="csr")
-    found = sp.csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True)
-    order = found[found < len(pairs)].astype(np.intp)
-    place = np.empty(len(pairs), dtype=np.intp)
-    place[order] = np.arange(len(pairs))
-    return order if _band(place[contact], bodies, len(couples)) < band else None
-
-
-def _band(place: IntArray, bodies: IntArray, count: int) -> int:
-    """How far apart contacts of one body stand at most."""
-    first, last = np.full(count, np.iinfo(np.intp).max), np.full(count, -1)
-    np.minimum.at(first, bodies, place)
-    np.maximum.at(last, bodies, place)
-    return int(max((last - first)[last >= 0], default=0))

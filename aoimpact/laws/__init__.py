@@ -20,7 +20,6 @@ from .law import (
     own_law,
     removable,
     restitution,
-    wider,
 )
 from .plastic import ElasticPlastic, Thornton, YangSun, yield_force, yield_pressure
 from .surfaces import LawFromSurfaces, law_between

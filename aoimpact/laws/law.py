@@ -658,25 +658,3 @@ def check_width(law: ContactLaw, indentation: FloatArray, contact: int) -> None:
     """Refuse a record in which the contact of that number is stiffer than the meshes."""
     if isinstance(law, PatchLaw) and float(indentation.max(initial=0.0)) > law.limit:
         raise LawLimitError("the contact is stiffer than the meshes there", contact)
-
-
-def wider(law: PatchLaw, mass: float, velocity: float) -> float | None:
-    """Return by which factor patches must be wider for an impact; None if that is not the cause.
-
-    Parameters
-    ----------
-    law : PatchLaw
-        With a compliance taken out, which is in inverse proportion to the radius of the patches.
-    mass : float
-        Effective mass of the two bodies, kg.
-    velocity : float
-        At which they meet, m/s; rigid bodies at that velocity go deeper than elastic ones.
-    """
-    try:
-        depth = law.law.stroke(0.5 * mass * velocity**2)
-        # A damped law is steepest at the rate at which the bodies meet.
-        low, high = (law.law.force(share * depth, velocity) for share in (0.99, 1.0))
-    except LawLimitError:  # the law's own table ends
-        return None
-    share = law.compliance * float(np.subtract(high, low)) / (0.01 * depth)
-    return max(share / MOST_SHARE, 1.0) * 1.2

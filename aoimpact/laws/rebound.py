@@ -16,7 +16,6 @@ import scipy
 from ..base import FloatArray
 
 _RTOL = 3e-14  # the tightest that the integrator takes
-_RTOL_ROOT = 4.0 * np.finfo(float).eps  # and the root finder
 _SMALL = 0.1  # below, x - log(1+x) is a series
 
 
@@ -55,14 +54,12 @@ def hunt_crossley_restitution(damping: float) -> float:
     if damping < 1e-17:  # e = 1 - 2/3 χ V to first order
         return 1.0
     wanted = _lead(damping)
-    most = -math.expm1(-1.5 - wanted)  # of u e, since -log(1 - u e) = wanted + u e < wanted + 1.5
-    if most == 1.0:  # to rounding
-        return 1.0 / damping
-    kept = scipy.optimize.brentq(
-        lambda p: _lead(-p) / wanted - 1.0, 0.0, most, xtol=1e-300, rtol=_RTOL_ROOT
-    )
-    kept -= (_lead(-kept) - wanted) * (1.0 - kept) / kept  # Newton: the last digit
-    return float(kept / damping)
+    kept = damping * (1.0 - 2.0 / 3.0 * damping)  # u e
+    if damping > _SMALL:
+        kept = 1.0 + float(scipy.special.lambertw(-math.exp(-1.0 - wanted)).real)
+    for _ in range(3 if kept < 1.0 else 0):  # Newton, for the digits that W loses near its branch
+        kept -= (_lead(-kept) - wanted) * (1.0 - kept) / kept
+    return kept / damping
 
 
 def kuwabara_kono_restitution(lag: float) -> float:

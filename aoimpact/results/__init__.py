@@ -13,7 +13,6 @@ from .advice import (
     warn_of_exchange,
     warn_of_misfit,
     warn_of_run,
-    warn_of_size,
     warning_limits,
 )
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut

@@ -435,10 +435,6 @@ _OBLIQUE = math.cos(math.radians(10.0))
 # Points of two bodies closer than this share of the first body's size count as one.
 _SHARED = 1e-3
 
-# A ball's radius over the other body's size above which a warning is given: millimetres may have
-# been taken for metres, a factor of 1000.
-_FAR_LARGER = 5.0
-
 
 def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     """Warn of bodies and contact points outside the range of the method.
@@ -536,18 +532,6 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
         warn(
             "projectile moves though supports hold it, and nothing holds the target: exchange them "
             "if it is what is struck; if it flies, leave its supports (fixed=) out"
-        )
-
-
-def warn_of_size(radius: float, other: ContactPoint | None, name: str, other_name: str) -> None:
-    """Warn of a rigid ball, of a radius in m, far larger than the body it meets: a wrong unit."""
-    if other is None or other.body.mesh is None:
-        return
-    size = other.body.mesh.size
-    if _FAR_LARGER * size < radius < math.inf:
-        warn(
-            f"{name} is a ball with a radius of {with_unit(radius, 'm', 3)}, and {other_name} is "
-            f"{with_unit(size, 'm', 3)} long: is the radius in metres?"
         )
 
 

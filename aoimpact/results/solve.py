@@ -17,7 +17,7 @@ from ..base import (
     with_unit,
 )
 from ..integrate import Adaptive, Newmark, solve_adaptive, solve_newmark
-from ..laws import PatchLaw, wider
+from ..laws import PatchLaw, removable
 from ..reduction import FullModel
 from ..scene import Scenario
 from .run import Result, Run
@@ -78,9 +78,10 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
         contact = None if error.contact is None else plan.contacts[error.contact]
         if contact is None or not isinstance(contact.law, PatchLaw):
             raise
-        factor = wider(contact.law, plan.reduced_mass(contact), plan.fastest)
-        if factor is None:
-            raise
+        # Of rigid bodies, which go deeper; c is in inverse proportion to the radius of a patch.
+        own, mass = contact.law.law, plan.reduced_mass(contact)
+        most = removable(own, own.stroke(0.5 * mass * plan.fastest**2))
+        factor = 1.2 * max(contact.law.compliance / most, 1.0)
         radii = [tip.patch.radius for *_, tip in plan.touched(contact) if tip.patch is not None]
         cure = "leave radius out, so that a patch carries the contact"
         if radii:

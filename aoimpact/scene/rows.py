@@ -135,15 +135,6 @@ class RecordLayout:
         """Return the rows of all contacts: a view."""
         return record[: self._starts[-1]]
 
-    def reordered(self, record: FloatArray, order: IntArray) -> None:
-        """Put the rows of contacts that were taken in another order into that of the scene."""
-        rows, sizes = self.of_contacts(record).copy(), np.diff(self._starts)
-        taken = np.concatenate([[0], np.cumsum(sizes[order])])
-        for number, first in zip(order, taken, strict=False):
-            self.of_contacts(record)[self._starts[number] : self._starts[number + 1]] = rows[
-                first : first + sizes[number]
-            ]
-
     def centre_velocities(self, record: FloatArray) -> FloatArray:
         """Return the velocities of all centres of mass, m/s, shape (bodies, times): a copy."""
         at = BodyRows._fields.index("velocity")

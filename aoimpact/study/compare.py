@@ -9,8 +9,6 @@ from dataclasses import astuple, dataclass, fields, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..accuracy import first_guess, model_hierarchy
 from ..base import (
     AOImpactError,
@@ -26,7 +24,6 @@ from ..base import (
     real,
     sequence,
     text,
-    warn,
     with_unit,
     write_csv,
 )
@@ -34,7 +31,7 @@ from ..impact import Foreseen, pair, simulate
 from ..integrate import Adaptive, Newmark
 from ..laws import ContactLaw, own_law
 from ..linalg import Solver, checked_solver
-from ..reduction import BodyModel, FullModel, body_model, modal
+from ..reduction import FullModel, body_model, modal
 from ..reduction import full as whole
 from ..results import QUANTITIES, ROLES, Result
 
@@ -47,12 +44,6 @@ _COMPARED |= {"displacement": "target_displacement"}
 
 # Far below the differences between models.
 _IN_TIME = Adaptive(rtol=1e-6)
-
-# Relative difference of masses above which another target is hardly the same.
-_SAME_MASS = 0.1
-
-# Distance across the direction of contacts at the same place, relative to the body's size.
-_SAME_PLACE = 0.01
 
 # Names of curves.
 _KINDS = {"AO": "anti-oscillators", "modal": "natural modes"}
@@ -249,11 +240,6 @@ def compare(
     InputError
         If there is nothing to compare with.
 
-    Warns
-    -----
-    AOImpactWarning
-        If another target has another mass, or is struck beside the contact point.
-
     Examples
     --------
     >>> sphere = ao.AOModel(m0=3e-5, k0=0.0, m=[0.033], k=[2.8e8])
@@ -279,17 +265,16 @@ def compare(
     True
     """
     speed, full = real("velocity", velocity, unit="m/s"), boolean("full", full)
-    stars = {f"AO({n})": n for n in _ascending("oscillators", oscillators, low=0)}
-    truncations = {f"modal({n})": n for n in _ascending("modes", modes, low=1)}
-    if not stars and not full:
+    labels = {"rigid": 0, **_labels("AO", "oscillators", oscillators, low=0)}
+    exact = "full" if full else [*labels][-1]
+    if exact == "rigid":
         raise InputError("full=False without oscillators leaves no model to compare with")
-    exact = "full" if full else [*stars][-1]
-    labels = ["rigid", *stars, *truncations, *["full"] * full]
+    truncations = _labels("modal", "modes", modes, low=1)
     given = {} if other_targets is None else other_targets
     others = dict(instance("other_targets", given, Mapping))
     for label, other in others.items():
         body_model(f"other_targets[{text('a label of other_targets', label)!r}]", other)
-        if label in labels:
+        if label in {*labels, *truncations, exact}:
             raise InputError(f"other_targets: {label!r} is a row of its own; give another label")
     with held_warnings():  # each run has them again
         _, plan = pair(projectile, target, speed, law, gap=gap)
@@ -297,11 +282,9 @@ def compare(
         if duration is None:
             duration = simulate(projectile, target, speed, law=law, gap=gap).duration
     run = partial(simulate, law=law, velocity=speed, duration=duration, gap=gap)
-    # The finite-element bodies that models were made of; AO models by numbers as they are.
+    # The finite-element bodies that models were made of; AO models by numbers as they are. Over the
+    # same patches: `simulate` would fit those of full models alone.
     bodies = tuple(whole(body.tips) if body.tips else body for body in plan.bodies)
-    for label, other in others.items():
-        _warn_of_differences(bodies[1], label, body_model(label, other))
-    # Over the same patches: `simulate` would fit those of full models alone.
     bodies = tuple(Foreseen(replace(plan, bodies=bodies)).fitted(ROLES, {}).bodies)
 
     def quick(models: Models) -> Result:
@@ -315,26 +298,24 @@ def compare(
     ]
 
     def models_of(label: str) -> Models:
-        if label == "rigid":
-            return tuple(each.model(0) for each in hierarchies)
-        if label in stars:
-            return tuple(each.model(stars[label] + each.first) for each in hierarchies)
-        if label in truncations:
-            return tuple(
-                modal(body.tips[0], min(truncations[label], body.body.n_dofs), solver=linear)
-                if isinstance(body, FullModel)
-                else body
-                for body in bodies
-            )
+        if label in labels:
+            n = labels[label]
+            return tuple(of.model(0 if label == "rigid" else n + of.first) for of in hierarchies)
         if label in others:
             return run(projectile=projectile, target=others[label]).models
-        return bodies
+        count = truncations.get(label)
+        return tuple(
+            modal(body.tips[0], min(count, body.body.n_dofs), solver=linear)
+            if count is not None and isinstance(body, FullModel)
+            else body
+            for body in bodies
+        )
 
     in_full = Newmark() if any(isinstance(body, FullModel) for body in bodies) else _IN_TIME
     rows: dict[str, Compared] = {}
     results: dict[str, Result] = {}
     spent = 0.0
-    for label in [*labels, *others]:
+    for label in dict.fromkeys([*labels, *truncations, exact, *others]):
         start = time.perf_counter()
         try:
             models = models_of(label)
@@ -344,7 +325,7 @@ def compare(
             rows[label] = Compared(label, failure=str(error))
             continue
         ran = time.perf_counter() - start - build
-        if label in stars:  # the bases are nested: each model adds to the one before
+        if label in labels:  # the bases are nested: each model adds to the one before
             build = spent = spent + build
         results[label] = result
         rows[label] = Compared(label, sum(model.dofs for model in models), build, ran)
@@ -370,23 +351,7 @@ def compare(
     )
 
 
-def _ascending(name: str, values: Iterable[int], *, low: int) -> list[int]:
-    return sorted({integer(name, n, low=low) for n in sequence(name, values)})
-
-
-def _warn_of_differences(target: BodyModel, label: str, other: BodyModel) -> None:
-    """Warn of another target with another mass, or struck beside the target's contact point."""
-    if not (target.tips and other.tips):
-        return
-    first, second = target.tips[0], other.tips[0]
-    mass, weight, said = first.body.mass, second.body.mass, []
-    if mass and weight and abs(weight - mass) > _SAME_MASS * mass:
-        said.append(f"weighs {weight:.4g} kg in place of {mass:.4g} kg")
-    nodes, along, place = first.body.nodes, first.direction, first.point
-    if nodes is not None and along is not None and place is not None and second.point is not None:
-        # Without the distance by thickness.
-        apart = float(np.linalg.norm(np.cross(second.point - place, along)))
-        if apart > _SAME_PLACE * float(np.ptp(nodes, axis=0).max()):
-            said.append(f"is struck {apart:.3g} m beside the target's contact point")
-    if said:
-        warn(f"other_targets[{label!r}] {' and '.join(said)}: its row compares another impact")
+def _labels(kind: str, name: str, values: Iterable[int], *, low: int) -> dict[str, int]:
+    """Return numbers of oscillators or modes, ascending, by the label of their model."""
+    numbers = sorted({integer(name, n, low=low) for n in sequence(name, values)})
+    return {f"{kind}({n})": n for n in numbers}

@@ -1,7 +1,6 @@
-"""Laws of the user's own that are not smooth: by how much, and what a tolerance makes of them."""
+"""Laws of the user's own that are not smooth, and what a tolerance makes of them."""
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -22,11 +21,6 @@ def noisy(share):
     return lambda d, rate: hertz(d, rate) * (1.0 + share * random.standard_normal())
 
 
-def rippled(share):
-    """A force with a fast wave on it: the same each time it is asked, as of an inner iteration."""
-    return lambda d, rate: hertz(d, rate) * (1.0 + share * math.sin(1e12 * d))
-
-
 def hit(law, rtol):
     """A ball against a wall, under a law or a function of indentation and rate."""
     if not isinstance(law, ao.ContactLaw):
@@ -41,18 +35,11 @@ def hit(law, rtol):
     )
 
 
-@pytest.mark.parametrize(
-    ("function", "rtol"), [(noisy(1e-6), 1e-8), (noisy(1e-3), 1e-3), (rippled(1e-6), 1e-8)]
-)
-def test_a_law_that_scatters_by_more_than_the_tolerance_is_refused_soon(function, rtol):
-    with pytest.raises(ao.ConvergenceError, match=r"^contact"):
-        hit(function, rtol)
-
-
-def test_a_patch_hides_nothing_of_a_rough_law():
-    law = ao.UserLaw(noisy(1e-6), depends_on_rate=False).within_patch(1e-10)
-    with pytest.raises(ao.ConvergenceError, match=r"^contact"):
-        hit(law, 1e-8)
+@pytest.mark.slow
+def test_a_law_that_scatters_by_the_tolerance_is_given_up():
+    """Each step is as wrong as the one before, however short it is."""
+    with pytest.raises(ao.ConvergenceError, match="law"):
+        hit(noisy(1e-3), 1e-3)
 
 
 @pytest.mark.parametrize("compliance", [0.0, 1e-12])
@@ -70,34 +57,17 @@ def test_a_law_that_is_meant_to_give_energy_may(compliance):
     assert run.energy.kinetic[-1] > 2.0 * run.energy.kinetic[0]
 
 
-@pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-7, 1e-8, 1e-11])
-def test_a_law_takes_few_steps_or_is_refused_with_a_tolerance_that_serves(rtol):
-    """A wave that is resolved where it is as large as the tolerance takes a million steps."""
+@pytest.mark.parametrize("rtol", [1e-2, 1e-5, 1e-8, 1e-11])
+def test_a_wave_on_the_force_takes_few_steps_and_errs_by_its_size(rtol):
     asked = 0
 
     def rippled(d, rate):
+        """As of an inner iteration: the same each time it is asked."""
         nonlocal asked
         asked += 1
         return hertz(d, rate) * (1.0 + share * math.sin(1e12 * d))
 
-    for share in (0.05 * rtol, 0.3 * rtol, rtol):
-        asked, refused = 0, share > 0.2 * rtol
-        if refused:
-            with pytest.raises(ao.ConvergenceError, match=r"^contact") as said:
-                hit(rippled, rtol)
-            served = float(re.search(r"take rtol=([^,]*),", str(said.value))[1])
-        else:
-            served = rtol
-        assert hit(rippled, served).peak_force == pytest.approx(PEAK, rel=served)
-        assert asked < 300_000
-
-
-@pytest.mark.parametrize(("share", "refused"), [(5e-6, False), (2e-5, True)])
-def test_a_law_too_rough_for_any_tolerance_is_refused(share, refused):
-    """Steps grow with the root of the scatter, however loose the tolerance is."""
-    law = rippled(share)
-    if refused:
-        with pytest.raises(ao.ConvergenceError, match=r"^contact"):
-            hit(law, 1e-2)
-    else:
-        assert hit(law, 1e-2).peak_force == pytest.approx(PEAK, rel=1e-2)
+    for share in (0.05 * rtol, 0.3 * rtol, rtol, 10.0 * rtol):
+        asked = 0
+        assert hit(rippled, rtol).peak_force == pytest.approx(PEAK, rel=rtol + 1.1 * share)
+        assert asked < 200_000

@@ -2,8 +2,6 @@
 
 import csv
 import math
-import re
-import warnings
 
 import pytest
 
@@ -74,32 +72,6 @@ def test_models_of_a_shell_converge_to_the_full_shell():
     )
     assert [row.failure for row in table.rows] == [""] * 5
     assert table["AO(20)"].force < 0.01 < table["AO(5)"].force
-
-
-@pytest.mark.parametrize(
-    ("thickness", "x", "words"),
-    [
-        (0.006, 0.03, None),
-        (0.004, 0.03, r"\['shell'\] weighs 0.1123 kg in place of 0.1685 kg: its row"),
-        (0.006, 0.018, r"\['shell'\] is struck 0.012 m beside the"),
-    ],
-)
-def test_another_target_of_another_mass_or_place_is_named(thickness, x, words):
-    steel, t = ao.Material(E=210e9, nu=0.3, rho=7800), 0.006
-    box = ao.box_mesh((0.06, 0.06, t), (6, 6, 1), kind="hexahedron20")
-    solid = ao.FEModel.from_mesh(box, steel, fixed=[("xmin", "xyz")])
-    sheet = ao.sheet_mesh((0.06, 0.06), (10, 10))
-    shell = ao.FEModel.from_mesh(sheet, ao.Shell(thickness, steel), [("xmin", "xyz", "xyz")])
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        ao.compare(
-            ao.ball(0.005, steel), solid.contact(point=(0.03, 0.03, t)), 1.0, duration=2e-5,
-            oscillators=(2,), modes=(), full=False,
-            other_targets={"shell": shell.contact(point=(x, 0.03, 0.0))},
-        )  # fmt: skip
-    found = [str(of.message) for of in said if "other_targets" in str(of.message)]
-    assert len(found) == (words is not None)
-    assert words is None or re.search(words, found[0])
 
 
 @pytest.mark.parametrize(
