@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse.linalg
+from thinmeshes import grid
 
 import aoimpact as ao
 
@@ -107,15 +108,6 @@ def test_a_heavy_tup_on_a_thin_sheet(n: tuple[int, int]) -> None:
     assert hit.error["peak_force"].total < 0.06
 
 
-def grid(origin: Any, u: Any, v: Any, nu: int, nv: int) -> tuple[Any, Any]:
-    """Nodes and quadrilaterals of a parallelogram."""
-    s, t = np.meshgrid(np.linspace(0, 1, nu + 1), np.linspace(0, 1, nv + 1), indexing="ij")
-    nodes = np.asarray(origin) + s.reshape(-1, 1) * np.asarray(u) + t.reshape(-1, 1) * np.asarray(v)
-    i, j = np.meshgrid(np.arange(nu), np.arange(nv), indexing="ij")
-    first = (i * (nv + 1) + j).ravel()
-    return nodes, np.column_stack([first, first + nv + 1, first + nv + 2, first + 1])
-
-
 @pytest.mark.slow
 def test_a_stiffened_panel_over_bay_and_blade() -> None:
     """2 mm of carbon with three blades, clamped at two ends, 2 kg at 2 m/s: near V √(k m).
@@ -123,12 +115,12 @@ def test_a_stiffened_panel_over_bay_and_blade() -> None:
     Indentation takes 1 %. The blade's own inertia adds up to 8 % (its first 120 modes and the rest
     as a spring under Hertz's law).
     """
-    parts = [grid((0, 0, 0), (0.4, 0, 0), (0, 0.3, 0), 80, 60)]
+    parts = [grid(80, 60, lambda r, s: (0.4 * r, 0.3 * s, 0.0))]
     for y in (0.075, 0.15, 0.225):
-        parts.append(grid((0, y, 0), (0.4, 0, 0), (0, 0, -0.025), 80, 5))
-    first = np.cumsum([0, *(len(x) for x, _ in parts)])
-    nodes = np.vstack([x for x, _ in parts])
-    cells = np.vstack([c + start for (_, c), start in zip(parts, first, strict=False)])
+        parts.append(grid(80, 5, lambda r, s, y=y: (0.4 * r, y, -0.025 * s)))
+    first = np.cumsum([0, *(len(nodes) for nodes, *_ in parts)])
+    nodes = np.vstack([nodes for nodes, *_ in parts])
+    cells = np.vstack([part[1] + start for part, start in zip(parts, first, strict=False)])
     _, kept, back = np.unique(nodes.round(7), axis=0, return_index=True, return_inverse=True)
     half = (45, 0, -45, 90) * 2
     plies = [ao.Ply(0.125e-3, CARBON, angle) for angle in (*half, *half[::-1])]
