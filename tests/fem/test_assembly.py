@@ -150,14 +150,6 @@ def bar_frequency(kind: str, n: int, twisted: bool = False) -> float:
     return float(np.sqrt(value[0]))
 
 
-@pytest.mark.parametrize("n", [1, 2, 5])
-def test_linear_bar_has_the_published_discrete_frequency(n: int) -> None:
-    # Consistent mass: ω² = 6 (1 − cos qh) / (h² (2 + cos qh)), q = π/2 (Hughes 2000, sec. 9.1).
-    h, q = 1.0 / n, math.pi / 2.0
-    exact = math.sqrt(6.0 * (1.0 - math.cos(q * h)) / (2.0 + math.cos(q * h))) / h
-    assert bar_frequency("hexahedron", n) == pytest.approx(exact, rel=1e-9)
-
-
 # Twice the order of the kind, and the divisions between which it shows.
 ORDERS = {
     "tetra": (2, (4, 8)),

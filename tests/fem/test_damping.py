@@ -28,14 +28,6 @@ def dashpot_receptance(star, alpha, beta, omega):
     return 1 / (spring(star.k0) + mass(star.m0) + hung)
 
 
-def test_decay_is_what_the_names_say():
-    omega = np.array([0.0, 10.0, 200.0])
-    rayleigh = ao.Rayleigh(alpha=3.0, beta=1e-3)
-    np.testing.assert_allclose(rayleigh.decay(omega), [1.5, 1.55, 21.5])
-    np.testing.assert_allclose(ao.ModalDamping(0.02).decay(omega), [0.0, 0.2, 4.0])
-    assert isinstance(ao.ModalDamping(0.02).decay(10.0), float)
-
-
 @pytest.mark.parametrize(("alpha", "beta"), [(200.0, 0.0), (0.0, 3e-7), (50.0, 1e-6)])
 def test_rayleigh_on_a_star_is_dashpots_beside_its_springs_and_to_the_ground(alpha, beta):
     star = ao.AOModel(**STAR, damping=ao.Rayleigh(alpha=alpha, beta=beta))

@@ -45,16 +45,6 @@ def test_supports_may_hold_rotations_alone() -> None:
     assert strip.frequencies(4) == pytest.approx([0, 0, 0, exact], rel=2e-3, abs=1e-6)
 
 
-def test_mass_and_repr() -> None:
-    mesh = ao.sheet_mesh((0.3, 0.2), (6, 4))
-    body = ao.FEModel.from_mesh(mesh, SHEET, fixed=[("xmin", "xyz", "y")])
-    assert body.mass == pytest.approx(0.3 * 0.2 * 2e-3 * 7800)
-    assert repr(body) == ("FEModel(190 dofs, 35 nodes, 24 quad, 0.936 kg, 20 dofs constrained)")
-    assert ao.FEModel.from_mesh(mesh, SHEET).audit(frequencies=0).centre == pytest.approx(
-        [0.15, 0.1, 0.0]
-    )
-
-
 @pytest.mark.parametrize("angle", [0.0, 0.7])
 def test_a_free_body_in_any_plane_has_six_rigid_motions(angle: float) -> None:
     mesh = ao.sheet_mesh((0.3, 0.2), (6, 4))
@@ -132,22 +122,3 @@ def test_sheets_of_the_generator() -> None:
             "ymax": 5,
             "rim": 14,
         }
-
-
-@pytest.mark.slow
-def test_an_error_beside_a_step_of_thickness_is_said() -> None:
-    """One element of 5 mm from 2 to 4 mm: wrong by what elements of a quarter of that show."""
-    peaks, errors = [], []
-    for n in (20, 80):
-        mesh = ao.sheet_mesh((0.1, 0.1), (n, n))
-        left = mesh.nodes[mesh.cells][:, :, 0].mean(axis=1) < 0.05
-        groups = {"thin": np.flatnonzero(left), "thick": np.flatnonzero(~left)}
-        parts = {"thin": SHEET, "thick": ao.Shell(4e-3, STEEL)}
-        body = ao.FEModel.from_mesh(
-            ao.Mesh(mesh.nodes, mesh.cells, "quad", mesh.node_sets, groups), parts
-        )
-        tip = body.contact(point=(0.045, 0.05, 0))
-        hit = ao.simulate(ao.ball(0.005, STEEL), tip, 1.0, duration=6e-5, quantity="peak_force")
-        peaks.append(hit.peak_force)
-        errors.append(hit.error["peak_force"].total)
-    assert 0.02 < abs(peaks[0] / peaks[1] - 1.0) < errors[0]

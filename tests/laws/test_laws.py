@@ -75,10 +75,6 @@ def test_only_the_law_that_means_to_pulls(name, parameters, depth, rate):
     assert force >= 0.0 or name == PULLING
 
 
-def test_the_pulling_law_pulls():
-    assert law_of(PULLING, e=0.1).force(1e-6, -1.0) < 0.0
-
-
 @over_laws
 @given(parameters=parameters, depth=depths, rate=rates)
 @settings(max_examples=10)

@@ -31,14 +31,6 @@ def test_meshed_ball_on_a_plate() -> None:
     assert found.error < 0.01
 
 
-def test_flat_on_flat() -> None:
-    plate = ao.FEModel.from_mesh(ao.box_mesh((0.1, 0.1, 0.01), (8, 8, 2)), ALUMINIUM)
-    surface = plate.contact(point=(0.05, 0.05, 0.01)).contact_surface
-    assert surface is not None
-    with pytest.raises(ao.InputError, match=r"^surfaces"):
-        law_between(surface, surface)
-
-
 def curved(
     first: float,
     second: float,

@@ -1,7 +1,5 @@
 """A law through points."""
 
-import math
-
 import numpy as np
 import pytest
 import scipy.integrate
@@ -35,22 +33,6 @@ def test_it_is_scipys_pchip_and_its_integral(parts):
     )
     energy = spline.antiderivative()(between)
     np.testing.assert_allclose(law.potential(between), energy, rtol=1e-12, atol=1e-12 * energy[-1])
-
-
-@pytest.mark.parametrize("solver", [ao.Newmark(dt=1e-7), ao.Adaptive(rtol=1e-7)])
-def test_a_fine_table_of_hertz_is_hertz(solver):
-    scene = {
-        "projectile": ao.rigid(mass=0.016),
-        "target": ao.rigid(mass=math.inf),
-        "velocity": 1.0,
-        "duration": 1e-4,
-        "solver": solver,
-    }
-    fine = np.linspace(0.0, 1.0, 300) ** 2 * 1e-4
-    table = ao.simulate(law=ao.Tabulated(fine, 1e10 * fine**1.5), **scene)
-    hertz = ao.simulate(law=ao.Hertz(1e10), **scene)
-    assert table.peak_force == pytest.approx(hertz.peak_force, rel=1e-5)
-    assert table.contact_duration == pytest.approx(hertz.contact_duration, rel=1e-5)
 
 
 def test_what_lies_beyond_the_table_is_not_made_up():

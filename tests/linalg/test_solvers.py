@@ -86,28 +86,6 @@ def test_every_solver_solves_the_same_systems(solved, solver):
         np.testing.assert_allclose(found.solve(f[:, 1]), x[:, 1], rtol=1e-9)
 
 
-@pytest.fixture(scope="module")
-def factorised(block, bar):
-    """Points of contact, and their stars by SuperLU."""
-    tips = [
-        body.contact(point=point, direction=(1, 0, 0), radius=0)
-        for body, point in ((block, (0, 0.01, 0.01)), (bar, (0.3, 0, 0)))
-    ]
-    return [(t, ao.antioscillators(t, 3, order="frequency", solver="superlu")) for t in tips]
-
-
-@pytest.mark.parametrize(
-    "solver", [*DIRECT, pytest.param("multigrid", marks=pytest.mark.slow), EVERY[-1]]
-)
-def test_anti_oscillators_do_not_depend_on_the_solver_and_name_it(factorised, solver):
-    for tip, reference in factorised:
-        assert reference.origin.linear_solver == "superlu"
-        star = ao.antioscillators(tip, 3, order="frequency", solver=solver)
-        np.testing.assert_allclose(star.m, reference.m, rtol=1e-7)
-        np.testing.assert_allclose(star.k, reference.k, rtol=1e-7)
-        assert star.origin.linear_solver == getattr(solver, "__name__", solver)
-
-
 def test_a_solution_is_refined_until_its_residual_passes(bar):
     """A solver in single precision is no worse than one in double, a few steps later."""
     calls = []
@@ -242,16 +220,6 @@ def test_pardiso_names_a_row_without_a_diagonal():
     M = sp.csr_array(np.eye(3))
     with pytest.raises(ao.SingularError, match="diagonal"):
         ao.FEModel(K=K, M=M).inverse(0.0, solver="pardiso")
-
-
-@needs_pardiso
-def test_pardiso_names_a_singular_matrix_in_place_of_a_regular_one(block):
-    """The block is free; after the refusal what was regular still is."""
-    dynamic = block.inverse(1e10, solver="pardiso")
-    f = np.ones(block.n_dofs)
-    with pytest.raises(ao.SingularError, match="stiffness"):
-        dynamic.at(0.0).solve(f)
-    assert np.isfinite(dynamic.solve(f)).all()
 
 
 @pytest.mark.parametrize(("name", "least"), [("multigrid", 1e-6), ("superlu", 0.0)])
