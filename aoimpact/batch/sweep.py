@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..accuracy import CONTROLLED, Named, keeper
+from ..accuracy import Named, keeper
 from ..base import (
     AOImpactError,
     FilePath,
@@ -40,9 +40,6 @@ _BYTES_PER_NUMBER = 16.0
 _SHOWN = 10
 
 _OTHERWISE = "take .data, a structured array, or .to_csv(path)"
-
-# Stands behind a number in a printed table that no tolerance controlled.
-_MARK = "*"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -161,22 +158,14 @@ class SweepTable(Frozen):
         write_csv(path, map(_heading, columns), (map(_text, row) for row in rows))
 
     def __repr__(self) -> str:
-        shown, marked = [], False
-        for name in self.columns:
-            if name.endswith(CONTROLLED):
-                continue
-            cells = [_text(of, "{:.6g}") for of in self.data[name][:_SHOWN].tolist()]
-            if name + CONTROLLED in self.columns:
-                loose = self.data[name + CONTROLLED] == 0.0
-                cells = [of + _MARK * int(loose[i]) for i, of in enumerate(cells)]
-                marked = marked or bool(loose.any())
-            shown.append([_heading(name), *cells])
+        shown = [
+            [_heading(name), *(_text(of, "{:.6g}") for of in self.data[name][:_SHOWN].tolist())]
+            for name in self.columns
+        ]
         note = f"{len(self)} cases"
         if self.errors:
             first = min(self.errors)
             note += f", {len(self.errors)} failed; row {first}: {_message(self.errors[first])}"
-        if marked:
-            note += f"; {_MARK} not controlled: models were chosen for another number"
         more = ["..."] if len(self) > _SHOWN else []
         return "\n".join([*aligned(zip(*shown, strict=True)), *more, note])
 

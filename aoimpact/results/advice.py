@@ -133,42 +133,29 @@ class Limit(NamedTuple):
 
 
 class _Joint(NamedTuple):
-    """Properties of a contact that are known before the run.
-
-    `yields` is True if its law or its surfaces may tell when it yields, `told` if rows that no
-    warning limits are wanted, too.
-    """
+    """Properties of a contact that are known before the run."""
 
     plan: Scenario
     contact: Contact
     law: ContactLaw
-    yields: bool
     materials: list[Material]
     surface: RoundContact | None
     tips: list[tuple[int, int, ContactPoint]]
-    told: bool
 
 
-def limits(plan: Scenario, contact: Contact, *, told: bool = False) -> dict[str, Limit]:
-    """Return the limits of a contact by name, as far as its law and bodies are known.
-
-    told: whether rows that no warning limits are wanted, too.
-    """
+def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
+    """Return the limits of a contact by name, as far as its law and bodies are known."""
     law, materials = own_law(contact.law), contact.materials(plan.bodies)
     known, surface = list(filter(None, materials)), round_contact(law, materials)
-    yields = surface is not None or isinstance(law, ElasticPlastic | Thornton)
-    joint = _Joint(plan, contact, law, yields, known, surface, plan.touched(contact), told)
-    return {
-        name: limit
-        for name, needed, rule in RULES
-        if getattr(joint, needed) and (limit := rule(joint)) is not None
-    }
+    joint = _Joint(plan, contact, law, known, surface, plan.touched(contact))
+    found = {name: rule(joint) for name, rule in RULES.items()}
+    return {name: limit for name, limit in found.items() if limit is not None}
 
 
 def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]:
     """Yield the rows of a contact of a run; of all rules, or of those that may be exceeded."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
-    for name, limit in limits(plan, contact, told=not exceeded).items() if events.contacts else ():
+    for name, limit in limits(plan, contact).items() if events.contacts else ():
         if limit.of == "force":
             value = events.peak_force
         elif limit.of == "speed":
@@ -217,10 +204,10 @@ def _yield(joint: _Joint) -> Limit | None:
     return Limit("force", first, 1.0, text, meanings) if math.isfinite(first) else None
 
 
-def _width(joint: _Joint) -> Limit:
+def _width(joint: _Joint) -> Limit | None:
     """The force of a contact too wide for the curvature of its surfaces."""
-    surface = joint.surface
-    assert surface is not None
+    if (surface := joint.surface) is None:
+        return None
     text = (
         f"the contact has a radius of {_WIDTH} times the radius of curvature "
         f"R={with_unit(surface.radius, 'm', 3)}, with strains of about {_STRAIN * _WIDTH:.0%}, and "
@@ -229,8 +216,10 @@ def _width(joint: _Joint) -> Limit:
     return Limit("force", surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5, 1.0, text)
 
 
-def _speed(joint: _Joint) -> Limit:
+def _speed(joint: _Joint) -> Limit | None:
     """The speed of bodies that meet too fast."""
+    if not joint.materials:
+        return None
     slowest = min(of.bar_speed for of in joint.materials)
     text = (
         f"it is {_SPEED:.1%} of the speed of waves, {slowest:.4g} m/s, and strains are as large; "
@@ -327,16 +316,16 @@ def _shell(joint: _Joint) -> Limit | None:
 
 _UNITS = {"force": "N", "speed": "m/s", "energy": "J"}
 
-# In the order of a summary, with what must be known of a contact.
-RULES: list[tuple[str, str, Callable[[_Joint], Limit | None]]] = [
-    ("yield", "yields", _yield),
-    ("width", "surface", _width),
-    ("deflection", "tips", _deflection),
-    ("mass ratio", "told", _mass_ratio),
-    ("speed", "materials", _speed),
-    ("thickness", "tips", _thickness),
-    ("shell", "tips", _shell),
-]
+# In the order of a summary.
+RULES: dict[str, Callable[[_Joint], Limit | None]] = {
+    "yield": _yield,
+    "width": _width,
+    "deflection": _deflection,
+    "mass ratio": _mass_ratio,
+    "speed": _speed,
+    "thickness": _thickness,
+    "shell": _shell,
+}
 
 
 # ------------------------------------------------------------------- models fitted to a contact
@@ -667,15 +656,9 @@ def _missed(run: Run) -> str:
         speed = float(gap[-2] - gap[-1]) / (when - float(t[-2]))
         needed = with_unit(run.duration + least / speed, "s")
         cure = f"take a duration beyond {needed}, or a smaller gap"
-    else:
-        # The parabola through three.
-        before, after = (float(gap[at + i]) - least for i in (-1, 1))
-        shift = 0.5 * (before - after) / (before + after) if before + after > 0.0 else 0.0
-        least -= 0.25 * (before - after) * shift
-        when += shift * float(t[at + 1] - when)
-        if least <= 0.0 and not recorder.dense:
-            cure = "or perhaps between two steps: take a smaller dt"
+    elif not recorder.dense:
+        cure += ", or a smaller dt"
     return (
         f"{contact_name(run, contact)}: no contact in {with_unit(run.duration, 's')}: they come no "
-        f"closer than {with_unit(max(least, 0.0), 'm', 3)}, at t = {with_unit(when, 's')}; {cure}"
+        f"closer than {with_unit(least, 'm', 3)}, at t = {with_unit(when, 's')}; {cure}"
     )

@@ -70,11 +70,6 @@ def test_models_that_were_given_have_nothing_to_tell():
     assert "error of the peak" in repr(hit)
 
 
-def _lines(table):
-    """Lines of a printed table, with two spaces between columns."""
-    return [re.sub(r" {2,}", "  ", line.strip()) for line in repr(table).splitlines()]
-
-
 def test_every_column_of_a_sweep_has_its_error_beside_it(tmp_path):
     projectile, target, law, velocity, duration = IMPACTS["tip of a cantilever, for long"]()
     base = {"projectile": projectile, "target": target, "law": law, "duration": duration}
@@ -92,10 +87,7 @@ def test_every_column_of_a_sweep_has_its_error_beside_it(tmp_path):
     assert "restitution_error" in repr(table)
     assert (table["peak_force_controlled"] == 1.0).all()
     assert (table["restitution_controlled"] == 0.0).all()
-    shown = dict(zip(*(line.split("  ") for line in _lines(table)[:2]), strict=True))
-    assert shown["restitution"].endswith("*")
-    assert not shown["peak_force [N]"].endswith("*")
-    assert "* not controlled" in repr(table)
+    assert "restitution_controlled" in repr(table)
     table.to_csv(tmp_path / "table.csv")
     with open(tmp_path / "table.csv", encoding="utf-8") as file:
         [headings, first, _] = csv.reader(file)

@@ -176,38 +176,6 @@ def test_a_sweep_over_vectors(tmp_path: Path) -> None:
     assert heading == f"gap,velocity,{units}"
 
 
-@pytest.mark.parametrize(
-    ("base", "grid", "text"),
-    [
-        (BASE, {}, r"^grid"),
-        (BASE, {"velocity": []}, r"^grid"),
-        (BASE, {"velocity": 1.0}, r"^grid"),
-        (BASE, {1: [1.0]}, r"^grid"),
-        (BASE, {"velocty": [1.0]}, r"^base"),
-        (BASE | {"lav": 1}, {"velocity": [1.0]}, r"^base"),
-        ({}, {"velocity": [1.0]}, "projectile"),
-    ],
-)
-def test_bad_sweeps_are_refused(base: Any, grid: Any, text: str) -> None:
-    with pytest.raises(ao.AOImpactError, match=text):
-        ao.sweep(base, grid)
-
-
-@pytest.mark.parametrize(
-    ("keep", "text"),
-    [
-        (None, "keep=None"),
-        (lambda result: "much", r"^keep"),
-        (lambda result: {"velocity": 1.0}, r"^keep"),
-        (lambda result: {str(result.velocity): 1.0}, r"^keep"),
-        ("rebound", r"^keep"),
-    ],
-)
-def test_bad_columns_are_refused(keep: Any, text: str) -> None:
-    with pytest.raises(ao.AOImpactError, match=text):
-        ao.sweep(BASE, {"velocity": [1.0, 2.0]}, keep=keep)
-
-
 def test_a_table_that_memory_cannot_hold_is_refused_at_once() -> None:
     many = [1.0] * 1_000_000
     with pytest.raises(MemoryLimitError, match="cases"):

@@ -61,10 +61,6 @@ WARNED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: strike(plate().contact(point=MIDDLE, direction=(1, 0, -1))),
         r"^target",
     ),
-    "a ball of one metre": (
-        lambda: ao.simulate(ao.ball(1.0, STEEL), plate().contact(point=MIDDLE), 1e-4),
-        r"^projectile",
-    ),
 }
 
 
@@ -93,7 +89,6 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
 }
 
 
-@pytest.mark.filterwarnings("ignore:projectile is a ball with a radius")
 @pytest.mark.parametrize("mistake", REFUSED)
 def test_it_is_refused(mistake: str) -> None:
     call, words = REFUSED[mistake]

@@ -460,20 +460,6 @@ def test_a_run_is_read_by_its_own_handles_only():
         ao.simulate(projectile=BALL, target=WALL, law=HERTZ, velocity=1.0, duration=1e-4)[ball]
 
 
-@pytest.mark.parametrize(
-    ("force", "message"),
-    [
-        (([0.0, 0.0], [1.0, 2.0]), r"^force"),
-        (([0.0, 1.0], [1.0]), r"^force"),
-        (([0.0, 1.0], [1.0, math.inf]), "forces"),
-    ],
-)
-def test_senseless_loads_are_named(force, message):
-    scene, ball, _ = pair()
-    with pytest.raises(ao.AOImpactError, match=message):
-        scene.apply(ball, force=force)
-
-
 def test_a_wall_takes_no_load():
     scene = ao.Scene()
     with pytest.raises(ao.InputError, match=r"^body"):

@@ -122,24 +122,6 @@ def test_a_partly_held_projectile_struck_obliquely_starts_alike_as_star_and_as_f
     assert star.peak_force == pytest.approx(full.peak_force, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"velocity": 0.0}, r"^velocity"),
-        ({"velocity": 1e200}, r"^velocity"),
-        ({"velocity": 1e-200}, r"^velocity"),
-        ({"duration": 1e6}, "GiB"),
-        (
-            {"projectile": ao.rigid(mass=math.inf), "target": ao.rigid(mass=math.inf)},
-            r"^projectile",
-        ),
-    ],
-)
-def test_senseless_arguments_are_named(changes, message):
-    with pytest.raises(ao.AOImpactError, match=message):
-        hit(**changes)
-
-
 def test_velocities_that_are_rounding_are_0() -> None:
     """A ball that comes along y and z has nothing along x, and does not turn about y or z."""
     ball = ao.ball(0.01, ao.Material(E=210e9, nu=0.3, rho=7800))

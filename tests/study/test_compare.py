@@ -74,25 +74,6 @@ def test_models_of_a_shell_converge_to_the_full_shell():
     assert table["AO(20)"].force < 0.01 < table["AO(5)"].force
 
 
-@pytest.mark.parametrize(
-    ("others", "words"),
-    [
-        ({"full": ao.rigid(mass=1.0)}, r"^other_targets"),
-        ({"AO(1)": ao.rigid(mass=1.0)}, r"^other_targets"),
-        ({"shell": 1.0}, "other_targets\\['shell'\\]"),
-        ({1: ao.rigid(mass=1.0)}, "label"),
-        ([ao.rigid(mass=1.0)], r"^other_targets"),
-    ],
-)
-def test_other_targets_that_are_none_are_refused(others, words):
-    sphere = ao.AOModel(m0=3e-5, k0=0.0, m=[0.033], k=[2.8e8])
-    with pytest.raises(ao.AOImpactError, match=words):
-        ao.compare(
-            sphere, sphere, 1.0, law=ao.Hertz(k=1e10), duration=1e-4, oscillators=(0, 1),
-            modes=(), other_targets=others,
-        )  # fmt: skip
-
-
 def test_without_the_full_model_the_largest_star_is():
     reduced = ao.antioscillators(beam(ENDS), 2)
     table = ao.compare(
@@ -135,19 +116,6 @@ def test_text_figure_and_file(table, tmp_path):
     with open(tmp_path / "table.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["force"]) for row in rows] == [row.force for row in table.rows]
-
-
-def test_nothing_to_compare_with_is_refused():
-    with pytest.raises(ao.InputError, match=r"^full"):
-        ao.compare(
-            projectile=ao.rigid(mass=1.0),
-            target=ao.rigid(mass=1.0),
-            law=ao.Hertz(1e9),
-            velocity=1.0,
-            duration=1e-3,
-            oscillators=(),
-            full=False,
-        )
 
 
 def test_command(tmp_path, capsys):

@@ -15,7 +15,6 @@ from aoimpact.testrig import Signal
 
 WALL = ao.rigid(mass=math.inf)
 RADIUS = 0.01
-LAW = ao.ElasticPlastic(1e9, 10.0, 2e8, relative_radius=RADIUS)
 
 
 def history(law: ao.ContactLaw, mass: float, speed: float) -> tuple[Signal, float, float]:
@@ -208,44 +207,3 @@ def test_bodies_that_ring_are_taken_as_they_are() -> None:
     assert fit.law.k == pytest.approx(1e9, rel=1e-5)
     alone = ao.fit_law(ao.HuntCrossley, signal, mass=0.1, velocity=1.0)
     assert alone.residual > 100.0 * fit.residual
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"law": ao.Hertz}, "signal"),
-        (
-            {"law": ao.Tsuji(1e9, 0.1, 1.0), "indentation": [0, 1e-4, 2e-4], "force": [0, 1, 2]},
-            "rates",
-        ),
-        (
-            {"law": ao.ElasticPlastic, "indentation": [0, 1e-4, 2e-4], "force": [0, 1, 2]},
-            r"^law",
-        ),
-        (
-            {"law": ao.Hertz(1e9), "free": "c", "indentation": [0, 1e-4], "force": [0, 1]},
-            r"^free",
-        ),
-        ({"law": ao.Hertz, "indentation": [1e-4], "force": [1.0]}, "measured"),
-        ({"law": ao.Hertz, "signal": ([0, 1], [0, -1.0])}, r"^velocity"),
-        (
-            {"law": LAW, "signal": ([0, 1], [0, 1]), "dent": [1e-4], "mass": 1, "velocity": 1},
-            "dent=",
-        ),
-        (
-            {"law": ao.Hertz(1e9), "free": ["k", "k"], "indentation": [0, 1e-4], "force": [0, 1]},
-            r"^free",
-        ),
-        (
-            {"law": LAW, "free": "hardness", "dent": [0, 0], "mass": 0.1, "velocity": [1, 2]},
-            r"^dent",
-        ),
-        (
-            {"law": LAW, "free": "hardness", "dent": [1e-4, -1e-4], "mass": 1, "velocity": [1, 2]},
-            r"^dent",
-        ),
-    ],
-)
-def test_what_cannot_be_fitted(given: dict[str, Any], message: str) -> None:
-    with pytest.raises((ao.InputError, ao.InputTypeError), match=message):
-        ao.fit_law(**given)
