@@ -17,9 +17,6 @@ TOP = BLOCK.contact(point=(0.01, 0.01, 0.02))
 DOWN = (0.0, 0.3, -1.0)
 
 
-SLIDES = {"velocity": DOWN, "friction": 0.1}
-
-
 def test_all_contacts_of_a_scene_need_friction():
     scene = ao.Scene()
     ball, wall = scene.add(BALL, velocity=DOWN), scene.add(WALL)
