@@ -219,30 +219,14 @@ SPHERES = {
         2821,
     ),
 }
-over_metals = pytest.mark.parametrize("metal", SPHERES.values(), ids=list(SPHERES))
 
 
-@over_metals
+@pytest.mark.parametrize("metal", SPHERES.values(), ids=list(SPHERES))
 def test_with_the_measured_hardness_forces_are_within_the_scatter(metal):
     """2.9, 4.0 and 3.5 yield strengths: the softer metals harden by strain and its rate."""
     law = metal.law(metal.measured_hardness)
     assert np.abs(metal.deviations(law)[3:]).max() < 0.11
     assert metal.run(law) == pytest.approx(metal.run_largest, rel=0.11)
-
-
-@pytest.mark.parametrize(
-    ("metal", "least", "most", "run"),
-    [
-        ("440C steel", -0.05, 0.06, 0.04),
-        ("302 steel", -0.28, -0.21, -0.17),
-        ("aluminium", -0.25, -0.11, -0.10),
-    ],
-)
-def test_with_tabors_hardness_metals_that_harden_are_too_soft(metal, least, most, run):
-    spheres = SPHERES[metal]
-    found = spheres.deviations(spheres.law())[3:]
-    assert least < found.min() <= found.max() < most
-    assert spheres.run(spheres.law()) / spheres.run_largest - 1.0 == pytest.approx(run, abs=0.01)
 
 
 # ------------------------------------------------------------------- Leeb's rebound hardness
