@@ -678,6 +678,8 @@ NAMES: dict[str, Any] = {
     "THICK": ao.Shell(2.0, STEEL),
     "THICK_BEAM": ao.Beam(ao.CircularSection(3.0), STEEL),
     "ON_A_NODE": ao.RigidMass([0], 1.0, inertia=(1.0, 1.0, 1.0)),
+    "OTHER_TIP": ao.FEModel.from_mesh(BOX, STEEL).contact(dof=2),
+    "POINTLESS": ao.FEModel(K=np.eye(3), M=np.eye(3), nodes=np.zeros((1, 3))),
     "OFF_ITS_LINE": ao.RigidMass([0, 1], 1.0, centre=(9.0, 0.0, 0.0)),
 }
 
