@@ -1,4 +1,4 @@
-"""A rigid mass on a wall: by a run, and on a force that the test writes out, by SciPy."""
+"""A body on a wall: by a run, under a load, and on a force that the test writes out, by SciPy."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import scipy.integrate
+from scipy.special import gamma
 
 import aoimpact as ao
 
@@ -15,7 +16,12 @@ Force = Callable[[float, float], float]
 
 
 def on_a_wall(
-    law: ao.ContactLaw, mass: float, velocity: float, solver: Any, duration: float = 1e-4
+    law: ao.ContactLaw,
+    mass: float,
+    velocity: float,
+    solver: Any,
+    duration: float = 1e-4,
+    gap: float = 0.0,
 ) -> ao.Result:
     return ao.simulate(
         projectile=ao.rigid(mass=mass),
@@ -24,7 +30,27 @@ def on_a_wall(
         velocity=velocity,
         duration=duration,
         solver=solver,
+        gap=gap,
     )
+
+
+def rigid_power(k: float, n: float, mass: float, velocity: float) -> tuple[float, float]:
+    """Peak force and duration of a rigid mass on F = k dⁿ, from its energy equation."""
+    deepest = ((n + 1) * mass * velocity**2 / (2 * k)) ** (1 / (n + 1))
+    p = 1 / (n + 1)
+    integral = math.sqrt(math.pi) * gamma(1 + p) / gamma(0.5 + p)
+    return k * deepest**n, 2 * deepest / velocity * integral
+
+
+def against_a_wall(
+    body: ao.AOModel, law: ao.ContactLaw, force: Any, *, gap: float = 0.0, velocity: float = 0.0
+) -> tuple[ao.Scene, Any]:
+    """A body that a force pushes against a wall: the scene, and its handle there."""
+    scene = ao.Scene()
+    pushed, wall = scene.add(body, velocity=velocity), scene.add(ao.rigid(math.inf))
+    scene.connect(pushed, wall, law, gap=gap)
+    scene.apply(pushed, force=force)
+    return scene, pushed
 
 
 def rebound(force: Force, mass: float, velocity: float, *, pulls: bool = False) -> float:

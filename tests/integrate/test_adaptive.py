@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from campaign.case import Body, Case, Contact, Law
 from campaign.oracle import Oracle
-from rigid_pair import on_a_wall
-from scipy.special import gamma
+from rigid_pair import on_a_wall, rigid_power
 
 import aoimpact as ao
 from aoimpact.base import held_warnings
@@ -36,14 +35,6 @@ def hit(rtol=1e-8, **changes):
         "solver": ao.Adaptive(rtol=rtol),
     }
     return ao.simulate(**(arguments | changes))
-
-
-def rigid_power(k, n, mass, velocity):
-    """Peak force and duration of a rigid mass on F = k dⁿ, from its energy equation."""
-    deepest = ((n + 1) * mass * velocity**2 / (2 * k)) ** (1 / (n + 1))
-    p = 1 / (n + 1)
-    integral = math.sqrt(math.pi) * gamma(1 + p) / gamma(0.5 + p)
-    return k * deepest**n, 2 * deepest / velocity * integral
 
 
 def relative_errors(result, peak, duration, rebound, velocity=1.0):
@@ -304,14 +295,7 @@ def test_a_contact_that_pulls_ends_when_its_indentation_is_zero(share, rtol):
     end = math.pi / math.sqrt(k / mass * (1.0 - share**2))
     law = ao.KelvinVoigt(k=k, c=2.0 * share * math.sqrt(k * mass), end="indentation")
     with held_warnings() as said:
-        run = ao.simulate(
-            projectile=ao.rigid(mass=mass),
-            target=ao.rigid(mass=math.inf),
-            law=law,
-            velocity=1.0,
-            duration=1.2 * end,
-            solver=ao.Adaptive(rtol=rtol),
-        )
+        run = on_a_wall(law, mass, 1.0, ao.Adaptive(rtol=rtol), duration=1.2 * end)
     if said:
         assert share > 0.9
         assert "a contact that pulls, and ends slowly" in said[0]

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from rigid_pair import on_a_wall
 
 import aoimpact as ao
 
@@ -25,14 +26,7 @@ def hit(law, rtol):
     """A ball against a wall, under a law or a function of indentation and rate."""
     if not isinstance(law, ao.ContactLaw):
         law = ao.UserLaw(law, depends_on_rate=False)
-    return ao.simulate(
-        projectile=ao.rigid(mass=MASS),
-        target=ao.rigid(mass=math.inf),
-        law=law,
-        velocity=1.0,
-        duration=200e-6,
-        solver=ao.Adaptive(rtol=rtol),
-    )
+    return on_a_wall(law, MASS, 1.0, ao.Adaptive(rtol=rtol), duration=200e-6)
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from rigid_pair import against_a_wall
 
 import aoimpact as ao
 
@@ -20,10 +21,7 @@ BODIES = {
 @pytest.mark.parametrize("law", [ao.Hertz(1e8), ao.Linear(1e6), ao.KelvinVoigt(1e6, 10.0)])
 @pytest.mark.parametrize("body", BODIES)
 def test_a_pressed_contact_that_is_let_go_has_its_peak_at_the_start(body, law, rtol):
-    scene = ao.Scene()
-    pressed, wall = scene.add(BODIES[body]), scene.add(WALL)
-    scene.connect(pressed, wall, law)
-    scene.apply(pressed, force=([0.0, 1e-3], [LOAD, 0.0]))
+    scene, _ = against_a_wall(BODIES[body], law, ([0.0, 1e-3], [LOAD, 0.0]))
     run = scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=rtol), preload=True)
     assert run.events[0].peak_force == pytest.approx(LOAD, rel=1e-9)
     assert run.events[0].peak_time < 1e-11
@@ -41,10 +39,7 @@ def test_a_pressed_contact_that_is_let_go_has_its_peak_at_the_start(body, law, r
 )
 def test_a_dashpot_takes_all_of_a_load_that_sets_in_on_a_massless_point(law, rtol):
     """Its own spring and the body's are not yet compressed, nor is the dashpot that needs it."""
-    scene = ao.Scene()
-    pressed, wall = scene.add(BODIES["massless"]), scene.add(WALL)
-    scene.connect(pressed, wall, law)
-    scene.apply(pressed, force=([0.0, 1e-3], [LOAD, 0.0]))
+    scene, _ = against_a_wall(BODIES["massless"], law, ([0.0, 1e-3], [LOAD, 0.0]))
     run = scene.simulate(duration=1e-3, solver=ao.Adaptive(rtol=rtol))
     assert run.events[0].peak_force == pytest.approx(LOAD, rel=rtol)
     assert run.events[0].peak_time < 1e-11
@@ -104,10 +99,7 @@ def test_a_law_that_saturates_is_asked_no_deeper_than_the_motion_may_lead(push):
         asked[0] = max(asked[0], float(np.max(d)))
         return 1e3 * d**8 / (d**8 + 1e-40)
 
-    scene = ao.Scene()
-    body, wall = scene.add(ao.rigid(mass=1.0)), scene.add(WALL)
-    scene.connect(body, wall, ao.UserLaw(force), gap=1e-6)
-    scene.apply(body, force=push)
+    scene, _ = against_a_wall(ao.rigid(mass=1.0), ao.UserLaw(force), push, gap=1e-6)
     run = scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=1e-6))
     went = run.contacts[0].indentation.max()
     assert 1e-5 < went < asked[0] < 2.0 * went

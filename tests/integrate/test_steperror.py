@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from every_law import LAWS, law_of
+from rigid_pair import against_a_wall
 
 import aoimpact as ao
 
@@ -95,11 +96,9 @@ def test_a_few_steps_claim_nothing(steps: int) -> None:
 
 def kicked(width: float, solver: ao.Newmark) -> Any:
     """A mass of 1 kg at a wall, kicked to 1 m/s by a pulse of that width between two steps."""
-    scene = ao.Scene()
-    mass, wall = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=math.inf))
-    scene.connect(mass, wall, ao.Hertz(k=1e8))
     start = 1.2345678e-3
-    scene.apply(mass, force=([start, start + width / 2, start + width], [0.0, 2.0 / width, 0.0]))
+    pulse = [start, start + width / 2, start + width], [0.0, 2.0 / width, 0.0]
+    scene, _ = against_a_wall(ao.rigid(mass=1.0), ao.Hertz(k=1e8), pulse)
     return scene.simulate(duration=0.01, solver=solver)
 
 

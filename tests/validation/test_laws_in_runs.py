@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from every_law import LAWS, MASS, law_of
+from rigid_pair import on_a_wall
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import brentq
@@ -37,12 +38,11 @@ def test_a_rigid_ball_on_a_wall_gets_its_restitution_back(name: str, velocity: f
     law, time, options = scene(name, velocity)
     delivered = ao.restitution(law, MASS, velocity)
     options["duration"] = time * (2.0 + 1.0 / delivered)  # the way out is that much slower
-    ball = ao.rigid(mass=MASS)
     step = ao.Newmark(dt=time / 2000, estimate=False)
-    hit = ao.simulate(projectile=ball, target=WALL, solver=step, **options)
+    hit = on_a_wall(mass=MASS, solver=step, **options)
     assert len(hit.contacts) == 1
     assert hit.restitution == pytest.approx(delivered, abs=SLACK.get(name, 1e-5))
-    hit = ao.simulate(projectile=ball, target=WALL, solver=ADAPTIVE, **options)
+    hit = on_a_wall(mass=MASS, solver=ADAPTIVE, **options)
     assert hit.restitution == pytest.approx(delivered, abs=1e-8)
 
 
@@ -143,14 +143,7 @@ def test_a_damped_force_that_is_largest_right_after_the_touch_is_found(kind, dam
     mass, k, velocity = 1e-3, 1e6, 1.0
     time = (mass**2 / (k**2 * velocity)) ** 0.2
     law = ao.Tsuji(k, damping, mass) if kind is ao.Tsuji else kind(k, 3.0 * damping * time)
-    result = ao.simulate(
-        projectile=ao.rigid(mass=mass),
-        target=WALL,
-        law=law,
-        velocity=velocity,
-        duration=15.0 * time,
-        solver=ao.Adaptive(rtol=rtol),
-    )
+    result = on_a_wall(law, mass, velocity, ao.Adaptive(rtol=rtol), duration=15.0 * time)
     peak = damped_peak(law, mass, velocity, 3.0 * velocity * time)
     assert result.peak_force == pytest.approx(peak, rel=rtol)
 

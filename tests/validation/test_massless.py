@@ -4,7 +4,6 @@ The point's place follows from the forces on it. Without dashpots they balance; 
 acts, they give the velocity of the point.
 """
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +13,7 @@ import scipy.linalg
 import scipy.optimize
 from campaign.case import Body, Case, Contact, Law
 from campaign.oracle import Oracle
+from rigid_pair import against_a_wall
 
 import aoimpact as ao
 
@@ -56,11 +56,8 @@ def test_two_contacts_on_a_massless_point(name):
 def test_a_constant_load_that_sets_in_on_a_point_held_by_a_dashpot(gap):
     """x' = v, m v' = k (u - x), c u' = k (x - u) + load - k_c (u - gap): linear, from u = gap."""
     m, k, load, stiffness, c = 1.0, 1e6, 100.0, 2e6, 300.0
-    scene = ao.Scene()
-    body = scene.add(ao.AOModel(m0=0.0, m=[m], k=[k]), velocity=0.1)
-    wall = scene.add(ao.rigid(mass=math.inf))
-    scene.connect(body, wall, ao.KelvinVoigt(stiffness, c), gap=gap)
-    scene.apply(body, force=load)
+    body, law = ao.AOModel(m0=0.0, m=[m], k=[k]), ao.KelvinVoigt(stiffness, c)
+    scene, _ = against_a_wall(body, law, load, gap=gap, velocity=0.1)
     run = scene.simulate(duration=1e-3, solver=ao.Adaptive(rtol=RTOL))
     matrix = np.zeros((4, 4))
     matrix[0, 1] = 1.0
@@ -190,10 +187,8 @@ def test_a_place_that_snaps_back_is_the_limit_of_a_small_mass(name):
 )
 def test_a_point_at_rest_that_is_let_go_has_the_force_of_its_rest_at_first(law, rtol):
     """Its dashpot gives way within less than any other time of the scene."""
-    scene = ao.Scene()
-    point = scene.add(ao.AOModel(m0=0.0, m=[2.0], k=[6e13]))
-    scene.connect(point, scene.add(ao.rigid(mass=math.inf)), law)
-    scene.apply(point, force=([0.0, 1e-5], [3e5, 0.0]))
+    point = ao.AOModel(m0=0.0, m=[2.0], k=[6e13])
+    scene, _ = against_a_wall(point, law, ([0.0, 1e-5], [3e5, 0.0]))
     run = scene.simulate(duration=5e-5, preload=True, solver=ao.Adaptive(rtol=rtol))
     assert run.at([0.0]).contacts[0].force[0] == pytest.approx(3e5, rel=3.0 * rtol)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from rigid_pair import against_a_wall
 
 import aoimpact as ao
 
@@ -65,9 +66,7 @@ def test_a_ledger_that_does_not_balance_is_said() -> None:
 @pytest.mark.parametrize("law", [ao.HuntCrossley(1e11, 0.12, n=1.0), ao.HuntCrossley(1e12, 0.3)])
 def test_a_force_goes_on_where_a_load_bends(law):
     """A light point rings in the force from then on, but the force does not jump."""
-    scene = ao.Scene()
-    point = scene.add(ao.AOModel(m0=1e-3, m=[1.35, 40.0], k=[6e10, 1.3e8]))
-    scene.connect(point, scene.add(ao.rigid(mass=math.inf)), law)
-    scene.apply(point, force=([4e-5, 1e-4], [3e6, 1e6]))
+    point = ao.AOModel(m0=1e-3, m=[1.35, 40.0], k=[6e10, 1.3e8])
+    scene, _ = against_a_wall(point, law, ([4e-5, 1e-4], [3e6, 1e6]))
     run = scene.simulate(duration=2e-4, preload=True, solver=ao.Adaptive(rtol=1e-6))
     assert run.at([4e-5]).contacts[0].force[0] == pytest.approx(3e6, rel=5e-6)
