@@ -7,17 +7,35 @@ import math
 import numpy as np
 import numpy.typing as npt
 import pytest
-from halfspaces import BEHIND, INSIDE, A
 
-from aoimpact import Material, Orthotropic
+from aoimpact import FEModel, Material, Orthotropic, box_mesh
 from aoimpact.contact import (
     AnisotropicHalfSpace,
     HalfSpace,
     IsotropicHalfSpace,
     ShearedHalfSpace,
+    Splitting,
+    spread,
 )
 
 FloatArray = npt.NDArray[np.float64]
+
+A = 0.002  # radius of the pressed disc, m
+
+# Inside the body: under the disc, below its rim, near the axis, far off, and close to the surface.
+INSIDE = A * np.array(
+    [
+        [0.3, 0.2, 0.5],
+        [0.9, -0.4, 0.05],
+        [0.02, 0.01, 1.3],
+        [-2.0, 1.0, 0.7],
+        [6.0, -5.0, 0.4],
+        [0.4, 0.4, 0.02],
+        [12.0, 3.0, 20.0],
+    ]
+)
+# Behind the tangent plane, where the surface of a concave body may be.
+BEHIND = A * np.array([[2.0, 0.5, -0.3], [-1.5, 1.5, -0.8], [0.3, 0.2, -0.02], [8.0, 1.0, -4.0]])
 
 STEEL = Material(E=210e9, nu=0.3, rho=7800.0)
 PLY = Orthotropic(E=(120e9, 8e9, 8e9), nu=(0.3, 0.3, 0.4), G=(5e9, 5e9, 3e9), rho=1600.0)
@@ -189,3 +207,49 @@ def test_on_axis_and_rim_the_field_is_finite(space: HalfSpace) -> None:
     assert np.isfinite(stress).all()
     # Hertz: the middle of the disc sinks by 3/(4 E* a).
     assert u[0, 2] == pytest.approx(space.mean_displacement / 0.8, rel=1e-3)
+
+
+def superposed(space: ShearedHalfSpace, place: FloatArray) -> FloatArray:
+    """Cerruti's point loads (Johnson, eqs. 3.75 to 3.77) over the disc."""
+    node, weight = np.polynomial.legendre.leggauss(400)
+    b = 0.25 * math.pi * (node + 1.0)
+    angle = 2.0 * math.pi * (np.arange(400) + 0.5) / 400
+    load = (0.75 / math.pi * np.cos(b) ** 2 * np.sin(b) * weight)[:, None] * math.pi**2 / 400
+    x = place[0] - A * np.sin(b)[:, None] * np.cos(angle)
+    y = place[1] - A * np.sin(b)[:, None] * np.sin(angle)
+    z, nu = place[2], space.nu
+    rho = np.sqrt(x * x + y * y + z * z)
+    s = rho + z
+    u = [
+        1.0 / rho + x * x / rho**3 + (1.0 - 2.0 * nu) * (1.0 / s - x * x / (rho * s * s)),
+        x * y / rho**3 - (1.0 - 2.0 * nu) * x * y / (rho * s * s),
+        x * z / rho**3 + (1.0 - 2.0 * nu) * x / (rho * s),
+    ]
+    return np.array([(load * part).sum() for part in u]) / (
+        4.0 * math.pi * space.material.shear_modulus
+    )
+
+
+@pytest.mark.parametrize("space", SHEARED.values(), ids=SHEARED)
+def test_displacement_is_that_of_cerruti_s_point_loads(space: ShearedHalfSpace) -> None:
+    # Close to the disc the superposition itself is right to 1e-7.
+    for place in INSIDE:
+        wanted = superposed(space, place)
+        exact = 1e-11 if place[2] > 0.2 * A else 1e-3
+        np.testing.assert_allclose(
+            space.displacement(place), wanted, atol=exact * np.abs(wanted).max()
+        )
+
+
+def test_a_resolved_patch_that_is_sheared_has_the_half_space_and_what_is_beyond() -> None:
+    # One solution for the patch itself, without any half-space, on a mesh that resolves the patch.
+    mesh = box_mesh((0.06, 0.06, 0.03), (12, 12, 6), kind="hexahedron20")
+    body = FEModel.from_mesh(mesh, Material(E=70e9, nu=0.33, rho=2700.0))
+    point, up = np.array([0.0311, 0.0287, 0.03]), np.array([0.0, 0.0, 1.0])
+    tangent, r, solver = np.array([1.0, 0.0, 0.0]), 0.012, body.inverse(4.5e9)
+    weights = spread(body.surface, point, up, r).weights
+    b = np.outer(weights, tangent).reshape(-1)[body.free]
+    whole = float(b @ solver.solve(b))
+    rest = Splitting(body, point, up, r, solver, tangent).compliance
+    half = ShearedHalfSpace(body.material, r).mean_displacement
+    assert whole - rest == pytest.approx(half, rel=0.01)

@@ -14,6 +14,8 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 
+from slender import beam
+
 # Their matrices are of no solid elements, in which a force at a node sinks in.
 pytestmark = pytest.mark.filterwarnings("ignore:.*with_mesh:aoimpact.AOImpactWarning")
 
@@ -26,19 +28,11 @@ def bodies(elements: int, held: bool) -> tuple[ao.FEModel, ao.FEModel]:
 
     Cubic elements; the first end is clamped or free. Condensed on a Cholesky factor.
     """
-    h, n = LENGTH / elements, 2 * elements + 2
-    K, M = np.zeros((n, n)), np.zeros((n, n))
-    element = np.array(
-        [
-            [12, 6 * h, -12, 6 * h],
-            [6 * h, 4 * h * h, -6 * h, 2 * h * h],
-            [-12, -6 * h, 12, -6 * h],
-            [6 * h, 2 * h * h, -6 * h, 4 * h * h],
-        ]
-    )
-    for first in range(0, n - 2, 2):
-        K[first : first + 4, first : first + 4] += EI / h**3 * element
-        M[[first, first + 2], [first, first + 2]] += 0.5 * h * LINE
+    K = EI / LENGTH**3 * beam(elements)[0].toarray()  # of deflections, and of slopes times L
+    lumps = np.zeros(len(K))
+    lumps[::2] = LINE * LENGTH / elements
+    lumps[[0, -2]] *= 0.5
+    M = np.diag(lumps)
     if held:
         K, M = K[2:, 2:], M[2:, 2:]
     across = K[1::2, ::2]

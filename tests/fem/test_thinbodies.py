@@ -109,16 +109,3 @@ def test_neighbours_are_turned_to_one_side(turned: list[int]) -> None:
         read = ao.read_mesh(raw)
     corners = read.nodes[read.cells]
     assert (np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] > 0).all()
-
-
-def test_sheets_of_the_generator() -> None:
-    for kind, count in (("quad", 12), ("triangle", 24)):
-        mesh = ao.sheet_mesh((0.4, 0.3), (4, 3), kind=kind)
-        assert mesh.n_cells == count
-        assert {name: len(ids) for name, ids in mesh.node_sets.items()} == {
-            "xmin": 4,
-            "xmax": 4,
-            "ymin": 5,
-            "ymax": 5,
-            "rim": 14,
-        }

@@ -179,18 +179,6 @@ def test_many_contacts_with_a_ringing_beam_admit_what_they_do_not_know():
     assert rough.error.time == 1e-3 or any("cannot be met" in str(w.message) for w in said)
 
 
-@pytest.mark.slow
-def test_hundreds_of_contacts_with_a_ringing_body_keep_the_tolerance():
-    """A light swing: 784 contacts, of which most enlarge what is wrong with the body's motion."""
-    light = ao.AOModel(m0=3.2e-7, k0=2.8e3)
-    ringing = ao.AOModel(m0=3.36e-3, k0=2.3e4, m=[1e-3, 2e-4], k=[1e5, 1e5])
-    options = {"law": ao.Hertz(k=3.7e11), "velocity": 7e-4, "duration": 5e-3}
-    result = hit(1e-4, projectile=ringing, target=light, **options)
-    assert result.error.time == 1e-4
-    assert len(result.contacts) > 700
-    assert result.error.energy < 1e-9
-
-
 @pytest.mark.filterwarnings("ignore:.*no contact")
 def test_grazing_touches_are_found_and_misses_are_not_touches():
     """A ringing mass approaches a wall-bound ball to just more, or just less, than nothing."""

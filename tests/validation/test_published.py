@@ -9,21 +9,15 @@ import pytest
 
 import aoimpact as ao
 
+from slender import beam
+
 
 def pinned_beam(elements: int) -> ao.FEModel:
-    """Euler and Bernoulli's beam of SDNL32 by Hermite's elements; the first node cannot deflect."""
-    h, side = 0.783 / elements, 14e-3
-    k = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]], float)
-    m = np.array(
-        [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]], float
-    )
-    scale = np.outer([1.0, h, 1.0, h], [1.0, h, 1.0, h])
-    K, M = np.zeros((2, 2 * elements + 2, 2 * elements + 2))
-    for e in range(elements):
-        dofs = slice(2 * e, 2 * e + 4)
-        K[dofs, dofs] += 67e9 * side**4 / 12.0 / h**3 * k * scale
-        M[dofs, dofs] += 2400.0 * side**2 * h / 420.0 * m * scale
-    return ao.FEModel(K=K[1:, 1:], M=M[1:, 1:], damping=ao.ModalDamping(0.01))
+    """Euler and Bernoulli's beam of SDNL32; the first node cannot deflect."""
+    K, M = beam(elements, fixed=[0])
+    length, side = 0.783, 14e-3
+    bending, mass = 67e9 * side**4 / 12.0 / length**3, 2400.0 * side**2 * length
+    return ao.FEModel(K=bending * K, M=mass * M, damping=ao.ModalDamping(0.01))
 
 
 @pytest.mark.filterwarnings("ignore:.*the centre of mass")
