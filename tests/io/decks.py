@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -55,6 +56,17 @@ def nastran(path: Path, mesh: Any, cards: Iterable[str], after: str = "") -> Pat
         lines.append(",".join([name, str(i + 1), "7", *numbers]) + after)
     path.write_text("\n".join([*lines, *cards, "ENDDATA", ""]))
     return path
+
+
+def deck(folder: Path, mesh: Any, *cards: str, after: str = "", kind: str = "") -> Path:
+    """Write a mesh for the program whose cards these are, with `STEEL` and `PLY` as it has them."""
+    text = "\n".join(cards)
+    if text.startswith("*"):
+        known = [one for one in (STEEL, PLY) if one.split("\n")[0] not in text]
+        kind = kind or {"quad": "S4", "line": "B31", "hexahedron": "C3D8"}[mesh.kind]
+        return abaqus(folder / "a.inp", mesh, [*cards, *known], kind)
+    known = [one for one in (MAT1, MAT8) if not re.search(rf"MAT\d+,{one[5]},", text)]
+    return nastran(folder / "a.bdf", mesh, [*cards, *known], after)
 
 
 def line(length: float = 1.0, n: int = 10) -> ao.Mesh:

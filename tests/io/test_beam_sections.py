@@ -14,7 +14,7 @@ import pytest
 import scipy.ndimage
 import scipy.sparse as sp
 import scipy.sparse.linalg
-from decks import MAT1, STEEL, abaqus, line, nastran
+from decks import deck, line
 
 import aoimpact as ao
 
@@ -174,7 +174,7 @@ def test_bars_of_nastran_s_shapes(name: str, entry: str, tmp_path: Path) -> None
     """Plane 1 holds v: its y is along (0, 3, 4), and z along x × y."""
     dims, sides, within = NASTRAN[name]
     card = f"{entry},7,1,,{name}\n," + ",".join(f"{float(of)}-3" for of in dims)
-    path = nastran(tmp_path / "a.bdf", line(), [card, MAT1], ",0.,3.,4.")
+    path = deck(tmp_path, line(), card, after=",0.,3.,4.")
     if entry == "PBEAML":
         path.write_text(path.read_text().replace("CBAR", "CBEAM"))
     compared(path, [[0, -0.8, 0.6], [0, 0.6, 0.8]], sides, within, 1e-3 if name == "HEXA" else 1e-9)
@@ -186,7 +186,7 @@ def test_beams_of_abaqus_shapes(name: str, keyword: str, tmp_path: Path) -> None
     """Axis 1, along (0, 0.6, 0.8), holds h; axis 2 is x × axis 1. Nodes are as in the figure."""
     numbers, sides, node, within = ABAQUS[name]
     card = f"*{keyword}, ELSET=ALL, MATERIAL=STEEL, SECTION={name}\n{numbers}\n0, .6, .8"
-    path = abaqus(tmp_path / "a.inp", line(), [card, STEEL], "B31")
+    path = deck(tmp_path, line(), card)
     rel = {"HEX": 0.02, "TRAPEZOID": 2e-3}.get(name, 1e-9)
     if name == "ARBITRARY":  # corners are cut off, and overlap
         rel = 0.01
@@ -208,7 +208,7 @@ def test_the_torsion_of_triangles_and_rectangles(
 ) -> None:
     """S. P. Timoshenko and J. N. Goodier, Theory of Elasticity, sections 105 and 109."""
     card = f"*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION=TRAPEZOID\n{numbers}"
-    path = abaqus(tmp_path / "a.inp", line(), [card, STEEL], "B31")
+    path = deck(tmp_path, line(), card)
     (beam,) = ao.read_sections(path).values()
     torsion = beam.section.J
     assert torsion == pytest.approx(exact, rel=1e-4)

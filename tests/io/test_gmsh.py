@@ -95,34 +95,27 @@ def test_a_group_without_elements_is_said(tmp_path: Path) -> None:
         )
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("4.1 0 8", "4 0 8", r"^mesh"),
-        ("4.1 0 8", "4.1 1 8", r"^mesh"),
-        ("4.1 0 8", "4.1 0", r"^mesh"),
-        ("$EndNodes", "", r"^mesh"),
-        ("$EndNodes", "$EndNodes\nrubbish", r"^mesh"),
-        ("$Nodes", "$NOD", r"^mesh"),
-        ("1 12 1 12", "1 13 1 12", r"^mesh"),
-        ("3 1 0 12", "3 1 0 99999999999", r"^mesh"),
-        ("3 1 0 12", "3 1 0 -1", r"^mesh"),
-        ("2 1 1\n", "2 1 x\n", r"^mesh"),
-        ("\n12\n", "\n11\n", r"^mesh"),
-        ("4 4 1 4", "4 5 1 4", r"^mesh"),
-        ("4 4 1 4", "9999999999999 4 1 4", r"^mesh"),
-        ("3 2 5 1", "3 2 5 0", r"^mesh"),
-        ("3 2 5 1", "3 2 29 1", r"^mesh"),
-        ("4 5 9 10 6", "4 5 9 10 60", r"^mesh"),
-        ("2 10 ", "ten ", r"^mesh"),
-        ("2\n2 10", "3\n2 10", r"^mesh"),
-        ("$Elements", "$Others", r"^mesh"),
-    ],
-)
-def test_what_is_wrong_in_a_file_is_said(tmp_path: Path, old: str, new: str, words: str) -> None:
-    assert old in TWO
-    with pytest.raises(MeshError, match=words):
-        ao.read_mesh(written(tmp_path, TWO.replace(old, new, 1)))
+DAMAGED = [
+    ("4.1 0 8", "4 0 8"),
+    ("4.1 0 8", "4.1 1 8"),
+    ("4.1 0 8", "4.1 0"),
+    ("$EndNodes", ""),
+    ("$EndNodes", "$EndNodes\nrubbish"),
+    ("$Nodes", "$NOD"),
+    ("1 12 1 12", "1 13 1 12"),
+    ("3 1 0 12", "3 1 0 99999999999"),
+    ("3 1 0 12", "3 1 0 -1"),
+    ("2 1 1\n", "2 1 x\n"),
+    ("\n12\n", "\n11\n"),
+    ("4 4 1 4", "4 5 1 4"),
+    ("4 4 1 4", "9999999999999 4 1 4"),
+    ("3 2 5 1", "3 2 5 0"),
+    ("3 2 5 1", "3 2 29 1"),
+    ("4 5 9 10 6", "4 5 9 10 60"),
+    ("2 10 ", "ten "),
+    ("2\n2 10", "3\n2 10"),
+    ("$Elements", "$Others"),
+]
 
 
 @pytest.fixture(scope="module")

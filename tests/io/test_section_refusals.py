@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from decks import MAT1, MAT8, PLY, STEEL, abaqus, line, nastran
+from decks import MAT1, PLY, STEEL, abaqus, deck, line
 
 import aoimpact as ao
 from aoimpact.base import MissingFileError
@@ -166,31 +166,31 @@ def test_a_keyword_is_refused(keyword: str, cards: str, tmp_path: Path) -> None:
 def test_an_entry_is_refused(
     entry: str, cards: str, mesh: ao.Mesh, after: str, tmp_path: Path
 ) -> None:
-    more = ["" if "MAT1" in cards else MAT1, MAT8, "CORD2C,5,,0.,0.,0.,0.,0.,1.\n,1.,0.,0."]
-    path = nastran(tmp_path / "a.bdf", mesh, [cards, *more], after)
+    path = deck(tmp_path, mesh, cards, "CORD2C,5,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.", after=after)
     with pytest.raises(ao.MeshError, match=rf"a\.bdf', line \d+, {entry}:"):
         ao.read_sections(path)
 
 
 def test_rods_alone_are_no_body(tmp_path: Path) -> None:
-    path = nastran(tmp_path / "a.bdf", line(), ["PROD,7,1,.1", MAT1], ",0.,0.,1.")
     with pytest.raises(ao.MeshError, match=r"a\.bdf"):
-        ao.read_sections(path)
+        ao.read_sections(deck(tmp_path, line(), "PROD,7,1,.1", after=",0.,0.,1."))
 
 
-def test_elements_of_one_property_agree(tmp_path: Path) -> None:
-    """Fibres by the first edges of a sheet that is folded; offsets, and bars about a ring."""
-    path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,2,.001,2", MAT8])
-    text = path.read_text()
-    path.write_text(text.replace("\nCQUAD4,4", ",20.\nCQUAD4,4"))
-    with pytest.raises(ao.MeshError, match="PSHELL"):
-        ao.read_sections(path)
-    path.write_text(text.replace("\nCQUAD4,4", ",,.001\nCQUAD4,4"))
-    with pytest.raises(ao.MeshError, match="ZOFFS"):
-        ao.read_sections(path)
-    path = nastran(tmp_path / "b.bdf", line(), ["PBARL,7,1,,BAR\n,.1,.2", MAT1], ",0.,0.,1.")
-    path.write_text(path.read_text().replace("0.,0.,1.", "0.,1.,1.", 1))
-    with pytest.raises(ao.MeshError, match="PBARL"):
+@pytest.mark.parametrize(
+    ("mesh", "card", "old", "new", "words"),
+    [
+        (SHEET, "PSHELL,7,2,.001,2", "\nCQUAD4,4", ",20.\nCQUAD4,4", "PSHELL"),
+        (SHEET, "PSHELL,7,2,.001,2", "\nCQUAD4,4", ",,.001\nCQUAD4,4", "ZOFFS"),
+        (line(), BAR, ",0.,0.,1.", ",0.,1.,1.", "PBARL"),
+    ],
+)
+def test_elements_of_one_property_agree(
+    mesh: ao.Mesh, card: str, old: str, new: str, words: str, tmp_path: Path
+) -> None:
+    """Fibres by the first edges, offsets, and bars about their line."""
+    path = deck(tmp_path, mesh, card, after=",0.,0.,1." if mesh.kind == "line" else "")
+    path.write_text(path.read_text().replace(old, new, 1))
+    with pytest.raises(ao.MeshError, match=words):
         ao.read_sections(path)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse.linalg
-from decks import CARBON, ELASTIC, MAT1, MAT8, PLY, STEEL, abaqus, line, nastran
+from decks import CARBON, ELASTIC, MAT1, PLY, STEEL, abaqus, deck, line, nastran
 
 import aoimpact as ao
 
@@ -26,6 +26,7 @@ pytestmark = pytest.mark.filterwarnings(
 
 SHEET = ao.sheet_mesh((0.2, 0.1), (4, 2))
 STEEL_SI = ao.Material(2.1e11, 0.3, 7800)
+STEEL_SHELL = "*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL\n.001"
 EULER = 1.8751040687**2 / (2 * np.pi)  # of a cantilever, times √(EI/m)/L²
 
 
@@ -64,8 +65,7 @@ def test_a_sheet_is_the_same_in_every_system_of_units(
 @pytest.mark.parametrize("before", ["", "SOL 103\nCEND\n"])
 def test_weights_are_masses_by_wtmass(text: str, before: str, tmp_path: Path) -> None:
     """In bulk data, and in case control."""
-    weighed = MAT1.replace("7800.", "76492.")
-    path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,1,.002,1", weighed])
+    path = deck(tmp_path, SHEET, "PSHELL,7,1,.002,1", MAT1.replace("7800.", "76492."))
     entry = f"{before}{text}\nBEGIN BULK\n" if before else f"BEGIN BULK\n{text}\n"
     path.write_text(path.read_text().replace("BEGIN BULK\n", entry))
     assert read(path).rho == pytest.approx(7800, rel=1e-5)
@@ -110,48 +110,42 @@ NAMED = "".join(  # as CalculiX has it: every ply with axes of its own
 BY_NAME = "*SHELL SECTION, COMPOSITE, ELSET=ALL" + "".join(f"\n.001,, PLY, O{k}" for k in range(4))
 
 
+PLIES = "*SHELL SECTION, COMPOSITE, ELSET=ALL"
+GENERAL_PLIES = "*SHELL GENERAL SECTION, COMPOSITE, ELSET=ALL, OFFSET=SNEG"
+
+
 @pytest.mark.parametrize(
-    ("program", "cards", "z0"),
+    ("cards", "z0"),
     [
-        ("nastran", PCOMP.format(z0=""), -2e-3),
-        ("nastran", PCOMP.format(z0="0."), 0.0),
-        ("nastran", PCOMPG(z0="-.003"), -3e-3),
-        ("abaqus", "*SHELL SECTION, COMPOSITE, ELSET=ALL" + COMPOSITE(""), -2e-3),
-        ("abaqus", "*SHELL SECTION, COMPOSITE, ELSET=ALL, OFFSET=SPOS" + COMPOSITE(""), -4e-3),
-        (
-            "abaqus",
-            "*SHELL GENERAL SECTION, COMPOSITE, ELSET=ALL, OFFSET=SNEG" + COMPOSITE(""),
-            0.0,
-        ),
-        ("abaqus", "*SHELL SECTION, COMPOSITE, ELSET=ALL, OFFSET=.25" + COMPOSITE(""), -3e-3),
-        ("abaqus", BY_NAME + NAMED, -2e-3),
+        (PCOMP.format(z0=""), -2e-3),
+        (PCOMP.format(z0="0."), 0.0),
+        (PCOMPG(z0="-.003"), -3e-3),
+        (PLIES + COMPOSITE(""), -2e-3),
+        (PLIES + ", OFFSET=SPOS" + COMPOSITE(""), -4e-3),
+        (GENERAL_PLIES + COMPOSITE(""), 0.0),
+        (PLIES + ", OFFSET=.25" + COMPOSITE(""), -3e-3),
+        (BY_NAME + NAMED, -2e-3),
     ],
 )
 def test_the_stiffness_of_plies_is_that_of_the_closed_form(
-    program: str, cards: str, z0: float, tmp_path: Path
+    cards: str, z0: float, tmp_path: Path
 ) -> None:
-    if program == "nastran":
-        path = nastran(tmp_path / "a.bdf", SHEET, [cards, MAT8])
-    else:
-        path = abaqus(tmp_path / "a.inp", SHEET, [cards, PLY])
+    path = deck(tmp_path, SHEET, cards)
     laminate = read(path)
     assert laminate.stiffness[:6, :6] == pytest.approx(closed_form(1e-3, z0), rel=1e-6, abs=1e-6)
     assert laminate.reference == pytest.approx([1, 0, 0])
     assert laminate.interfaces[0] == pytest.approx(z0)
 
 
-@pytest.mark.parametrize("how", ["PCOMP,7,,,,,,,SYM\n,2,.001,0.,,2,.001,90.", "SYMMETRIC"])
-def test_symmetric_stacks_are_given_by_halves(how: str, tmp_path: Path) -> None:
-    if how[0] == "P":
-        path = nastran(tmp_path / "a.bdf", SHEET, [how, MAT8])
-    else:
-        cards = [
-            "*SHELL SECTION, ELSET=ALL, COMPOSITE, SYMMETRIC",
-            ".001,3,PLY,0",
-            ".001,3,PLY,90",
-            PLY,
-        ]
-        path = abaqus(tmp_path / "a.inp", SHEET, cards)
+@pytest.mark.parametrize(
+    "cards",
+    [
+        "PCOMP,7,,,,,,,SYM\n,2,.001,0.,,2,.001,90.",
+        PLIES + ", SYMMETRIC\n.001,3,PLY,0\n.001,3,PLY,90",
+    ],
+)
+def test_symmetric_stacks_are_given_by_halves(cards: str, tmp_path: Path) -> None:
+    path = deck(tmp_path, SHEET, cards)
     assert [ply.angle_deg for ply in read(path).plies] == [0, 90, 90, 0]
     assert read(path).plies[0].material == CARBON
 
@@ -159,46 +153,47 @@ def test_symmetric_stacks_are_given_by_halves(how: str, tmp_path: Path) -> None:
 ORIENTED = "*SHELL SECTION, ELSET=ALL, MATERIAL=PLY, ORIENTATION=O\n.001\n*ORIENTATION, NAME=O\n"
 
 
+SIXTY = "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,.5,.8660254038,0."
+
+
 @pytest.mark.parametrize(
-    ("program", "text", "degrees"),
+    ("cards", "after", "degrees"),
     [
-        ("abaqus", ORIENTED + "1,0,0, 0,1,0", 0),
-        ("abaqus", ORIENTED + "1,0,0, 0,1,0\n3, 20.", 20),
-        ("abaqus", ORIENTED + "0,0,1, 1,0,0\n1, 0.", 0),  # axis 1 is normal; 2, which follows, is x
-        ("abaqus", ORIENTED + "0,0,1, 1,0,0\n1, 35.", 35),
-        ("abaqus", ORIENTED + "0,0,1, 1,0,0\n, 35.", 35),  # blank is 1 in Abaqus
-        ("abaqus", ORIENTED + "0,1,0, 0,0,1\n2, 0.", 0),  # axis 2 is normal; 3 is x
-        ("abaqus", ORIENTED + "2,2,1, 1,3,1, 1,1,1\n3, 0.", 45),  # with an origin
-        ("nastran", "", 0),
-        ("nastran", ",30.", 30),
-        ("nastran", ",5", 60),
+        (ORIENTED + "1,0,0, 0,1,0", "", 0),
+        (ORIENTED + "1,0,0, 0,1,0\n3, 20.", "", 20),
+        (ORIENTED + "0,0,1, 1,0,0\n1, 0.", "", 0),  # axis 1 is normal; 2, which follows, is x
+        (ORIENTED + "0,0,1, 1,0,0\n1, 35.", "", 35),
+        (ORIENTED + "0,0,1, 1,0,0\n, 35.", "", 35),  # blank is 1 in Abaqus
+        (ORIENTED + "0,1,0, 0,0,1\n2, 0.", "", 0),  # axis 2 is normal; 3 is x
+        (ORIENTED + "2,2,1, 1,3,1, 1,1,1\n3, 0.", "", 45),  # with an origin
+        (f"PSHELL,7,2,.001,2\n{SIXTY}", "", 0),
+        (f"PSHELL,7,2,.001,2\n{SIXTY}", ",30.", 30),
+        (f"PSHELL,7,2,.001,2\n{SIXTY}", ",5", 60),
     ],
 )
 def test_fibres_lie_as_the_cards_say(
-    program: str, text: str, degrees: float, tmp_path: Path
+    cards: str, after: str, degrees: float, tmp_path: Path
 ) -> None:
     """A sheet whose elements' first edges are along x."""
-    if program == "abaqus":
-        path = abaqus(tmp_path / "a.inp", SHEET, [text, PLY])
-    else:
-        c, s = np.cos(np.radians(60)), np.sin(np.radians(60))
-        system = f"CORD2R,5,,0.,0.,0.,0.,0.,1.\n,{c:.8f},{s:.8f},0."
-        path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,2,.001,2", MAT8, system], text)
+    path = deck(tmp_path, SHEET, cards, after=after)
     x, y, z = read(path).reference
     assert np.degrees(np.arctan2(y, x)) == pytest.approx(degrees, abs=1e-5)
     assert abs(z) < 1e-9
 
 
-@pytest.mark.parametrize("program", ["abaqus", "nastran"])
-def test_a_fabric_is_stiff_along_both_fibres_and_soft_across(program: str, tmp_path: Path) -> None:
+LAMINA = "*ELASTIC, TYPE=LAMINA\n60E9, 58E9, .05, 4.5E9, 4E9, 4E9\n*DENSITY\n1550."
+
+
+@pytest.mark.parametrize(
+    "cards",
+    [
+        f"*SHELL SECTION, ELSET=ALL, MATERIAL=F\n.001\n*MATERIAL, NAME=F\n{LAMINA}",
+        "PSHELL,7,2,.001,2\nMAT8,2,60.E9,58.E9,.05,4.5E9,4.E9,4.E9,1550.",
+    ],
+)
+def test_a_fabric_is_stiff_along_both_fibres_and_soft_across(cards: str, tmp_path: Path) -> None:
     """A, B, D do not depend on E3. It is 2 (1 + ν) G of the resin that carries both."""
-    if program == "abaqus":
-        lamina = "*ELASTIC, TYPE=LAMINA\n60E9, 58E9, .05, 4.5E9, 4E9, 4E9\n*DENSITY\n1550."
-        cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=F\n.001\n*MATERIAL, NAME=F", lamina]
-        path = abaqus(tmp_path / "a.inp", SHEET, cards)
-    else:
-        mat8 = "MAT8,2,60.E9,58.E9,.05,4.5E9,4.E9,4.E9,1550."
-        path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,2,.001,2", mat8])
+    path = deck(tmp_path, SHEET, cards)
     with pytest.warns(ao.AOImpactWarning, match="E3"):
         ply = read(path)
     material = ply.plies[0].material
@@ -207,22 +202,13 @@ def test_a_fabric_is_stiff_along_both_fibres_and_soft_across(program: str, tmp_p
     assert np.diag(ply.stiffness)[:3] == pytest.approx([60e6 / q, 58e6 / q, 4.5e6], rel=1e-9)
 
 
-@pytest.mark.parametrize("card", ["*FAIL STRESS", "*FAIL STRAIN", "*TENSILE FAILURE"])
-def test_data_of_strength_are_left_out_aloud(card: str, tmp_path: Path) -> None:
-    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=PLY", ".002", PLY + card, "1, -1, 1, -1, 1"]
-    path = abaqus(tmp_path / "a.inp", SHEET, cards)
-    with pytest.warns(ao.AOImpactWarning, match=card.replace(" ", "").replace("*", r"\*")):
-        body = ao.FEModel.from_mesh(path, ao.read_sections(path))
-    assert body.mass == pytest.approx(0.2 * 0.1 * 2e-3 * 1550)
-
-
 # ------------------------------------------------------------------------- beams and solids
 
 
 @pytest.mark.parametrize("shape", ["BAR\n,.02,.01", "T\n,.02,.01,.002,.002"])
 def test_offsets_of_bars_lead_from_their_nodes_to_the_centroid(shape: str, tmp_path: Path) -> None:
-    card, after = f"PBARL,7,1,,{shape}", ",0.,1.,0.\n,,,0.,.03,.05,0.,.03,.05"
-    beam = read(nastran(tmp_path / "a.bdf", line(), [card, MAT1], after))
+    after = ",0.,1.,0.\n,,,0.,.03,.05,0.,.03,.05"
+    beam = read(deck(tmp_path, line(), f"PBARL,7,1,,{shape}", after=after))
     z = np.array(beam.orientation)
     y = np.cross(z, [1, 0, 0])
     assert beam.offset[0] * y + beam.offset[1] * z == pytest.approx([0, 0.03, 0.05])
@@ -251,7 +237,7 @@ def test_a_strip_with_a_stringer_rings_as_steiner_says(tmp_path: Path) -> None:
 
 def test_a_shell_and_a_bar_may_have_one_number(tmp_path: Path) -> None:
     bars = "CBAR,99,7,1,2,0.,0.,1.\nPBARL,07,+1,,BAR\n,.02,.01"
-    path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,+7,01,.001,+1", MAT1, bars])
+    path = deck(tmp_path, SHEET, "PSHELL,+7,01,.001,+1", bars)
     body = ao.FEModel.from_mesh(path, ao.read_sections(path))
     assert body.mass == pytest.approx(7800 * (0.2 * 0.1 * 1e-3 + 0.05 * 0.02 * 0.01))
 
@@ -270,44 +256,31 @@ AREA, ALONG, OTHER = "2.E-4", "1.6666667E-9", "6.6666667E-9"  # of 10 mm along z
 
 
 @pytest.mark.parametrize(
-    ("program", "card", "after"),
+    ("card", "after"),
     [
-        ("abaqus", RECT, ""),
-        (
-            "abaqus",
-            RECT.replace("0, 0, 1", "0, 1, 1").replace(".01, .02\n0, 1, 1", ".02, .01\n0, 1, 0"),
-            "",
-        ),
-        ("abaqus", RECT.replace("\n0, 0, 1", ""), ""),  # the default is -z
-        ("abaqus", GENERAL.format(f"{AREA}, {OTHER}, 0., {ALONG}, 4.6E-9", "0, 0, 1"), ""),
-        (
-            "abaqus",
-            GENERAL.format(f"{AREA}, {OTHER}, 0., {ALONG}, 4.6E-9", "\n").replace("\n\n\n", "\n"),
-            "",
-        ),
-        ("nastran", "PBARL,7,1,,BAR\n,.02,.01", ",0.,0.,1."),
-        ("nastran", "PBEAML,7,1,,BAR\n,.01,.02", ",0.,1.,0."),
-        ("nastran", "PBARL,7,1,,BAR $ CD\n,.01,.02", ",0.,0.,1."),  # in axes of node GA
-        ("nastran", "PBARL,7,1,,BAR $ CD\n,.02,.01", ",0.,0.,1.,BGG"),
-        ("nastran", f"PBAR,7,1,{AREA},{ALONG},{OTHER},4.6E-9", ",0.3,0.,1."),
-        ("nastran", f"PBAR,7,1,{AREA},{OTHER},{ALONG},4.6E-9", ",99"),
-        ("nastran", f"PBEAM,7,1,{AREA},{ALONG},{OTHER},,4.6E-9", ",0.,0.,1."),
+        (RECT, ""),
+        (RECT.replace(".01, .02\n0, 0, 1", ".02, .01\n0, 1, 0"), ""),
+        (RECT.replace("\n0, 0, 1", ""), ""),  # the default is -z
+        (GENERAL.format(f"{AREA}, {OTHER}, 0., {ALONG}, 4.6E-9", "0, 0, 1"), ""),
+        (GENERAL.format(f"{AREA}, {OTHER}, 0., {ALONG}, 4.6E-9", "").replace("\n\n", "\n"), ""),
+        ("PBARL,7,1,,BAR\n,.02,.01", ",0.,0.,1."),
+        ("PBEAML,7,1,,BAR\n,.01,.02", ",0.,1.,0."),
+        ("PBARL,7,1,,BAR $ CD\n,.01,.02", ",0.,0.,1."),  # in axes of node GA
+        ("PBARL,7,1,,BAR $ CD\n,.02,.01", ",0.,0.,1.,BGG"),
+        (f"PBAR,7,1,{AREA},{ALONG},{OTHER},4.6E-9", ",0.3,0.,1."),
+        (f"PBAR,7,1,{AREA},{OTHER},{ALONG},4.6E-9", ",99"),
+        (f"PBEAM,7,1,{AREA},{ALONG},{OTHER},,4.6E-9", ",0.,0.,1."),
     ],
 )
-def test_a_cantilever_rings_across_each_of_its_sides(
-    program: str, card: str, after: str, tmp_path: Path
-) -> None:
+def test_a_cantilever_rings_across_each_of_its_sides(card: str, after: str, tmp_path: Path) -> None:
     """Of 10 mm along z and 20 mm along y: Euler's frequencies, and the directions of both modes."""
-    mesh = line()
-    if program == "abaqus":
-        path = abaqus(tmp_path / "a.inp", mesh, [card, STEEL], "B31")
-    else:
-        path = nastran(tmp_path / "a.bdf", mesh, [card, MAT1, "GRID,99,,0.,3.,0."], after)
-        if "CD" in card:
-            axes = "\nCORD2R,5,,0.,0.,0.,0.,1.,0.\n,1.,0.,0.\nCBAR"
-            path.write_text(path.read_text().replace(",0\n", ",0,5\n").replace("\nCBAR", axes, 1))
-        if "PBEAM" in card:
-            path.write_text(path.read_text().replace("CBAR", "CBEAM"))
+    more = ["GRID,99,,0.,3.,0."] if card[0] == "P" else []
+    path = deck(tmp_path, line(), card, *more, after=after)
+    if "CD" in card:
+        axes = "\nCORD2R,5,,0.,0.,0.,0.,1.,0.\n,1.,0.,0.\nCBAR"
+        path.write_text(path.read_text().replace(",0\n", ",0,5\n").replace("\nCBAR", axes, 1))
+    if "PBEAM" in card:
+        path.write_text(path.read_text().replace("CBAR", "CBEAM"))
     body = ao.FEModel.from_mesh(path, ao.read_sections(path), fixed=[([1], "xyz", "xyz")])
     for axis, height, width in ((2, 0.01, 0.02), (1, 0.02, 0.01)):
         tip = np.flatnonzero(body.free == 3 * 10 + axis)
@@ -334,42 +307,37 @@ def test_a_cantilever_rings_across_each_of_its_sides(
 def test_bars_are_rigid_in_shear_unless_they_have_factors(
     card: str, factors: tuple[float, float], tmp_path: Path
 ) -> None:
-    beam = read(nastran(tmp_path / "a.bdf", line(), [card, MAT1], ",0.,0.,1."))
+    beam = read(deck(tmp_path, line(), card, after=",0.,0.,1."))
     assert beam.section.shear_factors == pytest.approx(factors)
 
 
+BEAM = "*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION="
+
+
 @pytest.mark.parametrize(
-    ("program", "card", "section"),
+    ("card", "section"),
     [
-        ("abaqus", "SECTION=CIRC\n.01\n0,1,0", ao.CircularSection(0.01)),
-        ("abaqus", "SECTION=CIRC\n.02, .02", ao.CircularSection(0.01)),  # diameters, of CalculiX
-        ("abaqus", "SECTION=PIPE\n.01, .002", ao.TubularSection(0.01, 0.002)),
-        ("abaqus", "GENERAL SECTION=PIPE\n.01, .002", ao.TubularSection(0.01, 0.002)),
-        ("nastran", "PBARL,7,1,,ROD\n,.01", ao.CircularSection(0.01)),
-        ("nastran", "PBARL,7,1,,TUBE\n,.01,.008,0.", ao.TubularSection(0.01, 0.002)),
-        ("nastran", "PBEAML,7,1,,TUBE2\n,.01,.002", ao.TubularSection(0.01, 0.002)),
+        (BEAM + "CIRC\n.01\n0,1,0", ao.CircularSection(0.01)),
+        (BEAM + "CIRC\n.02, .02", ao.CircularSection(0.01)),  # diameters, of CalculiX
+        (BEAM + "PIPE\n.01, .002", ao.TubularSection(0.01, 0.002)),
+        (BEAM.replace("SEC", "GENERAL SEC", 1) + "PIPE\n.01, .002", ao.TubularSection(0.01, 0.002)),
+        ("PBARL,7,1,,ROD\n,.01", ao.CircularSection(0.01)),
+        ("PBARL,7,1,,TUBE\n,.01,.008,0.", ao.TubularSection(0.01, 0.002)),
+        ("PBEAML,7,1,,TUBE2\n,.01,.002", ao.TubularSection(0.01, 0.002)),
     ],
 )
-def test_round_sections_are_read(program: str, card: str, section: Any, tmp_path: Path) -> None:
-    if program == "abaqus":
-        general = "GENERAL " * card.startswith("GENERAL")  # of CalculiX before 2.18
-        card = card.removeprefix(general)
-        cards = [f"*BEAM {general}SECTION, ELSET=ALL, MATERIAL=STEEL, {card}", STEEL]
-        beam = read(abaqus(tmp_path / "a.inp", line(), cards, "B31"))
-    else:
-        beam = read(nastran(tmp_path / "a.bdf", line(), [card, MAT1], ",0.,1.,0."))
+def test_round_sections_are_read(card: str, section: Any, tmp_path: Path) -> None:
+    beam = read(deck(tmp_path, line(), card, after=",0.,1.,0."))
     assert vars(beam.section) == pytest.approx(vars(section))
     assert beam.material == STEEL_SI
 
 
 def test_circles_are_radii_in_abaqus_and_diameters_in_calculix(tmp_path: Path) -> None:
     """B31R are CalculiX' own, as parts are Abaqus'; a deck without these could be of either."""
-    cards = ["*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION=CIRC", ".01"]
-    of_ccx = abaqus(tmp_path / "a.inp", line(), [*cards, STEEL], "B31R")
-    assert read(of_ccx).section == ao.CircularSection(0.005)
-    either = abaqus(tmp_path / "b.inp", line(), [*cards, STEEL], "B31")
+    cards = [BEAM + "CIRC\n.01"]
+    assert read(deck(tmp_path, line(), *cards, kind="B31R")).section == ao.CircularSection(0.005)
     with pytest.warns(ao.AOImpactWarning, match=r"^mesh"):
-        assert read(either).section == ao.CircularSection(0.01)
+        assert read(deck(tmp_path, line(), *cards)).section == ao.CircularSection(0.01)
     part = abaqus(tmp_path / "c.inp", line(), cards, "B31").read_text()
     assembly = "*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n*END INSTANCE\n*END ASSEMBLY\n"
     (tmp_path / "c.inp").write_text(f"*PART, NAME=P\n{part}\n*END PART\n{assembly}{STEEL}")
@@ -382,26 +350,30 @@ WOOD = ao.Orthotropic((12e9, 1e9, 0.6e9), (0.8e9, 0.7e9, 0.05e9), (0.4, 0.5, 0.3
 NINE = "12E9, 1E9, .6E9, .4, .5, .3, .8E9, .7E9,\n.05E9"
 
 
-@pytest.mark.parametrize("program", ["abaqus", "nastran"])
+WOODEN = f"""*SOLID SECTION, ELSET=ALL, MATERIAL=WOOD, ORIENTATION=O
+*ORIENTATION, NAME=O
+0,1,0, -1,0,0
+*MATERIAL, NAME=WOOD
+*ELASTIC, TYPE=ENGINEERING CONSTANTS
+{NINE}
+*DENSITY
+500."""
+MAT11 = """PSOLID,7,2,5
+MAT11,2,12.E9,1.E9,.6E9,.4,.5,.3,.8E9
+,.7E9,.05E9,500.
+CORD2R,5,,0.,0.,0.,0.,0.,1.
+,0.,1.,0."""
+
+
+@pytest.mark.parametrize("cards", [WOODEN, MAT11])
 def test_solids_have_the_stiffness_of_nine_constants_in_axes_of_their_own(
-    program: str, tmp_path: Path
+    cards: str, tmp_path: Path
 ) -> None:
     """Hooke's matrix about z turned by a right angle: x and y, yz and xz change places."""
-    mesh = ao.box_mesh((0.2, 0.1, 0.1), (2, 1, 1))
-    C = WOOD.stiffness
-    if program == "nastran":
-        card = "MAT11,2,12.E9,1.E9,.6E9,.4,.5,.3,.8E9\n,.7E9,.05E9,500."
-        system = "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,0.,1.,0."
-        path = nastran(tmp_path / "a.bdf", mesh, ["PSOLID,7,2,5", card, system])
-    else:
-        cards = [
-            f"*MATERIAL, NAME=WOOD\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n{NINE}\n*DENSITY\n500.",
-            "*SOLID SECTION, ELSET=ALL, MATERIAL=WOOD, ORIENTATION=O",
-            "*ORIENTATION, NAME=O\n0,1,0, -1,0,0",
-        ]
-        path = abaqus(tmp_path / "a.inp", mesh, cards, "C3D8")
+    path = deck(tmp_path, ao.box_mesh((0.2, 0.1, 0.1), (2, 1, 1)), cards)
     turned = [1, 0, 2, 3, 5, 4]
-    assert read(path).stiffness == pytest.approx(C[np.ix_(turned, turned)], rel=1e-9, abs=1)
+    wanted = WOOD.stiffness[np.ix_(turned, turned)]
+    assert read(path).stiffness == pytest.approx(wanted, rel=1e-9, abs=1)
 
 
 def test_sections_of_a_part_turn_with_its_instances(tmp_path: Path) -> None:
@@ -410,9 +382,9 @@ def test_sections_of_a_part_turn_with_its_instances(tmp_path: Path) -> None:
         tmp_path / "part.inp", SHEET, ["*SHELL SECTION, ELSET=ALL, MATERIAL=PLY, ORIENTATION=O"]
     )
     part = strip.read_text() + "\n.001\n*ORIENTATION, NAME=O\n1,0,0, 0,1,0\n3, 0.\n"
-    deck = f"*PART, NAME=P\n{part}*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=a, PART=P\n"
-    deck += "*END INSTANCE\n*INSTANCE, NAME=b, PART=P\n5,0,0\n0,0,0, 0,0,1, 90.\n*END INSTANCE\n"
-    (tmp_path / "a.inp").write_text(f"{deck}*END ASSEMBLY\n{PLY}")
+    text = f"*PART, NAME=P\n{part}*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=a, PART=P\n"
+    text += "*END INSTANCE\n*INSTANCE, NAME=b, PART=P\n5,0,0\n0,0,0, 0,0,1, 90.\n*END INSTANCE\n"
+    (tmp_path / "a.inp").write_text(f"{text}*END ASSEMBLY\n{PLY}")
     sections = ao.read_sections(tmp_path / "a.inp")
     assert list(sections) == ["a.ALL", "b.ALL"]
     first, second = (np.array(of.reference) for of in sections.values())  # type: ignore[union-attr]
@@ -425,9 +397,7 @@ def test_sections_of_a_part_turn_with_its_instances(tmp_path: Path) -> None:
 
 def test_what_is_given_takes_the_place_of_cards(tmp_path: Path) -> None:
     bare = STEEL.replace("*DENSITY\n7800.\n", "")
-    path = abaqus(
-        tmp_path / "a.inp", SHEET, ["*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL", ".001", bare]
-    )
+    path = deck(tmp_path, SHEET, STEEL_SHELL, bare)
     assert read(path, given={"Steel": STEEL_SI}) == ao.Shell(1e-3, STEEL_SI)
     thick = ao.Shell(5e-3, STEEL_SI)
     assert read(path, given={"all": thick}) == thick
@@ -443,56 +413,42 @@ def test_what_is_given_takes_the_place_of_cards(tmp_path: Path) -> None:
 
 
 def test_a_group_and_its_material_may_have_one_name(tmp_path: Path) -> None:
-    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=ALL", ".001", STEEL.replace("STEEL", "ALL")]
-    path = abaqus(tmp_path / "a.inp", SHEET, cards)
+    path = deck(tmp_path, SHEET, f"{STEEL_SHELL}\n{STEEL}".replace("STEEL", "ALL"))
     other = ao.Material(7e10, 0.33, 2700)
     assert read(path, given={"ALL": other}) == ao.Shell(1e-3, other)
 
 
-def test_what_is_left_out_is_said(tmp_path: Path) -> None:
-    cards = [
-        "*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL",
-        ".001",
-        f"{STEEL}*PLASTIC\n3E8, 0.\n*DAMPING, BETA=1E-6",
-    ]
-    with pytest.warns(ao.AOImpactWarning, match=r"^mesh"):
-        read(abaqus(tmp_path / "a.inp", SHEET, cards))
-    with pytest.warns(ao.AOImpactWarning, match=r"^mesh"):
-        read(abaqus(tmp_path / "c.inp", SHEET, [*cards[:2], STEEL, "*FOUNDATION\nALL, F1, 1E6"]))
-    oriented = [f"{ORIENTED}0,0,1, 1,0,0\n, 35.", PLY]
-    with pytest.warns(ao.AOImpactWarning, match=r"^mesh"):
-        read(abaqus(tmp_path / "d.inp", SHEET, oriented))
-    turned = ["*NODE\n99, 5., 0., 0., 0., 0., 1.", *cards[:2], STEEL]
-    with pytest.warns(ao.AOImpactWarning, match=r"^mesh"):
-        read(abaqus(tmp_path / "b.inp", SHEET, turned))
-
-
 @pytest.mark.parametrize(
-    ("cards", "said"),
+    "cards",
     [
-        (["PSHELL,7,1,.001,1", f"{MAT1},,,.02"], r"^mesh"),
-        (["PCOMP,7,,,,,,.02\n,1,.001,0.", MAT1], r"^mesh"),
-        (["PSHELL,7,1,.001,1", f"{MAT1}\nMATS1,1,3"], r"^mesh"),
+        f"{STEEL_SHELL}\n{STEEL}*PLASTIC\n3E8, 0.\n*DAMPING, BETA=1E-6",
+        f"{STEEL_SHELL}\n*FOUNDATION\nALL, F1, 1E6",
+        f"{ORIENTED}0,0,1, 1,0,0\n, 35.",
+        f"*NODE\n99, 5., 0., 0., 0., 0., 1.\n{STEEL_SHELL}",
+        f"PSHELL,7,1,.001,1\n{MAT1},,,.02",
+        "PCOMP,7,,,,,,.02\n,1,.001,0.",
+        "PSHELL,7,1,.001,1\nMATS1,1,3",
+        *(
+            f"*SHELL SECTION, ELSET=ALL, MATERIAL=PLY\n.002\n{PLY}*{card}\n1, -1, 1, -1, 1"
+            for card in ("FAIL STRESS", "FAIL STRAIN", "TENSILE FAILURE")
+        ),
     ],
 )
-def test_damping_and_yielding_of_nastran_are_left_out_aloud(
-    cards: list[str], said: str, tmp_path: Path
-) -> None:
-    with pytest.warns(ao.AOImpactWarning, match=said):
-        read(nastran(tmp_path / "a.bdf", SHEET, cards))
+def test_what_is_left_out_is_said(cards: str, tmp_path: Path) -> None:
+    with pytest.warns(ao.AOImpactWarning, match=r"^mesh"):
+        read(deck(tmp_path, SHEET, cards))
 
 
 def test_a_section_that_is_given_holds_what_cards_add(tmp_path: Path) -> None:
-    cards = ["*SHELL SECTION, ELSET=ALL, MATERIAL=STEEL", ".001", STEEL]
     mass = ["*NONSTRUCTURAL MASS, ELSET=ALL, UNITS=MASS PER AREA", "7.8"]
     heavy = ao.Shell(1e-3, ao.Material(2.1e11, 0.3, 15600))
-    path = abaqus(tmp_path / "a.inp", SHEET, [*cards, *mass])
+    path = deck(tmp_path, SHEET, STEEL_SHELL, *mass)
     assert read(path, given={"ALL": heavy}) == heavy
-    shear = "\n".join(["", *cards[:2], "*TRANSVERSE SHEAR STIFFNESS", "1E6, 1E6, 0."])
+    shear = "\n".join(["", STEEL_SHELL, "*TRANSVERSE SHEAR STIFFNESS", "1E6, 1E6, 0."])
     part = abaqus(tmp_path / "b.inp", SHEET, []).read_text() + shear
-    deck = f"*PART, NAME=P\n{part}\n*END PART\n*ASSEMBLY, NAME=A\n"
-    deck += "".join(f"*INSTANCE, NAME={of}, PART=P\n*END INSTANCE\n" for of in "ab")
-    (tmp_path / "b.inp").write_text(f"{deck}*END ASSEMBLY\n{STEEL}")
+    text = f"*PART, NAME=P\n{part}\n*END PART\n*ASSEMBLY, NAME=A\n"
+    text += "".join(f"*INSTANCE, NAME={of}, PART=P\n*END INSTANCE\n" for of in "ab")
+    (tmp_path / "b.inp").write_text(f"{text}*END ASSEMBLY\n{STEEL}")
     both = ao.read_sections(tmp_path / "b.inp", given={"a.ALL": heavy, "b.ALL": heavy})
     assert list(both.values()) == [heavy, heavy]
     with pytest.raises(ao.MeshError, match=r"line 62\b"):
@@ -541,7 +497,7 @@ def test_a_round_bar_may_be_turned_as_it_likes(card: str, tmp_path: Path) -> Non
 
 def test_bars_take_G_as_it_is_and_solids_as_it_was_rounded(tmp_path: Path) -> None:
     of = "MAT1,1,7.+10,{},.33,2700.".format
-    path = nastran(tmp_path / "a.bdf", SHEET, ["PSHELL,7,1,.001,1", of("2.6+10")])
+    path = deck(tmp_path, SHEET, "PSHELL,7,1,.001,1", of("2.6+10"))
     with pytest.warns(ao.AOImpactWarning, match=r"^mesh"):
         assert read(path).material == ao.Material(7e10, 0.33, 2700)
     nastran(path, SHEET, ["PSHELL,7,1,.001,1", of("2.7+10")])
@@ -552,8 +508,8 @@ def test_bars_take_G_as_it_is_and_solids_as_it_was_rounded(tmp_path: Path) -> No
 
 
 def test_rods_beside_bars_are_left_out_aloud(tmp_path: Path) -> None:
-    more = ["PBARL,7,1,,ROD\n,.01", MAT1, "GRID,99,,,1.", "CROD,99,8,1,99", "PROD,8,1,.1"]
-    path = nastran(tmp_path / "a.bdf", line(), more, ",0.,0.,1.")
+    more = ["PBARL,7,1,,ROD\n,.01", "GRID,99,,,1.", "CROD,99,8,1,99", "PROD,8,1,.1"]
+    path = deck(tmp_path, line(), *more, after=",0.,0.,1.")
     with pytest.warns(ao.AOImpactWarning, match=r"^mesh"):
         sections = ao.read_sections(path)
     with pytest.warns(ao.AOImpactWarning, match="elements"):
