@@ -5,9 +5,8 @@
 this folder, but for `FEModel.from_mesh`, which takes the path of a mesh.
 """
 
-from .load import load
 from .matrices import load_matrices, read_matrices
 from .matrix import RawMatrix
-from .read import paper_sphere_mesh, read_for, read_mesh
+from .read import load, paper_sphere_mesh, read_for, read_mesh
 from .readsections import read_sections
 from .write import write_matrices

@@ -174,23 +174,14 @@ def _all_lines(main: Path) -> Lines:
 class Piece(NamedTuple):
     """A line of bulk data between its head and its tail, which have the marks of continuations.
 
-    `data` are the columns of four or eight fields, or the fields of a line with commas, as many or
-    more. A line is `spoilt` if a field is left over or too long to be kept.
+    It is `spoilt` if a field is left over or too long to be kept.
     """
 
     line: int
     head: bytes
-    data: bytes | list[bytes]
+    fields: list[bytes]
     tail: bytes
     spoilt: bool = False
-
-    @property
-    def fields(self) -> list[bytes]:
-        """The fields without blanks about them."""
-        if isinstance(self.data, list):
-            return self.data
-        width = 16 if b"*" in self.head else 8
-        return [self.data[k : k + width].strip() for k in range(0, 64, width)]
 
 
 def _with_commas(line: int, words: list[bytes]) -> Piece:
@@ -222,7 +213,9 @@ def _pieces(lines: Lines) -> list[Piece]:
         if b"," in text[:10]:
             found.append(_with_commas(i, _words(text)))
         else:
-            found.append(Piece(i, text[:8], text[8:72], text[72:_COLUMNS]))
+            width = 16 if b"*" in text[:8] else 8
+            fields = [text[k : k + width].strip() for k in range(8, 72, width)]
+            found.append(Piece(i, text[:8], fields, text[72:_COLUMNS]))
     return found
 
 

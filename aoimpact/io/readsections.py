@@ -22,8 +22,8 @@ from ..base import (
 from ..fem import Laminate, OneMaterial, Shell
 from ..mesh import against_neighbours
 from .abaqusdeck import key
-from .load import load
 from .raw import RawMesh
+from .read import load
 from .sections import Source
 
 

@@ -181,27 +181,21 @@ def _plan(kind: str, pattern: tuple[int, ...]) -> tuple[str, list[int], IntArray
     # Nodes within collapsed sides have no place in other kinds.
     if len(element.nodes) == 27 or target is None:
         return None
-    sides = []
-    for face in reference_faces(element.cell.linear):
-        around = [pattern[node] for node in face.nodes[: face.n_corners]]
-        corners = [around[i] for i in range(len(around)) if around[i] != around[i - 1]]
-        if len(set(corners)) < len(corners):  # folded
-            return None
-        if len(corners) > 2:
-            sides.append(frozenset(corners))
-    if len(set(sides)) < len(sides):
-        return None
+    # Its sides, without those that have lost their area; a folded one is no side of any solid.
+    around = [[pattern[n] for n in face.nodes] for face in reference_faces(element.cell.linear)]
+    left = ([n for n, last in zip(of, [of[-1], *of], strict=False) if n != last] for of in around)
+    sides = sorted(sorted(of) for of in left if len(of) > 2)
     # The order of corners that makes an element of these sides, right-handed.
     places = np.stack(
         [element.cell.corners[np.array(pattern) == corner].mean(axis=0) for corner in distinct]
     )
     linear = reference_element(target)
     middle = linear.gradient(linear.cell.corners.mean(axis=0, keepdims=True))[0]
-    faces = [face.nodes[: face.n_corners] for face in reference_faces(target)]
-    for turned in permutations(range(len(distinct))):
-        fits = {frozenset(distinct[turned[n]] for n in face) for face in faces} == set(sides)
-        if fits and np.linalg.det(places[list(turned)].T @ middle) > 0.0:
-            order = [distinct[i] for i in turned]
+    faces = [face.nodes for face in reference_faces(target)]
+    for order in map(list, permutations(distinct)):
+        turned = places[[distinct.index(corner) for corner in order]]
+        fits = sorted(sorted(order[n] for n in face) for face in faces) == sides
+        if fits and np.linalg.det(turned.T @ middle) > 0.0:
             break
     else:
         return None
