@@ -185,6 +185,7 @@ PIECES = [
     {"more": GHOST},
     {"how": 'format="appended" offset="0"'},
 ]
+ENDLESS = "TIN (((" + 40 * "0.0 0.0 0.0, " + "x"  # takes minutes in a pattern
 GRIDS = [
     "<VTKFile",
     "<VTKFile/>",
@@ -202,13 +203,20 @@ GRIDS = [
         *(("a.vtk", (HEADER + BRICK).replace(*change, 1)) for change in LEGACY),
         *(("a.vtu", text) for text in GRIDS),
         *(("a.msh", TWO.replace(*change, 1)) for change in DAMAGED),
+        *(("a.msh", text) for text in ("", "$MeshFormat\n4.1 0 8\n", "nonsense\n")),
+        *((f"a.{end}", ENDLESS) for end in ("stl", "wkt", "tec", "f3grid", "vol", "mdpa", "xyz")),
+        ("noextension", ENDLESS),
+        ("a.ugrid", "1 2 3\n"),
         ("job.dat", "1\n   Abaqus 2023   Date 26-Nov   Time 200000000014764\n"),  # a listing
     ],
 )
-def test_damaged_files_are_refused(tmp_path: Path, name: str, text: str) -> None:
+def test_damaged_files_and_other_formats_are_refused(
+    tmp_path: Path, name: str, text: str, capfd: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / name).write_text(text)
     with pytest.raises(MeshError, match=rf"^mesh file .*{name}"):
         ao.read_mesh(tmp_path / name)
+    assert capfd.readouterr() == ("", "")  # also of what meshio prints
 
 
 # --------------------------------------------------------------------------------------- Exodus

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import pickle
-import tracemalloc
 import warnings
-from pathlib import Path
 from typing import Any
 
 import meshio
@@ -163,31 +161,6 @@ def test_nodes_of_no_element_may_have_any_coordinates(bad: float) -> None:
     assert np.array_equal(points[0], [bad, 0.0, bad], equal_nan=True)
 
 
-ENDLESS = "TIN (((" + 40 * "0.0 0.0 0.0, " + "x"  # takes minutes in a pattern
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "words"),
-    [
-        ("a.msh", "", r"^mesh"),
-        ("a.msh", "$MeshFormat\n4.1 0 8\n", r"^mesh"),
-        ("a.msh", "nonsense\n", r"^mesh"),
-        ("a.vtu", "<VTKFile>", r"^mesh"),
-        ("a.xyz", "1 2 3", "a.xyz"),
-        ("noextension", "1 2 3", "noextension"),
-        ("a.ugrid", "1 2 3\n", "a.ugrid"),
-        *((f"a.{end}", ENDLESS, end) for end in ("stl", "wkt", "tec", "f3grid", "vol", "mdpa")),
-    ],
-)
-def test_files_that_are_no_mesh(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], name: str, text: str, words: str
-) -> None:
-    (tmp_path / name).write_text(text)
-    with pytest.raises(MeshError, match=words):
-        read_mesh(tmp_path / name)
-    assert capfd.readouterr() == ("", "")
-
-
 @pytest.mark.parametrize(
     ("changed", "error", "words"),
     [
@@ -228,43 +201,6 @@ def test_good_meshes_raise_no_warning() -> None:
             read_mesh(box_mesh((1, 1, 1), (2, 2, 2), kind=kind))
             mesh = distorted_box(kind)
             read_mesh(raw_mesh(mesh.nodes, kind, mesh.cells))
-
-
-# ------------------------------------------------------------------------------- damaged files
-
-
-def written(file: Path, file_format: str, **how: bool) -> bytes:
-    box = box_mesh((1.0, 1.0, 1.0), (3, 3, 3))
-    cells = [("hexahedron", np.array(box.cells))]
-    tags = {"gmsh:physical": [np.ones(27, int)], "gmsh:geometrical": [np.ones(27, int)]}
-    names = {"body": np.array([1, 3])}
-    mesh = meshio.Mesh(np.array(box.nodes), cells, cell_data=tags, field_data=names)
-    meshio.write(file, mesh, file_format=file_format, **how)
-    return file.read_bytes()
-
-
-def patched(content: bytes, after: bytes, skip: int, number: int) -> bytes:
-    at = content.index(after) + len(after) + skip
-    return content[:at] + number.to_bytes(8, "little") + content[at + 8 :]
-
-
-@pytest.mark.parametrize("number", [10**9, 10**11, 2**62])
-@pytest.mark.parametrize(
-    ("section", "skip"),
-    [(b"$Nodes\n", 8), (b"$Elements\n", 0)],  # number of all nodes, and of blocks of elements
-)
-def test_a_count_beyond_the_file_is_refused_before_it_is_made_room_for(
-    tmp_path: Path, section: bytes, skip: int, number: int
-) -> None:
-    file = tmp_path / "a.msh"
-    content = written(file, "gmsh", binary=True)
-    file.write_bytes(patched(content, section, skip, number))
-    tracemalloc.start()
-    with pytest.raises(MeshError, match=r"a\.msh"):
-        read_mesh(file)
-    most = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert most < 2**30
 
 
 def test_groups_of_what_is_not_there_are_refused() -> None:

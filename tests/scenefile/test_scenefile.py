@@ -379,24 +379,6 @@ def test_a_sensor_may_be_what_is_asked_for(name: str, tmp_path: Path) -> None:
     assert hit.target.label.startswith("AO(")
 
 
-def test_what_is_left_out_follows_from_the_bodies(tmp_path: Path) -> None:
-    bodies = """
-[bodies]
-ball = { ball = 0.01, material = "steel" }
-[bodies.block]
-mesh = { box = [0.03, 0.03, 0.03], divisions = [3, 3, 3], kind = "hexahedron20" }
-material = "steel"
-contact = { point = [0.015, 0.015, 0.03] }
-"""
-    impact = '[impact]\nprojectile = "ball"\ntarget = "block"\nvelocity = 0.5\nrtol = 0.05\n'
-    hit = read(tmp_path, MATERIALS + bodies + impact).simulate()
-    mesh = ao.box_mesh((0.03,) * 3, (3,) * 3, kind="hexahedron20")
-    tip = ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.015, 0.015, 0.03))
-    same = ao.simulate(ao.ball(0.01, STEEL), tip, 0.5, rtol=0.05)
-    assert hit.peak_force == same.peak_force
-    assert hit.duration == same.duration
-
-
 def test_a_scene_of_several_bodies(tmp_path: Path) -> None:
     file = read(tmp_path, ROW)
     scene = ao.Scene(gravity=9.81)
@@ -411,17 +393,6 @@ def test_a_scene_of_several_bodies(tmp_path: Path) -> None:
         assert np.array_equal(ours.force, theirs.force)
     (kept,) = ao.simulate_many([file.case()], keep=file.reported)
     assert kept["contacts.1.peak_force"] == same.contacts[1].peak_force
-
-
-def test_a_scene_may_start_from_rest(tmp_path: Path) -> None:
-    """A ball that lies on a spring's stop under gravity stays there: force m g throughout."""
-    text = ROW.replace("duration = 1e-2", "duration = 1e-2\npreload = true")
-    text = text[: text.index("[[scene.bodies]]")] + (
-        '[[scene.bodies]]\nbody = "ball"\n[[scene.bodies]]\nbody = "wall"\n'
-        '[[scene.contacts]]\nbetween = ["ball", "wall"]\nlaw = { type = "Linear", k = 1e4 }\n'
-    )
-    run = read(tmp_path, text).simulate()
-    np.testing.assert_allclose(run.contacts[0].force, 0.03 * 9.81, rtol=1e-6)
 
 
 @pytest.mark.parametrize("quantity", ['"force"', '"ball"', '{ body = "bar", port = 1 }'])
