@@ -161,20 +161,18 @@ class Keyword:
         16 numbers, with which a line is full.
         """
         lines, width = [line.rstrip(", \t") for line in self.data], 1 + n_nodes
-        table = columns(lines, width, ",")
-        if table is None:
-            whole, start, count = list[str](), 0, 0
-            for row, line in enumerate(lines):
-                own = line.count(",") + 1
-                count += own
-                goes_on = count < width and (own == _FULL or self.data[row].endswith(","))
-                if count == width:
-                    whole.append(",".join(lines[start : row + 1]))
-                    start, count = row + 1, 0
-                elif not goes_on or row + 1 == len(lines):
-                    why = f"the element must have {n_nodes} nodes; a line goes on after a comma"
-                    raise self.error(why, start)
-            table = columns(whole, width, ",")
+        own = np.array([line.count(",") + 1 for line in lines], dtype=int)
+        end = np.cumsum(own)
+        goes_on = (own == _FULL) | np.array([line.endswith(",") for line in self.data], dtype=bool)
+        goes_on[-1:] = False
+        split = ((end - own) // width < (end - 1) // width) | ((end % width > 0) & ~goes_on)
+        for row in np.flatnonzero(split)[:1]:
+            first = np.searchsorted(end - own, (end - own)[row] // width * width)
+            why = f"the element must have {n_nodes} nodes; a line goes on after a comma"
+            raise self.error(why, int(first))
+        cuts = np.flatnonzero(end % width == 0) + 1
+        whole = [",".join(lines[start:stop]) for start, stop in pairwise([0, *cuts.tolist()])]
+        table = columns(whole, width, ",")
         written = "".join(lines)  # 3.0 is no integer
         if (
             table is None

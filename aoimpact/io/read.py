@@ -51,7 +51,7 @@ from ..mesh import (
 from . import abaqus, exodus, gmsh, med, nastran, viameshio, vtk
 from .abaqusdeck import looks_like_inp
 from .nastrandeck import is_nastran
-from .raw import RawBlock, RawMesh, nodes_in
+from .raw import RawBlock, RawMesh, grouped, nodes_in
 from .viameshio import from_meshio, is_meshio
 
 _Reader = Callable[[Path], RawMesh]
@@ -224,48 +224,38 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     return gathered(replace(raw, nodes=nodes, node_sets=_node_sets(raw)), parts, raw.first[-1])
 
 
-def _with_middles(raw: RawMesh) -> RawMesh:
-    """Return a file with a node in the middle of each quad8, which becomes a quad9.
-
-    The node is in the sets of nodes that hold all others of its element.
-    """
-    nodes, labels, blocks = raw.nodes, raw.node_labels, []
-    sets = {name: np.asarray(own) for name, own in raw.node_sets.items()}
-    for block in raw.blocks:
-        cells = np.asarray(block.cells)
-        sound = cells.shape[1:] == (8,) and len(cells) and cells.min() >= 0
-        if block.kind == "quad8" and sound and cells.max() < len(raw.nodes):  # or refused later
-            middles = len(nodes) + np.arange(len(cells))
-            for name, own in sets.items():
-                sets[name] = np.append(own, middles[np.isin(cells, own).all(axis=1)])
-            nodes = np.concatenate([nodes, np.einsum("a,nai->ni", _MIDDLE, nodes[cells])])
-            if labels is not None:
-                labels = np.append(labels, labels.max() + 1 + np.arange(len(cells)))
-            block = RawBlock("quad9", np.column_stack([cells, middles]), block.labels)
-        blocks.append(block)
-    return replace(raw, nodes=nodes, node_labels=labels, node_sets=sets, blocks=tuple(blocks))
-
-
 def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
-    """Return a file with elements of second order of shells and beams split at their nodes."""
+    """Return a file with elements of second order of shells and beams split at their nodes.
+
+    A quad8 gets a node in its middle, in the sets of nodes that hold all others of the element.
+    """
     kinds = {block.kind for block in raw.blocks if len(block.cells)}
     solid = max((block.dim for block in raw.blocks if len(block.cells)), default=0) == 3
     if not kinds.intersection([*_SPLIT, "quad8"]) or (solid and not named):
         return raw
-    raw = _with_middles(raw)
-    blocks, origins = [], []
+    nodes, labels, blocks, origins = raw.nodes, raw.node_labels, [], []
+    node_sets = {name: np.asarray(own) for name, own in raw.node_sets.items()}
     for block, numbers in zip(raw.blocks, raw.numbers, strict=True):
-        cells = np.asarray(block.cells)
-        if block.kind in _SPLIT and cells.shape[1:] == (nodes_in(block.kind),):
-            kind, parts = _SPLIT[block.kind]
-            labels = None if block.labels is None else np.repeat(block.labels, len(parts))
-            own = cells[:, np.array(parts)].reshape(-1, len(parts[0]))
-            block, numbers = RawBlock(kind, own, labels), np.repeat(numbers, len(parts))
-        blocks.append(block)  # one of another shape is refused later
+        kind, cells = block.kind, np.asarray(block.cells)
+        sound = kind in {*_SPLIT, "quad8"} and cells.shape[1:] == (nodes_in(kind),) and len(cells)
+        if kind == "quad8" and sound and 0 <= cells.min() <= cells.max() < len(raw.nodes):
+            middles = len(nodes) + np.arange(len(cells))
+            for name, own in node_sets.items():
+                node_sets[name] = np.append(own, middles[np.isin(cells, own).all(axis=1)])
+            nodes = np.concatenate([nodes, np.einsum("a,nai->ni", _MIDDLE, nodes[cells])])
+            if labels is not None:
+                labels = np.append(labels, labels.max() + 1 + np.arange(len(cells)))
+            kind, cells = "quad9", np.column_stack([cells, middles])
+        if sound and kind in _SPLIT:  # others are refused later
+            kind, parts = _SPLIT[kind]
+            own = None if block.labels is None else np.repeat(block.labels, len(parts))
+            block = RawBlock(kind, cells[:, np.array(parts)].reshape(-1, len(parts[0])), own)
+            numbers = np.repeat(numbers, len(parts))
+        blocks.append(block)
         origins.append(numbers)
     origin = np.concatenate(origins)
     sets = {name: np.flatnonzero(np.isin(origin, own)) for name, own in raw.cell_sets.items()}
-    return replace(raw, blocks=tuple(blocks), cell_sets=sets)
+    return RawMesh(nodes, tuple(blocks), node_sets, sets, labels, raw.left_out, raw.deck)
 
 
 def _warn_of_sections(raw: RawMesh, body: list[Solids], named: bool) -> None:
@@ -289,15 +279,15 @@ def _warn_of_sections(raw: RawMesh, body: list[Solids], named: bool) -> None:
 
 def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
     """Return the sets of nodes, and the nodes of other groups of cells of any dimension."""
-    found = {name: [np.asarray(ids)] for name, ids in raw.node_sets.items()}
-    for name, members in raw.cell_sets.items():
-        if name in raw.node_sets:  # the file has a set of nodes of that name
-            continue
-        for block, own in raw.rows(members):
-            found.setdefault(name, []).append(np.unique(block.cells[own]))
-    sets = {name: np.unique(np.concatenate(parts)) for name, parts in found.items()}
+    of_cells = (
+        (name, block.cells[own].ravel())
+        for name, members in raw.cell_sets.items()
+        if name not in raw.node_sets  # the file has a set of nodes of that name
+        for block, own in raw.rows(members)
+    )
+    sets = grouped([*raw.node_sets.items(), *of_cells])
     for name, ids in sets.items():
-        if len(ids) and not 0 <= ids[0] <= ids[-1] < len(raw.nodes):
+        if not 0 <= ids[0] <= ids[-1] < len(raw.nodes):
             raise MeshError(f"the group {name!r} of the mesh has nodes that are not there")
     return {name: ids.astype(np.int64) for name, ids in sets.items()}
 

@@ -6,7 +6,7 @@ node and zero at the others.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import combinations, product
@@ -75,7 +75,7 @@ class ReferenceElement:
     kind: str
     cell: Cell
     nodes: FloatArray
-    _points: tuple[int, int]
+    _points: Sequence[int]
     _basis: _Basis
 
     @cached_property
@@ -344,47 +344,34 @@ _SIDES = {
 }
 
 
-@dataclass(frozen=True)
-class _Kind:
-    """Parts of a `ReferenceElement`; the last two are points of quadrature in each direction.
-
-    `middles` are the nodes after the corners, each in the middle of these corners (VTK's
-    file-format figures).
-    """
-
-    cell: Cell
-    middles: str
-    space: tuple[_Powers, ...]
-    stiffness_points: int
-    mass_points: int
-
-
 _EDGES = "01 12 23 03 45 56 67 47 04 15 26 37"  # of a hexahedron
 _FACES = "0347 1256 0145 2367 0123 4567"
 
-# All kinds of elements, by meshio's names. Nothing about a kind is said elsewhere.
+# All kinds of elements, by meshio's names. Nothing about a kind is said elsewhere: the cell; the
+# nodes after the corners, each in the middle of these corners (VTK's file-format figures); the
+# space; and the points of quadrature in each direction, of stiffness and mass.
 #
 # Degrees needed with curved sides, where the Jacobian is a polynomial too. Hexahedra of order p, in
 # each coordinate: 3p − 1 for ∫∇φ dV, 5p − 1 for ∫φφ dV; tetrahedra, in all: 3p − 3 and 5p − 3.
 # Wedges: 3p − 2 and 5p − 2 in the triangle; pyramids, in x/(1-z) and y/(1-z): 3p and 5p.
-_ALL = {
-    "tetra": _Kind(_TETRAHEDRON, "", _TETRAHEDRON_4, 1, 2),
-    "tetra10": _Kind(_TETRAHEDRON, "01 12 02 03 13 23", _TETRAHEDRON_10, 3, 4),
-    "hexahedron": _Kind(_HEXAHEDRON, "", _HEXAHEDRON_8, 2, 3),
-    "hexahedron20": _Kind(_HEXAHEDRON, _EDGES, _HEXAHEDRON_20, 3, 5),
-    "hexahedron27": _Kind(_HEXAHEDRON, f"{_EDGES} {_FACES} 01234567", _HEXAHEDRON_27, 3, 5),
-    "wedge": _Kind(_WEDGE, "", _WEDGE_6, 2, 3),
-    "wedge15": _Kind(_WEDGE, "01 12 02 34 45 35 03 14 25", _WEDGE_15, 3, 5),
-    "pyramid": _Kind(_PYRAMID, "", _PYRAMID_5, 2, 3),
-    "pyramid13": _Kind(_PYRAMID, "01 12 23 03 04 14 24 34", _PYRAMID_13, 4, 6),
+_ALL: dict[str, tuple[Cell, str, tuple[_Powers, ...], int, int]] = {
+    "tetra": (_TETRAHEDRON, "", _TETRAHEDRON_4, 1, 2),
+    "tetra10": (_TETRAHEDRON, "01 12 02 03 13 23", _TETRAHEDRON_10, 3, 4),
+    "hexahedron": (_HEXAHEDRON, "", _HEXAHEDRON_8, 2, 3),
+    "hexahedron20": (_HEXAHEDRON, _EDGES, _HEXAHEDRON_20, 3, 5),
+    "hexahedron27": (_HEXAHEDRON, f"{_EDGES} {_FACES} 01234567", _HEXAHEDRON_27, 3, 5),
+    "wedge": (_WEDGE, "", _WEDGE_6, 2, 3),
+    "wedge15": (_WEDGE, "01 12 02 34 45 35 03 14 25", _WEDGE_15, 3, 5),
+    "pyramid": (_PYRAMID, "", _PYRAMID_5, 2, 3),
+    "pyramid13": (_PYRAMID, "01 12 23 03 04 14 24 34", _PYRAMID_13, 4, 6),
 }
 
 # Solids, and beside them what shells and beams are made of, without quadrature of its own.
 KINDS = tuple(_ALL)
 _ALL |= {
-    "line": _Kind(_LINE, "", ((0, 0, 0, 0), (1, 0, 0, 0)), 1, 1),
-    "triangle": _Kind(_TRIANGLE, "", _SIDES[3], 1, 1),
-    "quad": _Kind(_QUAD, "", _SIDES[4], 1, 1),
+    "line": (_LINE, "", ((0, 0, 0, 0), (1, 0, 0, 0)), 1, 1),
+    "triangle": (_TRIANGLE, "", _SIDES[3], 1, 1),
+    "quad": (_QUAD, "", _SIDES[4], 1, 1),
 }
 THIN = ("quad", "triangle", "line")
 
@@ -392,14 +379,11 @@ THIN = ("quad", "triangle", "line")
 @cache
 def reference_element(kind: str) -> ReferenceElement:
     """Return the element of meshio's name `kind`, one of `KINDS` or `THIN`."""
-    of = _ALL[kind]
-    corners = of.cell.corners
-    nodes = np.vstack(
-        [corners, *(corners[[*map(int, c)]].mean(axis=0) for c in of.middles.split())]
-    )
-    basis = _Basis.of(of.space, nodes, 0.5 if of.cell is _HEXAHEDRON else 0.0)
-    points = (of.stiffness_points, of.mass_points)
-    return ReferenceElement(kind, of.cell, nodes, points, basis)
+    cell, middles, space, *points = _ALL[kind]
+    means = (cell.corners[[*map(int, of)]].mean(axis=0) for of in middles.split())
+    nodes = np.vstack([cell.corners, *means])
+    basis = _Basis.of(space, nodes, 0.5 if cell is _HEXAHEDRON else 0.0)
+    return ReferenceElement(kind, cell, nodes, points, basis)
 
 
 @cache
