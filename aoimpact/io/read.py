@@ -248,8 +248,8 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
             kind, cells = "quad9", np.column_stack([cells, middles])
         if sound and kind in _SPLIT:  # others are refused later
             kind, parts = _SPLIT[kind]
-            own = None if block.labels is None else np.repeat(block.labels, len(parts))
-            block = RawBlock(kind, cells[:, np.array(parts)].reshape(-1, len(parts[0])), own)
+            tags = None if block.labels is None else np.repeat(block.labels, len(parts))
+            block = RawBlock(kind, cells[:, np.array(parts)].reshape(-1, len(parts[0])), tags)
             numbers = np.repeat(numbers, len(parts))
         blocks.append(block)
         origins.append(numbers)
