@@ -96,12 +96,12 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
     }
     /* For an open contact dashpots act from the touch on, not from the open gap. */
     const double rest = aoi_law_rest(law, contact->memory);
-    const double from = contact->closed ? contact->start : fmax(contact->start, rest);
+    const double from = contact->is_closed ? contact->closed.start : fmax(contact->closed.start, rest);
     run->balanced[count] = (aoi_contact_state){.law = law,
-                                         .force = contact->force,
+                                         .force = contact->closed.force,
                                          .indentation = from,
                                          .last_indentation = from,
-                                         .rate = contact->start_rate};
+                                         .rate = contact->closed.rate};
     run->balanced[count].contact = c;
     memcpy(run->balanced[count].memory, contact->memory, sizeof contact->memory);
     return count + 1;
@@ -112,11 +112,11 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
 static int piece_at(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate)
 {
     const aoi_adaptive_contact *contact = &run->contact[of->contact];
-    const double off = run->rtol * contact->indentation_scale;
+    const double off = run->rtol * contact->scales.indentation;
     double low, high;
-    if (contact->closed && contact->piece != AOI_SLACK && indentation >= contact->low - off &&
-        indentation <= contact->high + off) {
-        return contact->piece;
+    if (contact->is_closed && contact->closed.piece != AOI_SLACK && indentation >= contact->closed.low - off &&
+        indentation <= contact->closed.high + off) {
+        return contact->closed.piece;
     }
     return aoi_law_piece(of->law, of->memory, indentation, rate > 0.0, &low, &high);
 }
@@ -150,7 +150,7 @@ static double relaxation_of(const aoi_adaptive *run, const aoi_contact_state *of
     const size_t c = of->contact;
     aoi_law_value value;
     uncut_force(run, of, of->indentation, 0.0, &value);
-    return run->contact[c].start < of->indentation ? 0.0 : value.damping * aoi_system_residual(run->system, c, c);
+    return run->contact[c].closed.start < of->indentation ? 0.0 : value.damping * aoi_system_residual(run->system, c, c);
 }
 
 int aoi_balance_at_start(aoi_adaptive *run)
@@ -158,7 +158,7 @@ int aoi_balance_at_start(aoi_adaptive *run)
     double time = run->rested ? 0.0 : SUDDEN * (run->end - run->time);
     size_t count = 0;
     for (size_t c = 0; c < run->system->contact_count; c++) {
-        run->contact[c].start = placed(run, c);
+        run->contact[c].closed.start = placed(run, c);
         count = list(run, c, count);
     }
     if (count == 0) {
@@ -171,9 +171,9 @@ int aoi_balance_at_start(aoi_adaptive *run)
     set_equations(run, time, &e);
     const int status = aoi_coupled_solve(&e, run->balanced);
     for (size_t i = 0; i < count && status == AOI_OK; i++) {
-        run->contact[run->balanced[i].contact].start = e.indentation[i];
-        run->contact[run->balanced[i].contact].force = e.force[i];
-        run->contact[run->balanced[i].contact].bending = e.force[i];
+        run->contact[run->balanced[i].contact].closed.start = e.indentation[i];
+        run->contact[run->balanced[i].contact].closed.force = e.force[i];
+        run->contact[run->balanced[i].contact].massless.bending = e.force[i];
     }
     return status;
 }
@@ -185,8 +185,8 @@ static double time_of_contacts(const aoi_adaptive *run, size_t count)
     double depth = 0.0, rate = 0.0;
     for (size_t i = 0; i < count; i++) {
         const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].contact];
-        depth = fmax(depth, contact->indentation_scale);
-        rate = fmax(rate, fabs(contact->begins ? contact->touch_rate : contact->start_rate));
+        depth = fmax(depth, contact->scales.indentation);
+        rate = fmax(rate, fabs(contact->closed.begins ? contact->closed.touch_rate : contact->closed.rate));
     }
     return depth > 0.0 && depth < rate * left ? depth / rate : left;
 }
@@ -340,7 +340,7 @@ static double least_jump(const aoi_adaptive *run, size_t count)
 {
     double largest = run->force_scale;
     for (size_t i = 0; i < count; i++) {
-        largest = fmax(largest, run->contact[run->balanced[i].contact].peak_force);
+        largest = fmax(largest, run->contact[run->balanced[i].contact].ledger.peak.force);
     }
     /* Least jump of a force that closes or opens a contact, as a multiple of rtol times the largest force: smaller ones are
      * errors of the last step, within which events have been located. Measured and tried: from 3 to 30 no run
@@ -351,7 +351,7 @@ static double least_jump(const aoi_adaptive *run, size_t count)
 /* True if a rate-dependent law without adhesion becomes slack at once. */
 static int becomes_slack(const aoi_adaptive_contact *contact, const aoi_law *law, double force, double least)
 {
-    return contact->piece != AOI_SLACK && !contact->begins && law->depends_on_rate && !law->pulls &&
+    return contact->closed.piece != AOI_SLACK && !contact->closed.begins && law->depends_on_rate && !law->pulls &&
            force < -least;
 }
 
@@ -360,8 +360,8 @@ static int becomes_slack(const aoi_adaptive_contact *contact, const aoi_law *law
 static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, double least, double error)
 {
     const aoi_adaptive_contact *contact = &run->contact[from->contact];
-    return contact->begins && contact->event != AOI_EVENT_TOUCH &&
-           contact->start <= aoi_law_rest(from->law, contact->memory) && from->force <= least &&
+    return contact->closed.begins && contact->event != AOI_EVENT_TOUCH &&
+           contact->closed.start <= aoi_law_rest(from->law, contact->memory) && from->force <= least &&
            from->rate < -error;
 }
 
@@ -369,22 +369,11 @@ static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, 
 static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contact)
 {
     if (contact->event == AOI_EVENT_TURN) {
-        contact->start_rate = fmin(contact->start_rate, 0.0);
-    } else if (before > 0.0 && contact->start_rate < 0.0) {
-        contact->piece = aoi_law_piece(law, contact->memory, contact->start, 0, &contact->low,
-                                       &contact->high);
-        contact->last_length = 0.0;
+        contact->closed.rate = fmin(contact->closed.rate, 0.0);
+    } else if (before > 0.0 && contact->closed.rate < 0.0) {
+        aoi_contact_take_piece(law, contact, contact->closed.start, 0);
+        contact->closed.last_length = 0.0;
     }
-}
-
-/* Gives a slack contact a force again. */
-static void press_again(const aoi_law *law, double rate, aoi_adaptive_contact *contact)
-{
-    contact->begins = 1;
-    contact->touch_rate = rate;
-    contact->last_length = 0.0;
-    contact->piece =
-        aoi_law_piece(law, contact->memory, contact->start, rate > 0.0, &contact->low, &contact->high);
 }
 
 /* Sets a contact's rate, piece and force after a sudden change. */
@@ -392,33 +381,30 @@ static void set_contact(aoi_adaptive *run, const aoi_contact_state *from, double
 {
     aoi_adaptive_contact *contact = &run->contact[from->contact];
     const aoi_law *law = from->law;
-    const double before = contact->start_rate;
-    contact->start_rate = from->rate;
-    if (law->turns && contact->piece != AOI_SLACK) {
+    const double before = contact->closed.rate;
+    contact->closed.rate = from->rate;
+    if (law->turns && contact->closed.piece != AOI_SLACK) {
         turn(law, before, contact);
     }
-    if (contact->piece != AOI_SLACK &&
-        piece_at(run, from, contact->start, from->rate) != contact->piece) {
-        contact->piece = aoi_law_piece(law, contact->memory, contact->start, from->rate > 0.0,
-                                       &contact->low, &contact->high);
-        contact->last_length = 0.0;
+    if (contact->closed.piece != AOI_SLACK &&
+        piece_at(run, from, contact->closed.start, from->rate) != contact->closed.piece) {
+        aoi_contact_take_piece(law, contact, contact->closed.start, from->rate > 0.0);
+        contact->closed.last_length = 0.0;
     }
     /* An event that the step has located is not revised: its rates have more digits. */
     const int found = contact->event == AOI_EVENT_SLACKEN || contact->event == AOI_EVENT_TIGHTEN;
-    if (!found && contact->piece == AOI_SLACK && from->force > least) {
-        press_again(law, from->rate, contact);
+    if (!found && contact->closed.piece == AOI_SLACK && from->force > least) {
+        aoi_contact_press_again(law, contact);
     } else if (!found && becomes_slack(contact, law, from->force, least)) {
-        contact->piece = AOI_SLACK;
+        contact->closed.piece = AOI_SLACK;
     }
-    contact->force = contact->piece != AOI_SLACK ? cut(law, from->force) : 0.0;
+    contact->closed.force = contact->closed.piece != AOI_SLACK ? cut(law, from->force) : 0.0;
 }
 
-/* Opens a contact and watches it, without a prediction of its next touch. */
+/* Opens a contact and watches it. */
 static void open_and_watch(aoi_adaptive *run, size_t c)
 {
     aoi_contact_open(run, c);
-    run->contact[c].touches = 0;
-    run->contact[c].free_until = aoi_run_now(run);
     aoi_watch_add(run, c);
 }
 
@@ -427,24 +413,24 @@ static void open_and_watch(aoi_adaptive *run, size_t c)
 static void meet(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {
-        run->contact[run->balanced[i].contact].bending = run->balanced[i].acts ? e->force[i] : 0.0;
+        run->contact[run->balanced[i].contact].massless.bending = run->balanced[i].acts ? e->force[i] : 0.0;
     }
     for (size_t i = 0; i < e->count; i++) {
         const aoi_contact_state *of = &run->balanced[i];
         const size_t c = of->contact;
         aoi_adaptive_contact *contact = &run->contact[c];
-        const double tolerance = aoi_event_tolerance(run, contact->indentation_scale);
-        contact->start = aoi_contact_place(run, c);
+        const double tolerance = aoi_event_tolerance(run, contact->scales.indentation);
+        contact->closed.start = aoi_contact_place(run, c);
         const int acts = of->acts;
-        const int touches = contact->start >= aoi_law_rest(of->law, of->memory) - tolerance;
-        if (contact->closed && !touches && !acts) {
+        const int touches = contact->closed.start >= aoi_law_rest(of->law, of->memory) - tolerance;
+        if (contact->is_closed && !touches && !acts) {
             open_and_watch(run, c);
-        } else if (contact->closed && contact->piece == AOI_SLACK && acts) {
-            press_again(of->law, contact->start_rate, contact); /* as an open contact that closes */
-        } else if (!contact->closed && acts) {
+        } else if (contact->is_closed && contact->closed.piece == AOI_SLACK && acts) {
+            aoi_contact_press_again(of->law, contact); /* as an open contact that closes */
+        } else if (!contact->is_closed && acts) {
             aoi_contact_close(run, c);
-        } else if (!contact->closed) {
-            contact->bending = 0.0;
+        } else if (!contact->is_closed) {
+            contact->massless.bending = 0.0;
         }
     }
 }
@@ -458,7 +444,7 @@ static size_t list_all(aoi_adaptive *run, int pull_off)
     }
     for (size_t c = 0; c < run->system->contact_count && pull_off; c++) {
         const aoi_adaptive_contact *contact = &run->contact[c];
-        if (contact->closed || (!aoi_watch_has(run, c) && contact->event != AOI_EVENT_OPEN)) {
+        if (contact->is_closed || (!aoi_watch_has(run, c) && contact->event != AOI_EVENT_OPEN)) {
             count = list(run, c, count);
         }
     }
@@ -469,11 +455,11 @@ static size_t list_all(aoi_adaptive *run, int pull_off)
 static void set_forces(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {
-        run->contact[run->balanced[i].contact].bending = e->force[i];
+        run->contact[run->balanced[i].contact].massless.bending = e->force[i];
     }
     for (size_t i = 0; i < e->count; i++) {
         const size_t c = run->balanced[i].contact;
-        run->contact[c].start = aoi_contact_place(run, c);
+        run->contact[c].closed.start = aoi_contact_place(run, c);
     }
 }
 
@@ -543,9 +529,9 @@ static int balance(aoi_adaptive *run, int pull_off)
     }
     for (size_t i = 0; i < count; i++) {
         const aoi_adaptive_contact *contact = &run->contact[run->balanced[i].contact];
-        const int acts = pull_off ? e.force[i] != 0.0 : contact->piece != AOI_SLACK;
+        const int acts = pull_off ? e.force[i] != 0.0 : contact->closed.piece != AOI_SLACK;
         run->balanced[i].acts = acts;
-        e.force[i] = pull_off ? e.force[i] : contact->bending;
+        e.force[i] = pull_off ? e.force[i] : contact->massless.bending;
     }
     if (!find_places(run, length, &e)) {
         return 0;
@@ -572,9 +558,9 @@ double aoi_balance_book(aoi_adaptive *run, double sign)
         aoi_adaptive_contact *contact = &run->contact[c];
         if (aoi_contact_has_residual(run, c)) {
             const double elastic =
-                aoi_law_potential(run->system->contact[c].law, contact->memory, contact->start);
-            contact->work += sign * elastic;
-            stored += elastic + 0.5 * contact->bending * aoi_contact_bent(run, c, 0);
+                aoi_law_potential(run->system->contact[c].law, contact->memory, contact->closed.start);
+            contact->ledger.work += sign * elastic;
+            stored += elastic + 0.5 * contact->massless.bending * aoi_contact_bent(run, c, 0);
         }
     }
     return stored;

@@ -117,7 +117,7 @@ static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contac
     }
     for (int i = 0; i < RISES && jerk > 0.0; i++) {
         const double acceleration = jerk * time;
-        const double reach = deepest(law, contact->memory, 0.0, acceleration / contact->mobility,
+        const double reach = deepest(law, contact->memory, 0.0, acceleration / contact->scales.mobility,
                                      0.5 * acceleration * left * left);
         time = fmin(time, sqrt(reach / acceleration));
     }
@@ -144,8 +144,8 @@ static double reach_of(const aoi_adaptive_contact *contact, const aoi_law *law, 
 {
     const double rate = fmax(by->rate, 0.0), acceleration = fmax(by->acceleration, 0.0);
     return rate + acceleration > 0.0
-               ? by->amplitude + deepest(law, contact->memory, 0.5 * rate * rate / contact->mobility,
-                                     acceleration / contact->mobility,
+               ? by->amplitude + deepest(law, contact->memory, 0.5 * rate * rate / contact->scales.mobility,
+                                     acceleration / contact->scales.mobility,
                                      left * (rate + 0.5 * acceleration * left))
                : by->amplitude;
 }
@@ -195,8 +195,8 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
     const aoi_law *law = run->system->contact[c].law;
     const double left = time_left(run, c);
     aoi_law_value value;
-    contact->mobility = mobility_of(pair);
-    if (!(contact->mobility > 0.0)) {
+    contact->scales.mobility = mobility_of(pair);
+    if (!(contact->scales.mobility > 0.0)) {
         return;
     }
     const approach now = {rate, acceleration != 0.0 ? acceleration : rising(run, contact, law, pair),
@@ -228,12 +228,12 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
         return;
     }
     const double pace = fmax(rate, 0.0) + fmax(by.acceleration, 0.0) * time;
-    const double stop = pace / contact->mobility, push = value.force * time;
-    contact->indentation_scale = fmax(contact->indentation_scale, reach);
-    contact->rate_scale = fmax(contact->rate_scale, pace);
-    contact->expected_force = fmax(contact->expected_force, fmin(stop / time, value.force));
+    const double stop = pace / contact->scales.mobility, push = value.force * time;
+    contact->scales.indentation = fmax(contact->scales.indentation, reach);
+    contact->scales.rate = fmax(contact->scales.rate, pace);
+    contact->scales.force = fmax(contact->scales.force, fmin(stop / time, value.force));
     /* A force that underflows to zero (a high power, a short record) gives no scale. */
-    contact->impulse_scale = fmax(contact->impulse_scale, push > 0.0 ? fmin(stop, push) : stop);
+    contact->scales.impulse = fmax(contact->scales.impulse, push > 0.0 ? fmin(stop, push) : stop);
     first_level(run, c, time);
 }
 
@@ -245,7 +245,7 @@ static void list_closed(aoi_adaptive *run, size_t c)
         run->closed.at[at] = run->closed.at[at - 1];
     }
     run->closed.at[at] = c;
-    run->contact[c].closed = 1;
+    run->contact[c].is_closed = 1;
 }
 
 void aoi_contact_close(aoi_adaptive *run, size_t c)
@@ -266,32 +266,28 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     rate -= aoi_contact_bent(run, c, 1);
     const int bends = aoi_system_residual(run->system, c, c) > 0.0;
     run->unbalanced = 1;
-    contact->begins = 1;
-    contact->slack = 0.0;
+    contact->flight.slack = contact->ledger.since_touch = 0.0;
 
     /* The indentation is not reset to rest: such errors would add up. At a residual compliance it follows from
      * forces. */
-    contact->start = bends ? here : fmax(here, rest);
-    contact->start_rate = contact->touch_rate = rate;
-    contact->last_length = contact->since_touch = contact->edge = 0.0;
+    contact->closed = (aoi_closed){.start = bends ? here : fmax(here, rest), .rate = rate, .touch_rate = rate, .begins = 1};
     if (contact->sliding) {
         aoi_sliding_touch(contact->sliding);
     }
-    contact->piece = aoi_law_piece(of->law, contact->memory, contact->start, rate >= 0.0,
-                                   &contact->low, &contact->high);
-    aoi_law_force(of->law, contact->memory, contact->piece, fmax(here, rest), rate, &value);
-    contact->force = value.force;
+    aoi_contact_take_piece(of->law, contact, contact->closed.start, rate >= 0.0);
+    aoi_law_force(of->law, contact->memory, contact->closed.piece, fmax(here, rest), rate, &value);
+    contact->closed.force = value.force;
     if (value.damping > 0.0 && bends) {
-        contact->start_rate = contact->force = 0.0; /* a dashpot stops a massless contact point */
+        contact->closed.rate = contact->closed.force = 0.0; /* a dashpot stops a massless contact point */
     }
-    if (contact->force < 0.0 && !of->law->pulls) { /* a touch within rounding, of bodies that still separate */
-        contact->piece = AOI_SLACK;
-        contact->force = 0.0;
+    if (contact->closed.force < 0.0 && !of->law->pulls) { /* a touch within rounding, of bodies that still separate */
+        contact->closed.piece = AOI_SLACK;
+        contact->closed.force = 0.0;
     }
     if (!bends) { /* else the balance of the contact point finds it */
-        aoi_contact_note_peak(run, c, run->contact[c].force, 0.0);
+        aoi_contact_note_peak(run, c, run->contact[c].closed.force, 0.0);
     }
     estimate_scales(run, c, &pair, rate, acceleration);
-    run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
-    run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);
+    run->indentation_scale = fmax(run->indentation_scale, contact->scales.indentation);
+    run->impulse_scale = fmax(run->impulse_scale, contact->scales.impulse);
 }

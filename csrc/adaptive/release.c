@@ -38,23 +38,23 @@ static const aoi_adaptive_contact *only_contact(const aoi_adaptive *run)
 double aoi_release_after(const aoi_adaptive *run, double within)
 {
     const aoi_adaptive_contact *contact = only_contact(run);
-    if (!contact || contact->piece == AOI_SLACK || !(contact->start_rate < 0.0)) {
+    if (!contact || contact->closed.piece == AOI_SLACK || !(contact->closed.rate < 0.0)) {
         return HUGE_VAL;
     }
     const size_t c = run->entry[0].contact;
     const aoi_law *law = run->system->contact[c].law;
-    const double depth = contact->start - aoi_law_rest(law, contact->memory);
+    const double depth = contact->closed.start - aoi_law_rest(law, contact->memory);
     double rate;
     aoi_law_value value;
-    aoi_law_force(law, contact->memory, contact->piece, contact->start, contact->start_rate, &value);
+    aoi_law_force(law, contact->memory, contact->closed.piece, contact->closed.start, contact->closed.rate, &value);
     if (!(depth > 0.0) || !(value.force > 0.0)) {
         return HUGE_VAL;
     }
     /* The force is taken as a power of the depth. While more energy is in the law than in the motion the prediction is
      * too rough. */
     const double power = 1.0 + value.stiffness * depth / value.force;
-    const double gain = 2.0 * contact->mobility * value.force * depth / power;
-    const double squared = contact->start_rate * contact->start_rate;
+    const double gain = 2.0 * contact->scales.mobility * value.force * depth / power;
+    const double squared = contact->closed.rate * contact->closed.rate;
     if (gain > squared || depth > within * sqrt(squared + gain)) {
         return HUGE_VAL;
     }
@@ -66,16 +66,16 @@ double aoi_release_after(const aoi_adaptive *run, double within)
 double aoi_release_step(const aoi_adaptive *run, double h)
 {
     const aoi_adaptive_contact *contact = only_contact(run);
-    if (!contact || contact->edge == 0.0) {
+    if (!contact || contact->closed.edge == 0.0) {
         return h;
     }
-    const double left = aoi_release_after(run, fmax(h / LEAST_OF_REST, contact->edge));
-    if (left <= contact->edge) {
+    const double left = aoi_release_after(run, fmax(h / LEAST_OF_REST, contact->closed.edge));
+    if (left <= contact->closed.edge) {
         /* Slightly beyond separation: a step that ended before it by rounding would leave a very short last one. */
-        const double beyond = 0.25 * aoi_event_tolerance(run, contact->indentation_scale) /
-                              fabs(contact->start_rate);
+        const double beyond = 0.25 * aoi_event_tolerance(run, contact->scales.indentation) /
+                              fabs(contact->closed.rate);
         return fmin(h, left + fmax(beyond, 16.0 * DBL_EPSILON * run->elapsed));
     }
-    const double most = fmin(left - contact->edge, MOST_OF_REST * left);
+    const double most = fmin(left - contact->closed.edge, MOST_OF_REST * left);
     return fmin(h, fmax(most, LEAST_OF_REST * left));
 }

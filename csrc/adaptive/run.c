@@ -178,13 +178,13 @@ static int start_closed(aoi_adaptive *run, size_t c)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_contact *of = &run->system->contact[c];
-    const double delta = contact->start;
+    const double delta = contact->closed.start;
     aoi_law_value value;
     aoi_law_remember(of->law, delta, 0.0, contact->memory);
     aoi_contact_close(run, c);
-    contact->start = delta;
-    aoi_law_force(of->law, contact->memory, contact->piece, delta, contact->start_rate, &value);
-    contact->force = value.force;
+    contact->closed.start = delta;
+    aoi_law_force(of->law, contact->memory, contact->closed.piece, delta, contact->closed.rate, &value);
+    contact->closed.force = value.force;
     if (contact->sliding) {
         const double place[3] = {delta, aoi_contact_slide(run, c, 1), aoi_contact_slide(run, c, 2)};
         const int status = aoi_sliding_begin(contact->sliding, place);
@@ -192,18 +192,18 @@ static int start_closed(aoi_adaptive *run, size_t c)
             run->failed = c;
             return status;
         }
-        contact->force = aoi_sliding_force(contact->sliding, 0);
+        contact->closed.force = aoi_sliding_force(contact->sliding, 0);
     }
-    aoi_contact_note_peak(run, c, contact->force, 0.0);
-    const double time = 1.0 / sqrt(value.stiffness * contact->mobility);
-    contact->indentation_scale = fmax(contact->indentation_scale, delta);
-    contact->impulse_scale = fmax(contact->impulse_scale, value.force * time);
+    aoi_contact_note_peak(run, c, contact->closed.force, 0.0);
+    const double time = 1.0 / sqrt(value.stiffness * contact->scales.mobility);
+    contact->scales.indentation = fmax(contact->scales.indentation, delta);
+    contact->scales.impulse = fmax(contact->scales.impulse, value.force * time);
     if (isfinite(time) && time > 0.0 && run->base == 0.0) {
         run->base = 3.0 * time;
         run->level = 0;
     }
-    run->indentation_scale = fmax(run->indentation_scale, contact->indentation_scale);
-    run->impulse_scale = fmax(run->impulse_scale, contact->impulse_scale);
+    run->indentation_scale = fmax(run->indentation_scale, contact->scales.indentation);
+    run->impulse_scale = fmax(run->impulse_scale, contact->scales.impulse);
     return AOI_OK;
 }
 
@@ -221,7 +221,7 @@ static void start_ledger(aoi_adaptive *run)
         for (int side = 0; side < 2; side++) {
             const aoi_contact *contact = &system->contact[c];
             force[system->first_port[contact->body[side]] + contact->port[side]] +=
-                (side == 0 ? -1.0 : 1.0) * run->contact[c].force;
+                (side == 0 ? -1.0 : 1.0) * run->contact[c].closed.force;
         }
     }
     for (size_t b = 0; b < system->body_count; b++) {
@@ -278,8 +278,7 @@ static int begin_contacts(aoi_adaptive *run)
 {
     size_t rubbing = 0;
     for (size_t c = 0; c < run->system->contact_count; c++) {
-        run->contact[c] = (aoi_adaptive_contact){.low = -HUGE_VAL, .high = HUGE_VAL, .free_until = -HUGE_VAL};
-        run->contact[c].peak_time = run->time;
+        run->contact[c] = (aoi_adaptive_contact){.flight = {.until = -HUGE_VAL}, .ledger = {{0.0, run->time, 0.0}, 0.0, 0.0}};
         if (run->system->contact[c].friction) {
             run->contact[c].sliding = &run->sliding[rubbing];
             begin_sliding(run, &run->system->contact[c], &run->sliding[rubbing], run->spring + OF_SLIDING * rubbing);
@@ -289,7 +288,7 @@ static int begin_contacts(aoi_adaptive *run)
     int status = aoi_balance_at_start(run);
     aoi_watch_begin(run);
     for (size_t c = 0; c < run->system->contact_count && status == AOI_OK; c++) {
-        if (run->contact[c].start > 0.0) {
+        if (run->contact[c].closed.start > 0.0) {
             status = start_closed(run, c);
         } else {
             aoi_watch_add(run, c);
@@ -342,8 +341,7 @@ aoi_progress aoi_adaptive_progress(const aoi_adaptive *run)
 
 aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
 {
-    const aoi_adaptive_contact *of = &run->contact[contact];
-    return (aoi_peak){of->peak_force, of->peak_time, of->impulse};
+    return run->contact[contact].ledger.peak;
 }
 
 /* ---------------------------------------------------------------------------------- free motion */
@@ -361,7 +359,7 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
     aoi_free_pair pair;
     aoi_watch_remove(run, c);
     aoi_pair_now(run, c, &pair);
-    pair.gap += aoi_law_rest(of->law, contact->memory) + contact->slack;
+    pair.gap += aoi_law_rest(of->law, contact->memory) + contact->flight.slack;
     for (int side = 0; side < 2; side++) {
         const size_t b = of->body[side], n = system->body[b].n;
         aoi_body_copy(run, b, copy);
@@ -374,8 +372,8 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
         limit = fmin(run->end, fmax(limit, run->halt));
     }
     const size_t most = 1 + AOI_MOST_LOOKS / (pair.body[0]->n + pair.body[1]->n);
-    const int status = aoi_free_pair_next_touch(&pair, limit, most, &contact->touches);
-    contact->free_until = pair.time;
+    const int status = aoi_free_pair_next_touch(&pair, limit, most, &contact->flight.touches);
+    contact->flight.until = pair.time;
     aoi_watch_add(run, c);
     if (status == AOI_ERROR_NO_CONVERGENCE && pair.time > now) {
         return AOI_OK; /* no touch before pair.time; the search goes on from there later */
@@ -407,20 +405,20 @@ static int move_freely(aoi_adaptive *run)
         if (status != AOI_OK) {
             return status;
         }
-        if (run->contact[c].touches && run->contact[c].free_until < best) {
+        if (run->contact[c].flight.touches && run->contact[c].flight.until < best) {
             double *kept = run->free_state[0];
             run->free_state[0] = run->free_state[1];
             run->free_state[1] = kept;
             landed = c;
-            best = run->contact[c].free_until;
-        } else if (!run->contact[c].touches) {
-            best = fmin(best, run->contact[c].free_until);
+            best = run->contact[c].flight.until;
+        } else if (!run->contact[c].flight.touches) {
+            best = fmin(best, run->contact[c].flight.until);
         }
     }
     run->origin = run->time = best;
     run->elapsed = run->left_off = 0.0;
     (void)aoi_watch_first(run, 1, run->end, &c);
-    if (c < run->system->contact_count && run->contact[c].free_until <= best) {
+    if (c < run->system->contact_count && run->contact[c].flight.until <= best) {
         if (c == landed) {
             land(run, c, run->free_state[1]);
         }
@@ -476,7 +474,7 @@ static int watch_free_pairs(aoi_adaptive *run)
 static void note_starts(aoi_adaptive *run)
 {
     for (size_t i = 0; i < run->closed.count; i++) {
-        aoi_contact_note_peak(run, run->closed.at[i], run->contact[run->closed.at[i]].force, 0.0);
+        aoi_contact_note_peak(run, run->closed.at[i], run->contact[run->closed.at[i]].closed.force, 0.0);
     }
 }
 

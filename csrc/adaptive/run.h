@@ -32,27 +32,52 @@ typedef struct aoi_adaptive_body {
     size_t table_use[AOI_TABLES];
 } aoi_adaptive_body;
 
-/* State of a contact in a run, and the scales and peaks found so far. */
-typedef struct aoi_adaptive_contact {
-    int closed, begins, piece;
-    double low, high; /* ends of the piece */
-    double mobility;  /* of both ports under a sudden force, 1/kg */
-    double edge;      /* length allowed by the error of the step in which it began, used for its end; 0: not known */
-    double memory[AOI_LAW_MEMORY];
-    double start, start_rate, force; /* now, while closed */
+/* A contact while it is open. until: both bodies are in free motion, and do not touch before this time. */
+typedef struct aoi_flight {
+    double until;
+    int touches;  /* whether it touches at that time */
+    size_t place; /* its place among the watched contacts */
+    double slack; /* indentation beyond rest that is not yet a touch, m */
+} aoi_flight;
+
+/* While it is closed: how it is now, and on which piece of its law. */
+typedef struct aoi_closed {
+    double start, rate, force;
     double touch_rate; /* the rate when its force last began, before a sudden change of it, m/s */
-    double bending;    /* the force included in the deflection of the residual compliance, N */
-    double force_rate; /* at the end of the last step, where bodies have a residual compliance */
-    double indentation_scale, impulse_scale, rate_scale;
-    double expected_force; /* largest estimate at a touch, before any step, N */
-    double free_until; /* while open, and both bodies in free motion: no touch before this time */
-    int touches;       /* whether it touches at that time */
-    size_t place;      /* its place among the watched contacts */
-    double slack;      /* while open: indentation beyond rest that is not yet a touch, m */
-    int event;         /* its first event in the step being tried, and where */
-    double event_place;
+    int begins, piece;
+    double low, high; /* ends of the piece */
+    double edge;      /* length allowed by the error of the step in which it began, used for its end; 0: not known */
     double last_length, last[AOI_NODES + 1]; /* the last step's indentation, to guess the next */
-    double peak_force, peak_time, impulse, since_touch, work;
+} aoi_closed;
+
+/* The largest so far, or estimates of them; force: the largest estimate at a touch, before any step, N. */
+typedef struct aoi_scales {
+    double indentation, rate, impulse, force;
+    double mobility; /* of both ports under a sudden force, 1/kg */
+} aoi_scales;
+
+/* What it has done. */
+typedef struct aoi_ledger {
+    aoi_peak peak;
+    double since_touch, work;
+} aoi_ledger;
+
+/* At a residual compliance: the force included in its deflection, N, and its rate at the end of the last step. */
+typedef struct aoi_massless {
+    double bending, force_rate;
+} aoi_massless;
+
+/* A contact in a run. */
+typedef struct aoi_adaptive_contact {
+    int is_closed;
+    aoi_flight flight;
+    aoi_closed closed;
+    aoi_scales scales;
+    aoi_ledger ledger;
+    aoi_massless massless;
+    double memory[AOI_LAW_MEMORY];
+    int event; /* its first event in the step being tried, and where */
+    double event_place;
     aoi_sliding *sliding; /* NULL: without friction */
 } aoi_adaptive_contact;
 
@@ -240,7 +265,11 @@ double aoi_release_step(const aoi_adaptive *run, double h);
 /* Closes a contact where its bodies are now. */
 void aoi_contact_close(aoi_adaptive *run, size_t c);
 
-/* Opens a closed contact. */
+/* Sets the piece of its law on which it is, at an indentation; and where a slack one has a force again. */
+void aoi_contact_take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising);
+void aoi_contact_press_again(const aoi_law *law, aoi_adaptive_contact *contact);
+
+/* Opens a closed contact, without a prediction of its next touch. */
 void aoi_contact_open(aoi_adaptive *run, size_t c);
 
 /* Lists a body among those that go into the next row. */

@@ -136,7 +136,7 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
             const double compliance = body->residual[of->port[side] * body->ports + by->port[other]];
             const aoi_adaptive_contact *contact = &run->contact[joint_by];
             sum += (side == other ? 1.0 : -1.0) * compliance *
-                   (rates ? contact->force_rate : contact->bending);
+                   (rates ? contact->massless.force_rate : contact->massless.bending);
         }
     }
     return sum;
@@ -172,10 +172,24 @@ double aoi_contact_slide(const aoi_adaptive *run, size_t c, size_t axis)
 void aoi_contact_note_peak(aoi_adaptive *run, size_t c, double force, double after)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
-    if (force > contact->peak_force) {
-        contact->peak_force = force;
-        contact->peak_time = aoi_run_now(run) + after;
+    if (force > contact->ledger.peak.force) {
+        contact->ledger.peak.force = force;
+        contact->ledger.peak.time = aoi_run_now(run) + after;
     }
+}
+
+void aoi_contact_take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising)
+{
+    aoi_closed *now = &contact->closed;
+    now->piece = aoi_law_piece(law, contact->memory, indentation, rising, &now->low, &now->high);
+}
+
+void aoi_contact_press_again(const aoi_law *law, aoi_adaptive_contact *contact)
+{
+    contact->closed.begins = 1;
+    contact->closed.touch_rate = contact->closed.rate;
+    contact->closed.last_length = 0.0;
+    aoi_contact_take_piece(law, contact, contact->closed.start, contact->closed.rate > 0.0);
 }
 
 void aoi_contact_open(aoi_adaptive *run, size_t c)
@@ -190,8 +204,9 @@ void aoi_contact_open(aoi_adaptive *run, size_t c)
     }
     aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_law *law = run->system->contact[c].law;
-    contact->closed = 0;
-    contact->force = contact->bending = contact->force_rate = 0.0;
+    contact->is_closed = contact->flight.touches = 0;
+    contact->flight.until = aoi_run_now(run);
+    contact->closed.force = contact->massless.bending = contact->massless.force_rate = 0.0;
     aoi_law_remember(law, aoi_law_rest(law, contact->memory), -1.0, contact->memory); /* that it has parted */
 }
 

@@ -73,7 +73,7 @@ static void add_constant_forces(const aoi_adaptive *run, aoi_contact_step *entry
         const size_t b = of->body[side];
         for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
             const aoi_contact *by = &system->contact[system->contact_of[i]];
-            const double force = run->contact[system->contact_of[i]].bending;
+            const double force = run->contact[system->contact_of[i]].massless.bending;
             const int other = by->body[1] == b;
             if (force == 0.0) {
                 continue;
@@ -112,13 +112,13 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
 /* Extrapolates the last step's polynomial to the nodes of a step of length h, with its slope there. */
 static void extrapolate(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
-    const double stretch = h / contact->last_length;
+    const double stretch = h / contact->closed.last_length;
     for (size_t i = 0; i < AOI_NODES; i++) {
         double slope;
-        indentation[i] = aoi_legendre_evaluate(AOI_NODES + 1, contact->last,
+        indentation[i] = aoi_legendre_evaluate(AOI_NODES + 1, contact->closed.last,
                                                1.0 + aoi_radau_node[i] * stretch, &slope);
         if (rate) {
-            rate[i] = slope / contact->last_length;
+            rate[i] = slope / contact->closed.last_length;
         }
     }
 }
@@ -127,8 +127,8 @@ static void extrapolate(const aoi_adaptive_contact *contact, double h, double *i
 static void extrapolate_linearly(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {
-        indentation[i] = contact->start + h * aoi_radau_node[i] * contact->start_rate;
-        rate[i] = contact->start_rate;
+        indentation[i] = contact->closed.start + h * aoi_radau_node[i] * contact->closed.rate;
+        rate[i] = contact->closed.rate;
     }
 }
 
@@ -138,7 +138,7 @@ static void extrapolate_linearly(const aoi_adaptive_contact *contact, double h, 
 static void guess(const aoi_adaptive_contact *contact, double h, double usual, int with_rates, int massless,
                   aoi_contact_step *entry)
 {
-    const int known = contact->last_length > 0.0 && h <= 2.0 * contact->last_length;
+    const int known = contact->closed.last_length > 0.0 && h <= 2.0 * contact->closed.last_length;
     double drawn_on[AOI_NODES], rate[AOI_NODES], largest = 0.0;
     if (known) {
         extrapolate(contact, h, drawn_on, with_rates ? rate : NULL);
@@ -165,25 +165,25 @@ static void guess_slide(const aoi_adaptive_contact *contact, double h, double us
         double slope;
         entry->indentation[i] = entry->homogeneous[i];
         entry->rate[i] = entry->homogeneous_rate[i];
-        if (contact->last_length > 0.0 && h <= 2.0 * contact->last_length) {
-            const double beyond = 1.0 + aoi_radau_node[i] * h / contact->last_length;
+        if (contact->closed.last_length > 0.0 && h <= 2.0 * contact->closed.last_length) {
+            const double beyond = 1.0 + aoi_radau_node[i] * h / contact->closed.last_length;
             entry->indentation[i] =
                 aoi_legendre_evaluate(AOI_NODES + 1, entry->sliding->last[entry->axis - 1], beyond, &slope);
         }
         largest = fmax(largest, fabs(entry->indentation[i] - entry->start));
     }
-    entry->scale = fmax(fmax(largest, stretch * contact->indentation_scale), NEWTON_SHARE * usual);
+    entry->scale = fmax(fmax(largest, stretch * contact->scales.indentation), NEWTON_SHARE * usual);
 }
 
 /* True if a step of length h begins or ends at an edge of a contact. */
 static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];
-    if (!contact->closed || contact->piece == AOI_SLACK || aoi_contact_has_residual(run, c)) {
+    if (!contact->is_closed || contact->closed.piece == AOI_SLACK || aoi_contact_has_residual(run, c)) {
         return AOI_EDGE_NONE;
     }
-    if (contact->begins) { /* an edge only if the force rises from zero at the touch */
-        return contact->force == 0.0 ? AOI_EDGE_START : AOI_EDGE_NONE;
+    if (contact->closed.begins) { /* an edge only if the force rises from zero at the touch */
+        return contact->closed.force == 0.0 ? AOI_EDGE_START : AOI_EDGE_NONE;
     }
     const double left = aoi_release_after(run, 2.0 * h);
     return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;
@@ -195,15 +195,15 @@ static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
     aoi_contact_step *entry = &run->entry[s];
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
     if (aoi_contact_has_residual(run, entry->contact)) {
-        contact->start = aoi_contact_place(run, entry->contact);
+        contact->closed.start = aoi_contact_place(run, entry->contact);
     }
-    entry->constant = contact->bending;
+    entry->constant = contact->massless.bending;
     entry->memory = contact->memory;
-    entry->piece = contact->piece;
+    entry->piece = contact->closed.piece;
     entry->edge = edge_of(run, entry->contact, h);
-    entry->start_force = contact->force;
-    entry->start = contact->start;
-    entry->start_rate = contact->start_rate;
+    entry->start_force = contact->closed.force;
+    entry->start = contact->closed.start;
+    entry->start_rate = contact->closed.rate;
     if (entry->axis > 0) {
         entry->start = entry->sliding->slide[entry->axis - 1];
         entry->start_force = aoi_sliding_force(entry->sliding, entry->axis);
@@ -231,9 +231,7 @@ static void gather_forces(aoi_adaptive *run, double h)
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i];
         double *force = run->port_force + system->first_port[b] * AOI_NODES;
-        for (size_t k = 0; k < system->body[b].ports * AOI_NODES; k++) {
-            force[k] = 0.0;
-        }
+        memset(force, 0, system->body[b].ports * AOI_NODES * sizeof *force);
     }
     for (size_t s = 0; s < run->closed_count; s++) {
         const aoi_contact *contact = &system->contact[run->entry[s].contact];
@@ -256,8 +254,8 @@ static double force_scale_of(const aoi_adaptive *run)
     double largest = 0.0;
     for (size_t s = 0; s < run->closed_count && run->closed_count > 1; s++) {
         const aoi_adaptive_contact *contact = &run->contact[run->entry[s].contact];
-        largest = fmax(largest, fmax(contact->peak_force, aoi_step_force(&run->entry[s])));
-        largest = fmax(largest, contact->expected_force);
+        largest = fmax(largest, fmax(contact->ledger.peak.force, aoi_step_force(&run->entry[s])));
+        largest = fmax(largest, contact->scales.force);
     }
     return largest;
 }
@@ -293,7 +291,7 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
         run->contact[run->entry[s].contact].event = AOI_EVENT_NONE;
         run->contact[run->entry[s].contact].event_place = HUGE_VAL;
         if (s < run->closed_count) {
-            run->contact[run->entry[s].contact].slack = 0.0;
+            run->contact[run->entry[s].contact].flight.slack = 0.0;
             begin_entry(run, s, h, with_rates);
         }
     }

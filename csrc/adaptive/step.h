@@ -32,7 +32,7 @@ static inline double aoi_step_indentation(const aoi_contact_step *entry)
 /* Indentation scale of a contact: its largest so far, or a small share of the other contacts' scale. */
 static inline double aoi_step_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
-    return fmax(fmax(run->contact[entry->contact].indentation_scale, largest),
+    return fmax(fmax(run->contact[entry->contact].scales.indentation, largest),
                 LESSER_SHARE * run->indentation_scale);
 }
 
@@ -45,7 +45,7 @@ static inline double aoi_step_force(const aoi_contact_step *entry)
 /* True if the step's largest force, at a node or beside it, may be the contact's largest so far. */
 static inline int aoi_step_may_peak(const aoi_adaptive_contact *contact, const aoi_contact_step *entry)
 {
-    return aoi_step_force(entry) >= NEAR_PEAK * contact->peak_force;
+    return aoi_step_force(entry) >= NEAR_PEAK * contact->ledger.peak.force;
 }
 
 /* Force scale of a contact: its largest force so far, or expected at its touch, or a small share of the other contacts'
@@ -54,7 +54,7 @@ static inline int aoi_step_may_peak(const aoi_adaptive_contact *contact, const a
 static inline double aoi_step_force_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
-    return fmax(fmax(contact->peak_force, contact->expected_force), fmax(largest, LESSER_SHARE * run->force_scale));
+    return fmax(fmax(contact->ledger.peak.force, contact->scales.force), fmax(largest, LESSER_SHARE * run->force_scale));
 }
 
 static inline void aoi_step_law_at_end(const aoi_law *law, const aoi_contact_step *entry,

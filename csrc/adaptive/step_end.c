@@ -165,43 +165,42 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
             note_peak(run, entry, h);
         }
         const double impulse = aoi_collocation_impulse(entry, h);
-        contact->impulse += impulse;
-        contact->since_touch += impulse;
-        contact->work += aoi_collocation_work(entry);
+        contact->ledger.peak.impulse += impulse;
+        contact->ledger.since_touch += impulse;
+        contact->ledger.work += aoi_collocation_work(entry);
     }
-    contact->impulse_scale = fmax(contact->impulse_scale, contact->since_touch);
-    contact->indentation_scale = fmax(contact->indentation_scale, largest);
-    memcpy(contact->last, entry->legendre, sizeof contact->last);
-    contact->last_length = h;
-    contact->begins = 0;
-    contact->start = entry->indentation[end];
-    contact->start_rate = entry->rate[end];
+    contact->scales.impulse = fmax(contact->scales.impulse, contact->ledger.since_touch);
+    contact->scales.indentation = fmax(contact->scales.indentation, largest);
+    memcpy(contact->closed.last, entry->legendre, sizeof contact->closed.last);
+    contact->closed.last_length = h;
+    contact->closed.begins = 0;
+    contact->closed.start = entry->indentation[end];
+    contact->closed.rate = entry->rate[end];
     if (!with_rates) {
-        contact->start_rate = end_slope(entry->legendre) / h;
+        contact->closed.rate = end_slope(entry->legendre) / h;
     }
-    contact->force = entry->sliding ? aoi_sliding_force(entry->sliding, 0) : force_at_end(law, entry);
+    contact->closed.force = entry->sliding ? aoi_sliding_force(entry->sliding, 0) : force_at_end(law, entry);
     if (aoi_contact_has_residual(run, entry->contact)) {
-        contact->bending = entry->force[end];
-        contact->force_rate = force_slope(entry) / h;
+        contact->massless.bending = entry->force[end];
+        contact->massless.force_rate = force_slope(entry) / h;
     }
-    contact->rate_scale = fmax(contact->rate_scale, fabs(contact->start_rate));
+    contact->scales.rate = fmax(contact->scales.rate, fabs(contact->closed.rate));
     if (entry->piece != AOI_SLACK) {
-        aoi_law_remember(law, contact->start, contact->start_rate, contact->memory);
+        aoi_law_remember(law, contact->closed.start, contact->closed.rate, contact->memory);
     }
     return AOI_OK;
 }
 
-/* Sets the piece of its law on which a closed contact continues. */
+/* Sets the piece of its law on which a closed contact continues, and the force there. */
 static void take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising)
 {
     aoi_law_value value;
-    contact->piece =
-        aoi_law_piece(law, contact->memory, indentation, rising, &contact->low, &contact->high);
-    aoi_law_force(law, contact->memory, contact->piece, contact->start, contact->start_rate, &value);
-    contact->force = value.force;
+    aoi_contact_take_piece(law, contact, indentation, rising);
+    aoi_law_force(law, contact->memory, contact->closed.piece, contact->closed.start, contact->closed.rate, &value);
+    contact->closed.force = value.force;
 }
 
-static void apply_event(aoi_adaptive *run, size_t c, double now)
+static void apply_event(aoi_adaptive *run, size_t c)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_law *law = run->system->contact[c].law;
@@ -209,29 +208,25 @@ static void apply_event(aoi_adaptive *run, size_t c, double now)
     switch (contact->event) {
     case AOI_EVENT_OPEN:
         aoi_contact_open(run, c);
-        contact->touches = 0;
-        contact->free_until = now;
         break;
     case AOI_EVENT_SLACKEN:
-        contact->piece = AOI_SLACK;
-        contact->force = contact->bending = contact->force_rate = 0.0;
+        contact->closed.piece = AOI_SLACK;
+        contact->closed.force = contact->massless.bending = contact->massless.force_rate = 0.0;
         break;
     case AOI_EVENT_TIGHTEN:
-        contact->begins = 1;
-        contact->touch_rate = contact->start_rate;
-        contact->last_length = 0.0;
-        take_piece(law, contact, contact->start, contact->start_rate > 0.0);
+        aoi_contact_press_again(law, contact);
+        take_piece(law, contact, contact->closed.start, contact->closed.rate > 0.0);
         break;
     case AOI_EVENT_TURN:
-        contact->start_rate = fmin(contact->start_rate, 0.0); /* or the same event would repeat */
-        take_piece(law, contact, contact->start, 0);
-        contact->last_length = 0.0;
+        contact->closed.rate = fmin(contact->closed.rate, 0.0); /* or the same event would repeat */
+        take_piece(law, contact, contact->closed.start, 0);
+        contact->closed.last_length = 0.0;
         break;
     case AOI_EVENT_ABOVE:
-        take_piece(law, contact, fmax(contact->high, contact->start), 1);
+        take_piece(law, contact, fmax(contact->closed.high, contact->closed.start), 1);
         break;
     case AOI_EVENT_BELOW:
-        take_piece(law, contact, contact->low, 0);
+        take_piece(law, contact, contact->closed.low, 0);
         break;
     default:
         break;
@@ -242,9 +237,9 @@ static void apply_event(aoi_adaptive *run, size_t c, double now)
  * has closed, or leaves its piece at the end from which it moves away. */
 static int goes_back(const aoi_adaptive_contact *contact)
 {
-    return (contact->event == AOI_EVENT_OPEN && contact->begins && contact->event_place > 0.0) ||
-           (contact->event == AOI_EVENT_ABOVE && contact->start_rate < 0.0) ||
-           (contact->event == AOI_EVENT_BELOW && contact->start_rate > 0.0);
+    return (contact->event == AOI_EVENT_OPEN && contact->closed.begins && contact->event_place > 0.0) ||
+           (contact->event == AOI_EVENT_ABOVE && contact->closed.rate < 0.0) ||
+           (contact->event == AOI_EVENT_BELOW && contact->closed.rate > 0.0);
 }
 
 int aoi_step_at_start(aoi_adaptive *run, double place)
@@ -262,7 +257,7 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
         if (goes_back(contact)) {
             return 0;
         }
-        apply_event(run, run->entry[s].contact, aoi_run_now(run));
+        apply_event(run, run->entry[s].contact);
         some = 1;
     }
     return some;
@@ -285,7 +280,7 @@ static size_t pull_off_entry(const aoi_adaptive *run, double place)
         const size_t c = run->entry[s].contact;
         const aoi_adaptive_contact *contact = &run->contact[c];
         if (run->system->contact[c].law->pulls && contact->event == AOI_EVENT_OPEN &&
-            contact->event_place <= place && !contact->begins && contact->force < 0.0 &&
+            contact->event_place <= place && !contact->closed.begins && contact->closed.force < 0.0 &&
             aoi_contact_has_residual(run, c)) {
             break;
         }
@@ -299,7 +294,7 @@ int aoi_step_pulls_off(const aoi_adaptive *run, double place)
 }
 
 /* Applies the events at the end of a step. */
-static void apply_events(aoi_adaptive *run, double later)
+static void apply_events(aoi_adaptive *run)
 {
     run->indentation_scale = run->impulse_scale = 0.0;
     for (size_t s = 0; s < run->entry_count; s++) {
@@ -310,11 +305,11 @@ static void apply_events(aoi_adaptive *run, double later)
         if (run->contact[c].event == AOI_EVENT_TOUCH) {
             aoi_contact_close(run, c);
         } else if (s < run->closed_count) {
-            apply_event(run, c, later);
+            apply_event(run, c);
         }
         run->indentation_scale =
-            fmax(run->indentation_scale, run->contact[c].indentation_scale);
-        run->impulse_scale = fmax(run->impulse_scale, run->contact[c].impulse_scale);
+            fmax(run->indentation_scale, run->contact[c].scales.indentation);
+        run->impulse_scale = fmax(run->impulse_scale, run->contact[c].scales.impulse);
     }
 }
 
@@ -363,20 +358,20 @@ int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, 
     run->steps++;
     const size_t s = pull_off_entry(run, 1.0);
     if (s == run->closed_count) {
-        apply_events(run, later);
+        apply_events(run);
         return AOI_OK;
     }
     for (size_t k = run->closed_count; k < run->entry_count; k++) {
         const aoi_contact *beside = &run->system->contact[run->entry[k].contact];
         aoi_body_engage(run, beside->body[0], AOI_WATCHED);
         aoi_body_engage(run, beside->body[1], AOI_WATCHED);
-        run->contact[run->entry[k].contact].start = aoi_contact_place(run, run->entry[k].contact);
+        run->contact[run->entry[k].contact].closed.start = aoi_contact_place(run, run->entry[k].contact);
     }
     const double before = aoi_balance_book(run, -1.0);
-    apply_events(run, later);
+    apply_events(run);
     aoi_balance_at_once(run, 1);
     const double lost = before - aoi_balance_book(run, 1.0);
-    run->contact[run->entry[s].contact].work += lost;
+    run->contact[run->entry[s].contact].ledger.work += lost;
     row[*size - (run->closed_count - s) * AOI_TRACK_CONTACT_SIZE + AOI_TRACK_LOST] = lost;
     return AOI_OK;
 }

@@ -51,7 +51,7 @@ static double steepness_of(const aoi_adaptive *run, const aoi_contact_step *entr
     aoi_law_value value;
     aoi_law_push(aoi_step_law(run, entry), entry->memory, largest, entry->start_rate, &value);
     /* Relative to the largest force: a small one at the end of a contact needs no relative accuracy of its own. */
-    const double force = fmax(value.force, run->contact[entry->contact].peak_force);
+    const double force = fmax(value.force, run->contact[entry->contact].ledger.peak.force);
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
 
@@ -127,7 +127,7 @@ static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
 static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *entry, double wrong)
 {
     const double largest = aoi_step_force(entry);
-    return largest > entry->force[AOI_NODES - 1] && largest + wrong > contact->peak_force;
+    return largest > entry->force[AOI_NODES - 1] && largest + wrong > contact->ledger.peak.force;
 }
 
 /* The errors of a step as shares of their tolerances; and the tolerance of the unresolved oscillation of a force, N. */
@@ -160,12 +160,12 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
     const double share = entry->axis > 0 ? friction_share(run, normal) : 1.0;
     const double largest = aoi_step_indentation(normal);
     double scale = aoi_step_scale(run, normal, largest);
-    double impulse_scale = fmax(contact->impulse_scale, LESSER_SHARE * run->impulse_scale);
+    double impulse_scale = fmax(contact->scales.impulse, LESSER_SHARE * run->impulse_scale);
     if (entry->axis > 0) {
         scale *= share / entry->sliding->rub.friction.ratio;
         impulse_scale *= share;
     }
-    const int at_an_end = contact->last_length == 0.0 || normal->indentation[AOI_NODES - 1] <= 0.0;
+    const int at_an_end = contact->closed.last_length == 0.0 || normal->indentation[AOI_NODES - 1] <= 0.0;
     const double end_share = at_an_end ? END_SHARE : 1.0;
     const int bent = aoi_contact_has_residual(run, entry->contact);
     const double tail_share =
@@ -198,9 +198,9 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
 /* Rate scale of a contact: its largest so far, or a small share of the other contacts' scale. */
 static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
-    double scale = run->contact[entry->contact].rate_scale;
+    double scale = run->contact[entry->contact].scales.rate;
     for (size_t s = 0; s < run->closed_count; s++) {
-        scale = fmax(scale, LESSER_SHARE * run->contact[run->entry[s].contact].rate_scale);
+        scale = fmax(scale, LESSER_SHARE * run->contact[run->entry[s].contact].scales.rate);
     }
     return scale;
 }
@@ -244,7 +244,7 @@ static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *e
         return fmin(growth, CAUTION);
     }
     if (at_edge) {
-        contact->edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
+        contact->closed.edge = h * fmin(fmax(growth, 1.0), EDGE_REACH);
         return BLIND_GROWTH;
     }
     return fmax(growth, 1.0);

@@ -136,7 +136,7 @@ static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, doubl
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
     const double least = aoi_event_tolerance(run, aoi_step_force_scale(run, entry, 0.0));
-    return aoi_contact_has_residual(run, entry->contact) && !contact->begins && entry->start - rest <= tolerance &&
+    return aoi_contact_has_residual(run, entry->contact) && !contact->closed.begins && entry->start - rest <= tolerance &&
            entry->start_rate < 0.0 && entry->indentation[0] - rest < entry->start - rest &&
            fmax(fabs(entry->start_force), aoi_step_force(entry)) <= least;
 }
@@ -145,7 +145,7 @@ static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, doubl
  * point away. Only the shortest steps decide this. reach: the approach in the step, m. */
 static int is_none(const aoi_adaptive *run, const aoi_contact_step *entry, double reach, double scale)
 {
-    return run->contact[entry->contact].begins && aoi_contact_has_residual(run, entry->contact) &&
+    return run->contact[entry->contact].closed.begins && aoi_contact_has_residual(run, entry->contact) &&
            entry->indentation[0] < entry->start && entry->indentation[AOI_NODES - 1] < entry->start &&
            /* In a step in which the approach is less than this share of the largest indentation, a contact that does not press at
             * once counts as open. Measured and tried: from 0.003 to 0.03 no run changes. */
@@ -157,18 +157,18 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
     const aoi_law *law = aoi_step_law(run, entry);
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
     const double touch = aoi_law_rest(law, entry->memory); /* or, to its tolerance, where it began */
-    const double rest = contact->begins ? fmin(touch, entry->start) : touch;
+    const double rest = contact->closed.begins ? fmin(touch, entry->start) : touch;
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double tolerance = aoi_event_tolerance(run, scale);
     double values[AOI_NODES + 1];
     line_up(entry->start, entry->indentation, 1.0, -rest, values);
     if (is_over(run, entry, rest, tolerance)) {
-        contact->slack = tolerance; /* or it would touch again where it is */
+        contact->flight.slack = tolerance; /* or it would touch again where it is */
         aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
         return;
     }
-    if (entry->start - touch <= tolerance && is_none(run, entry, attempt->h * contact->rate_scale, scale)) {
-        contact->slack = tolerance;
+    if (entry->start - touch <= tolerance && is_none(run, entry, attempt->h * contact->scales.rate, scale)) {
+        contact->flight.slack = tolerance;
         aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
         return;
     }
@@ -176,16 +176,16 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
     if (law->depends_on_rate && !law->pulls) {
         force_events(run, entry, attempt);
     }
-    if (entry->piece != AOI_SLACK && contact->high < HUGE_VAL) {
-        line_up(entry->start, entry->indentation, -1.0, contact->high, values);
+    if (entry->piece != AOI_SLACK && contact->closed.high < HUGE_VAL) {
+        line_up(entry->start, entry->indentation, -1.0, contact->closed.high, values);
         leaves(values, tolerance, AOI_EVENT_ABOVE, contact, attempt);
     }
-    if (entry->piece != AOI_SLACK && contact->low > rest) {
-        line_up(entry->start, entry->indentation, 1.0, -contact->low, values);
+    if (entry->piece != AOI_SLACK && contact->closed.low > rest) {
+        line_up(entry->start, entry->indentation, 1.0, -contact->closed.low, values);
         leaves(values, tolerance, AOI_EVENT_BELOW, contact, attempt);
     }
-    if (law->turns && entry->piece != AOI_SLACK && contact->start_rate > 0.0) {
-        const double slow = aoi_event_tolerance(run, contact->rate_scale);
+    if (law->turns && entry->piece != AOI_SLACK && contact->closed.rate > 0.0) {
+        const double slow = aoi_event_tolerance(run, contact->scales.rate);
         line_up(entry->start_rate, entry->rate, 1.0, 0.0, values);
         leaves(values, slow, AOI_EVENT_TURN, contact, attempt);
         turn_now(entry, tolerance, contact, attempt);
@@ -203,8 +203,8 @@ void aoi_step_skip(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt
     for (size_t i = 0; i < AOI_NODES; i++) {
         force = fabs(entry->force[i]) > force ? fabs(entry->force[i]) : force;
     }
-    if (contact->event != AOI_EVENT_NONE || contact->begins || entry->piece == AOI_SLACK ||
-        !(force * left <= DBL_EPSILON * contact->impulse)) {
+    if (contact->event != AOI_EVENT_NONE || contact->closed.begins || entry->piece == AOI_SLACK ||
+        !(force * left <= DBL_EPSILON * contact->ledger.peak.impulse)) {
         return;
     }
     const double tolerance = aoi_touch_tolerance(run, entry);
@@ -214,6 +214,6 @@ void aoi_step_skip(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt
     }
     contact->event = AOI_EVENT_OPEN;
     contact->event_place = 1.0;
-    contact->slack = 0.5 * tolerance;
+    contact->flight.slack = 0.5 * tolerance;
     attempt->place = fmin(attempt->place, 1.0);
 }

@@ -101,7 +101,7 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
     const double tolerance = aoi_touch_tolerance(run, entry), now = aoi_run_now(run);
     const double rest = aoi_law_rest(aoi_step_law(run, entry), contact->memory);
-    const double slack = fmax(0.5 * tolerance, contact->slack);
+    const double slack = fmax(0.5 * tolerance, contact->flight.slack);
     double start, start_rate, rate, ignored;
     int touches;
     aoi_free_pair pair;

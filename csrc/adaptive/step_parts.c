@@ -15,7 +15,7 @@ void aoi_step_release(aoi_adaptive *run)
         run->body[run->engaged.at[i]].engaged = AOI_FREE_MOTION;
     }
     for (size_t s = 0; s < run->entry_count; s++) {
-        if (!run->contact[run->entry[s].contact].closed) {
+        if (!run->contact[run->entry[s].contact].is_closed) {
             aoi_watch_add(run, run->entry[s].contact);
         }
     }
@@ -33,8 +33,8 @@ static void bring_along(aoi_adaptive *run, size_t b)
             entry->contact = c;
             entry->axis = 0;
             entry->sliding = NULL;
-            run->contact[c].free_until = -HUGE_VAL;
-            run->contact[c].touches = 0;
+            run->contact[c].flight.until = -HUGE_VAL;
+            run->contact[c].flight.touches = 0;
             aoi_body_engage(run, system->contact[c].body[0], AOI_WATCHED);
             aoi_body_engage(run, system->contact[c].body[1], AOI_WATCHED);
         }

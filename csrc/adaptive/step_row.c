@@ -20,14 +20,14 @@ static void write_contact(const aoi_adaptive_contact *contact, const aoi_contact
 {
     const int ends = contact->event == AOI_EVENT_OPEN || contact->event == AOI_EVENT_SLACKEN;
     of[AOI_TRACK_CONTACT] = (double)entry->contact;
-    of[AOI_TRACK_BEGINS] = contact->begins && entry->piece != AOI_SLACK;
+    of[AOI_TRACK_BEGINS] = contact->closed.begins && entry->piece != AOI_SLACK;
     of[AOI_TRACK_ENDS] = ends && entry->piece != AOI_SLACK;
     of[AOI_TRACK_EDGE] = entry->edge;
     of[AOI_TRACK_PIECE] = entry->piece;
-    of[AOI_TRACK_WORK] = contact->work;
+    of[AOI_TRACK_WORK] = contact->ledger.work;
     of[AOI_TRACK_LOST] = 0.0;
-    of[AOI_TRACK_RATE] = contact->touch_rate;
-    of[AOI_TRACK_START_FORCE] = contact->force;
+    of[AOI_TRACK_RATE] = contact->closed.touch_rate;
+    of[AOI_TRACK_START_FORCE] = contact->closed.force;
     memcpy(of + AOI_TRACK_MEMORY, contact->memory, sizeof contact->memory);
     memcpy(of + AOI_TRACK_FORCE, entry->force, sizeof entry->force);
     memcpy(of + AOI_TRACK_INDENTATION, entry->legendre, sizeof entry->legendre);

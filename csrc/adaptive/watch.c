@@ -7,14 +7,14 @@ static const size_t NOWHERE = (size_t)-1;
 /* True if one contact precedes another in a heap; at equal times the lower number does. */
 static int comes_first(const aoi_adaptive *run, size_t one, size_t other)
 {
-    const double time = run->contact[one].free_until, its = run->contact[other].free_until;
+    const double time = run->contact[one].flight.until, its = run->contact[other].flight.until;
     return time < its || (time == its && one < other);
 }
 
 static void put(aoi_adaptive *run, size_t *heap, size_t place, size_t c)
 {
     heap[place] = c;
-    run->contact[c].place = place;
+    run->contact[c].flight.place = place;
 }
 
 /* Moves a contact up from a place until the heap is in order. */
@@ -49,16 +49,16 @@ void aoi_watch_begin(aoi_adaptive *run)
 {
     run->watched[0].count = run->watched[1].count = 0;
     for (size_t c = 0; c < run->system->contact_count; c++) {
-        run->contact[c].place = NOWHERE;
+        run->contact[c].flight.place = NOWHERE;
     }
 }
 
-int aoi_watch_has(const aoi_adaptive *run, size_t c) { return run->contact[c].place != NOWHERE; }
+int aoi_watch_has(const aoi_adaptive *run, size_t c) { return run->contact[c].flight.place != NOWHERE; }
 
 void aoi_watch_add(aoi_adaptive *run, size_t c)
 {
-    aoi_list *heap = &run->watched[run->contact[c].touches != 0];
-    if (run->contact[c].place != NOWHERE) {
+    aoi_list *heap = &run->watched[run->contact[c].flight.touches != 0];
+    if (run->contact[c].flight.place != NOWHERE) {
         return;
     }
     heap->at[heap->count] = c;
@@ -67,17 +67,17 @@ void aoi_watch_add(aoi_adaptive *run, size_t c)
 
 int aoi_watch_remove(aoi_adaptive *run, size_t c)
 {
-    aoi_list *heap = &run->watched[run->contact[c].touches != 0];
-    const size_t place = run->contact[c].place;
+    aoi_list *heap = &run->watched[run->contact[c].flight.touches != 0];
+    const size_t place = run->contact[c].flight.place;
     if (place == NOWHERE) {
         return 0;
     }
-    run->contact[c].place = NOWHERE;
+    run->contact[c].flight.place = NOWHERE;
     const size_t last = heap->at[--heap->count];
     if (last != c) {
         put(run, heap->at, place, last);
         rise(run, heap->at, place);
-        sink(run, heap->at, heap->count, run->contact[last].place);
+        sink(run, heap->at, heap->count, run->contact[last].flight.place);
     }
     return 1;
 }
@@ -85,10 +85,10 @@ int aoi_watch_remove(aoi_adaptive *run, size_t c)
 double aoi_watch_first(const aoi_adaptive *run, int touches, double limit, size_t *c)
 {
     const aoi_list *heap = &run->watched[touches];
-    if (heap->count == 0 || !(run->contact[heap->at[0]].free_until < limit)) {
+    if (heap->count == 0 || !(run->contact[heap->at[0]].flight.until < limit)) {
         *c = run->system->contact_count;
         return limit;
     }
     *c = heap->at[0];
-    return run->contact[*c].free_until;
+    return run->contact[*c].flight.until;
 }

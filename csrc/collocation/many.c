@@ -75,12 +75,10 @@ static size_t last_of(const couplings *of, size_t s)
 static void couple(const aoi_system *system, const aoi_response *response, double h,
                    const aoi_contact_step *entry, couplings *of)
 {
-    const size_t size = of->count * of->blocks * SQUARE;
-    for (size_t k = 0; k < size; k++) {
-        of->displacement[k] = 0.0;
-    }
-    for (size_t k = 0; of->rate && k < size; k++) {
-        of->rate[k] = 0.0;
+    const size_t size = of->count * of->blocks * SQUARE * sizeof(double);
+    memset(of->displacement, 0, size);
+    if (of->rate) {
+        memset(of->rate, 0, size);
     }
     for (size_t s = 0; s < of->count; s++) {
         for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
@@ -168,9 +166,7 @@ static int set_equations(const aoi_system *system, const couplings *of, const ao
 static void effect_of(const couplings *of, const double *values, size_t s, const double *force,
                       double *answer)
 {
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        answer[i] = 0.0;
-    }
+    memset(answer, 0, AOI_NODES * sizeof *answer);
     for (size_t t = first_of(of, s); t <= last_of(of, s); t++) {
         double share[AOI_NODES];
         aoi_nodes_multiply(block_of(of, values, s, t), force + t * AOI_NODES, share);

@@ -183,9 +183,7 @@ size_t aoi_system_size(const aoi_system *system)
 static void link_contacts(const aoi_system *system, size_t *first_contact, size_t *contact_of)
 {
     const size_t ends = 2 * system->contact_count;
-    for (size_t b = 0; b <= system->body_count; b++) {
-        first_contact[b] = 0;
-    }
+    memset(first_contact, 0, (system->body_count + 1) * sizeof *first_contact);
     for (size_t i = 0; i < ends; i++) {
         first_contact[system->contact[i / 2].body[i % 2]]++;
     }

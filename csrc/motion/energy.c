@@ -11,6 +11,7 @@
 #include "model/modes.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Sum of inertia v^2, and with omega of inertia (omega v)^2. */
 static double squares(const aoi_modes *body, const double *omega, const double *v)
@@ -130,9 +131,7 @@ static aoi_path path_of(const aoi_modes *body, size_t j, double from, double len
 {
     double load, slope;
     aoi_modes_drive(body, j, from, &load, &slope);
-    for (size_t k = 2; k < AOI_NODES; k++) {
-        force[k] = 0.0;
-    }
+    memset(force, 0, AOI_NODES * sizeof *force);
     force[1] = 0.5 * slope * length;
     force[0] = load + force[1];
     return (aoi_path){body->omega[j], body->decay ? body->decay[j] : 0.0, length, x, v, 1.0, force, 1};

@@ -8,6 +8,7 @@
 #include "law/law.h"
 
 #include <math.h>
+#include <string.h>
 
 void aoi_path_follow(double omega, double decay, double h, const double *f, double *x)
 {
@@ -38,9 +39,7 @@ void aoi_path_start(double omega, double decay, double h, const double *f, doubl
 /* Coefficients of v where v' + 2 decay v = f, which runs straight. */
 static void follow_free(double decay, double h, const double *f, double *v)
 {
-    for (size_t k = 2; k < AOI_NODES; k++) {
-        v[k] = 0.0;
-    }
+    memset(v, 0, AOI_NODES * sizeof *v);
     v[1] = f[1] / (2.0 * decay);
     v[0] = (f[0] - 2.0 * v[1] / h) / (2.0 * decay);
 }

@@ -379,9 +379,7 @@ static void find_loads(aoi_newmark *run, double time, double *slope)
 /* The forces of contacts on all ports, or their rates. */
 static void find_push(const aoi_newmark *run, const double *force, double *push)
 {
-    for (size_t p = 0, ports = run->system->first_port[run->system->body_count]; p < ports; p++) {
-        push[p] = 0.0;
-    }
+    memset(push, 0, run->system->first_port[run->system->body_count] * sizeof *push);
     for (size_t i = 0; i < run->coupled.count; i++) {
         push[run->state[i].port[0]] -= force[i];
         push[run->state[i].port[1]] += force[i];

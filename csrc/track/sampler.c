@@ -105,9 +105,7 @@ static void gather(aoi_sampler *sampler, double part)
     const aoi_system *system = sampler->system;
     const size_t ports = system->first_port[system->body_count];
     sampler->part = part;
-    for (size_t k = 0; k < ports * AOI_NODES; k++) {
-        sampler->port_force[k] = 0.0;
-    }
+    memset(sampler->port_force, 0, ports * AOI_NODES * sizeof(double));
     for (size_t c = 0; c < system->contact_count; c++) {
         if (sampler->contact_row[c] != sampler->row) {
             continue;

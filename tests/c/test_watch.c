@@ -29,8 +29,8 @@ static size_t first_of(const watching *w, int touches, double limit)
 {
     size_t first = CONTACTS;
     for (size_t c = 0; c < CONTACTS; c++) {
-        if (w->watched[c] && w->contact[c].touches == touches && w->contact[c].free_until < limit) {
-            limit = w->contact[c].free_until;
+        if (w->watched[c] && w->contact[c].flight.touches == touches && w->contact[c].flight.until < limit) {
+            limit = w->contact[c].flight.until;
             first = c;
         }
     }
@@ -47,8 +47,8 @@ static void the_first_comes_first(void)
         CHECK(aoi_watch_remove(&w.run, c) == w.watched[c], "whether %zu was watched", c);
         w.watched[c] = uniform(&seed) < 0.7;
         if (w.watched[c]) { /* with many at the same time */
-            w.contact[c].free_until = floor(20.0 * uniform(&seed));
-            w.contact[c].touches = uniform(&seed) < 0.5;
+            w.contact[c].flight.until = floor(20.0 * uniform(&seed));
+            w.contact[c].flight.touches = uniform(&seed) < 0.5;
             aoi_watch_add(&w.run, c);
         }
         for (int touches = 0; touches < 2; touches++) {
@@ -57,7 +57,7 @@ static void the_first_comes_first(void)
             size_t found;
             const double time = aoi_watch_first(&w.run, touches, limit, &found);
             CHECK(found == wanted, "move %d: %zu, not %zu", i, found, wanted);
-            CHECK(time == (wanted < CONTACTS ? w.contact[wanted].free_until : limit), "its time");
+            CHECK(time == (wanted < CONTACTS ? w.contact[wanted].flight.until : limit), "its time");
         }
     }
 }
@@ -69,13 +69,13 @@ static void all_come_out_in_order(void)
     size_t c, count = 0;
     begin(&w);
     for (size_t i = 0; i < CONTACTS; i++) {
-        w.contact[i].free_until = i < 10 ? -HUGE_VAL : uniform(&seed);
+        w.contact[i].flight.until = i < 10 ? -HUGE_VAL : uniform(&seed);
         aoi_watch_add(&w.run, i);
     }
     for (double last = -HUGE_VAL; aoi_watch_first(&w.run, 0, HUGE_VAL, &c) < HUGE_VAL; count++) {
-        CHECK(w.contact[c].free_until >= last, "%zu after what is later", c);
+        CHECK(w.contact[c].flight.until >= last, "%zu after what is later", c);
         CHECK(count >= 10 || c == count, "of those at one time %zu before %zu", c, count);
-        last = w.contact[c].free_until;
+        last = w.contact[c].flight.until;
         CHECK(aoi_watch_remove(&w.run, c) && !aoi_watch_remove(&w.run, c), "once");
     }
     CHECK(count == CONTACTS, "all: %zu", count);
