@@ -114,8 +114,7 @@ class DenseRecorder:
     # ------------------------------------------------------------------- values
 
     def rows(self, times: FloatArray, energies: bool) -> FloatArray:
-        layout = self.plan.layout
-        record = np.zeros((layout.rows, len(times)))
+        record = np.zeros((self.plan.layout.rows, len(times)))
         _core.track_read(self.track, np.ascontiguousarray(times), int(energies), 0, record)
         return record
 

@@ -231,6 +231,7 @@ class AOModel(Frozen):
         """
         return self.modal.band
 
+    @np.errstate(divide="ignore", invalid="ignore")
     def receptance(self, omega: npt.ArrayLike) -> Any:
         """Return displacement over force at the contact coordinate.
 
@@ -262,24 +263,24 @@ class AOModel(Frozen):
         frequency = finite_array("omega", omega, unit="rad/s")
         self.modal.warn_outside_band(frequency)
         if self.damping is not None and not math.isinf(self.m0):
-            return self._damped_receptance(self.damping, frequency)
-        result = np.empty(frequency.shape)
-        _core.star_receptance(self.m0, self.k0, self.m, self.k, frequency, result)
-        return result if result.ndim else float(result)
+            result = self._damped_receptance(self.damping, frequency)
+        else:
+            x, inertia = frequency**2, np.full(frequency.shape, self.m0)
+            for m, k in zip(self.m, self.k, strict=True):
+                inertia += k / (k / m - x)
+            result = np.where(math.isinf(self.m0), 0.0, 1.0 / (self.k0 - x * inertia))
+        return result if result.ndim else result.item()
 
     def _damped_receptance(self, damping: Damping, frequency: FloatArray) -> Any:
         omega2, participation = self.to_modal()
-        omega = np.sqrt(omega2)
-        real, imaginary = np.full(frequency.shape, self.residual), np.zeros(frequency.shape)
+        omega, real, imaginary = np.sqrt(omega2), self.residual, np.zeros(frequency.shape)
         for own, share, rate in zip(omega, participation**2, damping.decay(omega), strict=True):
             spring, dashpot = (own - frequency) * (own + frequency), 2.0 * rate * frequency
             size = np.hypot(spring, dashpot)
             turned, still = np.where(size > 0.0, size, 1.0), dashpot == 0.0
-            with np.errstate(divide="ignore"):  # a resonance without damping is infinite
-                real += np.where(still, share / spring, share / turned * (spring / turned))
+            real = real + np.where(still, share / spring, share / turned * (spring / turned))
             imaginary -= share / turned * (dashpot / turned)
-        result = real + 1j * imaginary
-        return result if result.ndim else complex(result)
+        return real + 1j * imaginary
 
     @property
     def residual(self) -> float:

@@ -162,8 +162,7 @@ void track_free(kept_track *kept);
     /* laws.c */                                                                                   \
     X(law_force) X(law_potential)                                                                  \
     /* star.c */                                                                                   \
-    X(star_from_constraint_modes) X(star_receptance) X(star_to_modal)          \
-    X(star_from_modal)                                                                             \
+    X(star_from_constraint_modes) X(star_to_modal) X(star_from_modal)                              \
     /* multigrid.c */                                                                              \
     X(blocks_pattern) X(blocks_multiply) X(blocks_subtract) X(blocks_smooth) X(graph_aggregate)    \
     /* newmark.c, adaptive.c */                                                                    \

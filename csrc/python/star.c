@@ -21,31 +21,6 @@ PyObject *star_from_constraint_modes(PyObject *args)
     return finish(&of, "anti-oscillators", "nd", (Py_ssize_t)star.n, star.m0);
 }
 
-/* A term of one frequency costs some ten nanoseconds at most. */
-static size_t frequencies_a_piece(size_t n)
-{
-    return 1 + (size_t)(1e8 * SIGNAL_INTERVAL / ((double)n + 1.0));
-}
-
-PyObject *star_receptance(PyObject *args)
-{
-    call of = {.status = AOI_OK};
-    aoi_star star = {.n = ANY_LENGTH};
-    size_t count = ANY_LENGTH;
-    const double *omega;
-    double *receptance;
-    TAKE(&of, args, VALUE('x', star.m0), VALUE('x', star.k0), ARRAY('d', star.m, star.n), ARRAY('d', star.k, star.n),
-         ARRAY('d', omega, count), ARRAY('D', receptance, count));
-    const size_t piece = frequencies_a_piece(star.n);
-    for (size_t i = 0; of.status == AOI_OK && i < count && PyErr_CheckSignals() == 0; i += piece) {
-        const size_t some = count - i < piece ? count - i : piece;
-        Py_BEGIN_ALLOW_THREADS
-        aoi_star_receptance(&star, some, omega + i, receptance + i);
-        Py_END_ALLOW_THREADS
-    }
-    return finish(&of, "receptance", "");
-}
-
 PyObject *star_to_modal(PyObject *args)
 {
     call of = {.status = AOI_OK};

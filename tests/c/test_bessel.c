@@ -1,12 +1,10 @@
-/* The integrals of sine and cosine against Legendre polynomials: by quadrature, by recurrence, and
- * across the places where the way of computing them changes. */
-#include "numeric.h"
+/* The integrals of sine and cosine against Legendre polynomials, by what ties neighbours together; with quadrature
+ * test_oscillator.c compares them. */
+#include "check.h"
 #include "motion/lanes.h"
 #include "motion/oscillator.h"
 
-#include <fenv.h>
-
-enum { COUNT = 8, HIGHEST = 16, POINTS = 4000 };
+enum { COUNT = 8 };
 
 /* The integrals of sin z(1-x) and cos z(1-x). */
 static void trigonometric(double z, double sine[COUNT], double cosine[COUNT])
@@ -19,32 +17,6 @@ static void trigonometric(double z, double sine[COUNT], double cosine[COUNT])
     for (size_t l = 0; l < COUNT; l++) {
         sine[l] = z * of.impulse[l][1];
         cosine[l] = of.rate[l][1];
-    }
-}
-
-/* Simpson's rule for int_0^1 f(z (1-x)) P_l(x) dx. */
-static double by_quadrature(double (*f)(double), double z, size_t l)
-{
-    double sum = 0.0;
-    for (int i = 0; i <= POINTS; i++) {
-        const double x = (double)i / POINTS;
-        const double weight = i == 0 || i == POINTS ? 1.0 : (i % 2 ? 4.0 : 2.0);
-        sum += weight * f(z * (1.0 - x)) * legendre(l, x);
-    }
-    return sum / (3.0 * POINTS);
-}
-
-static void agrees_with_quadrature(void)
-{
-    const double z[] = {1e-3, 0.5, 1.9, 2.0, 2.1, 5.0, 15.9, 16.1, 30.0, 60.0};
-    for (size_t i = 0; i < sizeof z / sizeof z[0]; i++) {
-        double sine[COUNT], cosine[COUNT];
-        trigonometric(z[i], sine, cosine);
-        for (size_t l = 0; l < COUNT; l++) {
-            const double s = by_quadrature(sin, z[i], l), c = by_quadrature(cos, z[i], l);
-            CHECK(fabs(sine[l] - s) < 2e-9, "z %g, l %zu: sine %g, not %g", z[i], l, sine[l], s);
-            CHECK(fabs(cosine[l] - c) < 2e-9, "z %g, l %zu: cosine %g, not %g", z[i], l, cosine[l], c);
-        }
     }
 }
 
@@ -71,58 +43,7 @@ static void recurrence_holds_over_twelve_decades(void)
     }
 }
 
-/* For small z, j_l ~ y^l / (2l+1)!!: relative accuracy far below what a sum could keep. */
-static void small_arguments_keep_their_digits(void)
-{
-    const double z = 2e-8, y = 1e-8;
-    double sine[COUNT], cosine[COUNT], lead = 1.0;
-    trigonometric(z, sine, cosine);
-    for (size_t l = 0; l < COUNT; l++) {
-        CHECK(near(hypot(sine[l], cosine[l]), lead, 1e-14), "l %zu: the leading term", l);
-        lead *= y / (2.0 * (double)l + 3.0);
-    }
-}
-
 /* ------------------------------------------------------------------------- complex arguments */
-
-typedef struct argument {
-    double real, imaginary;
-    size_t l;
-    int part;
-} argument;
-
-/* e^(-z (1-x)) P_l(x), a part of it. */
-static double falling(const void *data, double x)
-{
-    const argument *z = data;
-    const double angle = z->imaginary * (1.0 - x);
-    return exp(-z->real * (1.0 - x)) * (z->part ? -sin(angle) : cos(angle)) * legendre(z->l, x);
-}
-
-static void exponentials_agree_with_quadrature(void)
-{
-    const double size[] = {1e-4, 0.3, 1.0, 1.99, 2.01, 3.7, 9.0, 25.0, 39.9, 40.1, 70.0, 300.0};
-    for (size_t i = 0; i < sizeof size / sizeof size[0]; i++) {
-        for (int turn = -6; turn <= 6; turn++) {
-            const int panels = 100 + (int)size[i];
-            double re[HIGHEST], im[HIGHEST];
-            argument z = {size[i] * cos(PI / 12.0 * turn), size[i] * sin(PI / 12.0 * turn), 0, 0};
-            z.real = turn == -6 || turn == 6 ? 0.0 : z.real;
-            aoi_bessel_exponential(z.real, z.imaginary, HIGHEST, re, im);
-            for (z.l = 0; z.l < HIGHEST; z.l++) {
-                z.part = 0;
-                const double real = integral(falling, &z, 0.0, 1.0, panels);
-                z.part = 1;
-                const double imaginary = integral(falling, &z, 0.0, 1.0, panels);
-                const double most = z.l < COUNT ? 2e-14 : 1e-12; /* the upward recurrence */
-                CHECK(fabs(re[z.l] - real) < most, "z %g + %g i, l %zu: %.15g, not %.15g", z.real,
-                      z.imaginary, z.l, re[z.l], real);
-                CHECK(fabs(im[z.l] - imaginary) < most, "z %g + %g i, l %zu: %.15g i, not %.15g i",
-                      z.real, z.imaginary, z.l, im[z.l], imaginary);
-            }
-        }
-    }
-}
 
 /* |P_l| <= 1 and |e^-z| <= 1 bound the integral, from z that do nothing to those that leave nothing. */
 static void exponentials_of_any_size_are_numbers(void)
@@ -155,11 +76,8 @@ static void sines_of_many_turns_are_sines(void)
 
 int main(void)
 {
-    exponentials_agree_with_quadrature();
     exponentials_of_any_size_are_numbers();
-    agrees_with_quadrature();
     recurrence_holds_over_twelve_decades();
-    small_arguments_keep_their_digits();
     sines_of_many_turns_are_sines();
     return check_report();
 }

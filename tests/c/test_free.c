@@ -175,6 +175,9 @@ static void the_third_derivative_is_the_slope_of_the_second(void)
     add_wall(&p);
     aoi_free_pair pair = pair_of(&p, 0.0);
     const double a = f / 2.0 - 2.0 * decay * v - omega * omega * x;
+    double indentation, rate, acceleration;
+    aoi_free_pair_indentation(&pair, &indentation, &rate, &acceleration);
+    CHECK(near(acceleration, a, 1e-14), "of the motion's equation: %.17g", acceleration);
     CHECK(near(aoi_free_pair_jerk(&pair), slope / 2.0 - 2.0 * decay * a - omega * omega * v, 1e-14), "%.17g",
           aoi_free_pair_jerk(&pair));
 }
@@ -374,6 +377,68 @@ static void a_forced_part_moves_with_the_rest(void)
     }
 }
 
+/* A load of 0 until 1 s, 6 N from 2 s to 3 s, a jump to -3 N there, which it keeps. */
+static part *add_loaded(plant *p)
+{
+    part *ball = add_rigid(p, 2.0, 0.0);
+    const double time[] = {1.0, 2.0, 3.0, 3.0}, force[] = {0.0, 6.0, 6.0, -3.0};
+    ball->load_count = 4;
+    memcpy(ball->load_time, time, sizeof time);
+    memcpy(ball->load_force, force, sizeof force);
+    return ball;
+}
+
+static void a_loaded_mass_flies_by_the_integrals_of_its_load(void)
+{
+    plant p = {.bodies = 0};
+    part *ball = add_loaded(&p);
+    ball->pulled = 1;
+    ball->gravity[0] = -9.81;
+    lay_out(&p);
+    double x = 1.0, v = 2.0;
+    aoi_modes_advance(p.body, 0.0, 5.0, &x, &v);
+    /* int F dt = 3 + 6 - 6 = 3 N s; its own integral: 1, then 3 + 3, then 9 t - 1.5 t^2 over 2 s. */
+    CHECK(near(v, 2.0 - 9.81 * 5.0 + 3.0 / 2.0, 1e-14), "momentum: %.16g", v);
+    CHECK(near(x, 1.0 + 10.0 - 0.5 * 9.81 * 25.0 + (1.0 + 6.0 + 18.0 - 6.0) / 2.0, 1e-14),
+          "place: %.16g", x);
+    double there = x, speed = v;
+    aoi_modes_advance(p.body, 5.0, 5.0, &x, &v);
+    CHECK(x == there && v == speed, "no time, no motion");
+}
+
+/* Damped modes, two ports with loads of their own, gravity. */
+static void free_motion_is_that_of_runge_and_kutta(void)
+{
+    uint64_t seed = 8;
+    plant p = {.bodies = 0};
+    part *body = add_ringing(&p, 6, 2, 3.0, 30.0, 1.0, &seed);
+    const double time[] = {0.25, 0.5, 1.0}, force[] = {0.0, 1.0, 5.0, -2.0, 1.0, 3.0};
+    body->load_count = 3;
+    memcpy(body->load_time, time, sizeof time);
+    memcpy(body->load_force, force, sizeof force);
+    body->damped = body->pulled = 1;
+    for (size_t j = 0; j < body->n; j++) {
+        body->decay[j] = 12.0 * (double)j; /* from free to overdamped */
+        body->gravity[j] = 2.0 - (double)j;
+        body->x[j] = 0.01 * (double)j;
+    }
+    body->omega[1] = 3.0;
+    double x[ALL_MODES], v[ALL_MODES];
+    runge_kutta(&p, 1.5, 12000, x, v); /* the bends are at steps' ends */
+    aoi_modes_advance(p.body, 0.0, 1.5, p.x, p.v);
+    for (size_t j = 0; j < body->n; j++) {
+        CHECK(fabs(p.x[j] - x[j]) < 1e-11, "mode %zu: %.15g, not %.15g", j, p.x[j], x[j]);
+        CHECK(fabs(p.v[j] - v[j]) < 1e-10, "mode %zu: velocity %.15g, not %.15g", j, p.v[j], v[j]);
+    }
+    double displacement, velocity, sum = 0.0, rate = 0.0;
+    aoi_modes_port(p.body, 1, x, v, &displacement, &velocity);
+    for (size_t j = 0; j < body->n; j++) {
+        sum += body->shape[body->n + j] * x[j];
+        rate += body->shape[body->n + j] * v[j];
+    }
+    CHECK(near(displacement, sum, 1e-14) && near(velocity, rate, 1e-14), "the second port");
+}
+
 int main(void)
 {
     a_thrown_ball_lands_where_it_must();
@@ -395,5 +460,7 @@ int main(void)
     drag_stops_a_mass_before_the_wall();
     bodies_that_fall_side_by_side_do_not_press();
     the_one_with_less_drag_catches_up();
+    a_loaded_mass_flies_by_the_integrals_of_its_load();
+    free_motion_is_that_of_runge_and_kutta();
     return check_report();
 }

@@ -42,7 +42,7 @@ static void choose_forces(uint64_t *seed, size_t port, double *force)
     }
 }
 
-/* To a share of the step h: free free motion (test_modes.c), and Duhamel's integral of what the forces did. */
+/* To a share of the step h: free free motion (test_free.c), and Duhamel's integral of what the forces did. */
 static void by_duhamel(const plant *p, double h, const double *force, double place, double *x, double *v)
 {
     const part *of = &p->part[0];

@@ -1,4 +1,4 @@
-/* Sparse matrices against the chain of n equal springs, whose eigenvectors are known in closed form. */
+/* Sparse matrices that cannot be read. What these are multiplied by test_full.c compares with natural modes. */
 #include "check.h"
 #include "linear/sparse.h"
 
@@ -28,57 +28,6 @@ static void chain_make(chain *c, int32_t n)
     c->start[n] = stored;
     c->stored = (size_t)stored;
     c->matrix = (aoi_sparse){(size_t)n, c->start, c->indices, c->values};
-}
-
-static void chain_has_its_eigenvectors(void)
-{
-    chain c;
-    double x[MOST], y[MOST];
-    for (int32_t n = 1; n <= MOST; n++) {
-        chain_make(&c, n);
-        CHECK(aoi_sparse_check(&c.matrix, c.stored) == AOI_OK, "a chain of %d springs", (int)n);
-        for (int mode = 1; mode <= n; mode++) {
-            const double angle = mode * PI / (n + 1), eigenvalue = 2.0 - 2.0 * cos(angle);
-            double worst = 0.0;
-            for (int i = 0; i < n; i++) {
-                x[i] = sin(angle * (i + 1));
-            }
-            aoi_sparse_multiply(&c.matrix, x, y);
-            for (int i = 0; i < n; i++) {
-                worst = fmax(worst, fabs(y[i] - eigenvalue * x[i]));
-            }
-            const double rounding =
-                4.0 * DBL_EPSILON * angle * (n + 1); /* of the sine's argument */
-            CHECK(worst < rounding, "mode %d of %d: K x = omega2 x, off by %g", mode, (int)n,
-                  worst);
-            const double energy = aoi_sparse_quadratic(&c.matrix, x);
-            CHECK(fabs(energy - eigenvalue * 0.5 * (n + 1)) < 1e-13 * (n + 1),
-                  "mode %d of %d: x K x = omega2 x.x, %g", mode, (int)n, energy);
-        }
-    }
-}
-
-/* Rows of 0, 1, 2, ... 6 entries: every remainder of the unrolled loop, an empty row included. */
-static void rows_of_any_length(void)
-{
-    enum { N = 7 };
-    int32_t start[N + 1] = {0}, indices[N * N];
-    double values[N * N], x[N], y[N];
-    int32_t stored = 0;
-    for (int32_t i = 0; i < N; i++) {
-        for (int32_t j = 0; j < i; j++) {
-            indices[stored] = j;
-            values[stored++] = 1.0;
-        }
-        start[i + 1] = stored;
-        x[i] = i + 1.0;
-    }
-    const aoi_sparse lower = {N, start, indices, values};
-    CHECK(aoi_sparse_check(&lower, (size_t)stored) == AOI_OK, "rows of 0 to 6 entries");
-    aoi_sparse_multiply(&lower, x, y);
-    for (int i = 0; i < N; i++) {
-        CHECK(y[i] == 0.5 * i * (i + 1), "row of %d ones", i);
-    }
 }
 
 static void unreadable_matrices_are_refused(void)
@@ -116,8 +65,6 @@ static void unreadable_matrices_are_refused(void)
 
 int main(void)
 {
-    chain_has_its_eigenvectors();
-    rows_of_any_length();
     unreadable_matrices_are_refused();
     return check_report();
 }

@@ -176,10 +176,6 @@ CALLS: dict[str, tuple[Callable[[], list[Any]], set[int]]] = {
         ],
         {6, 7, 8, 9},
     ),
-    "star_receptance": (
-        lambda: [1.0, 0.0, np.ones(3), np.arange(1.0, 4.0), np.ones(5) / 3, np.zeros(5)],
-        {5},
-    ),
     "star_to_modal": (
         lambda: [1.0, 0.0, np.ones(3), np.arange(1.0, 4.0), *zeros(4, 4, 3)],
         {4, 5, 6},

@@ -45,11 +45,6 @@ def law() -> Call:
     return lambda: _core.law_force(power, depth, rate, *answers, False)
 
 
-def receptance() -> Call:
-    k, frequency = np.arange(1.0, 5001.0), np.linspace(0.0, 20.0, 100_000)
-    return lambda: _core.star_receptance(1.0, 1.0, k / k, k, frequency, np.empty_like(frequency))
-
-
 def to_modal() -> Call:
     k = np.arange(1.0, 10_001.0)
     room = np.empty(len(k) + 1), np.empty(len(k) + 1), np.empty(len(k))
@@ -138,7 +133,7 @@ def masses() -> Call:
     return lambda: _core.newmark(scene, contacts, 1e-3, 0.25, 0.5, *rest)
 
 
-LONG = [law, receptance, to_modal, from_modal]
+LONG = [law, to_modal, from_modal]
 LONG += [sample, sample_evenly, states, forces, touch, briefs, masses]
 
 

@@ -74,15 +74,6 @@ static inline int chain_solve(void *data, double *x)
     return 0;
 }
 
-static inline int chain_solve_with_products(void *data, double *x, double *kx, double *mx)
-{
-    const chain_solver *s = data;
-    const int failed = chain_solve(data, x);
-    aoi_sparse_multiply(s->K, x, kx);
-    aoi_sparse_multiply(s->M, x, mx);
-    return failed;
-}
-
 static inline chain_solver take_solver(input *in, const aoi_sparse *K, const aoi_sparse *M, double of_k,
                                        double of_m)
 {
