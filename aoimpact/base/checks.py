@@ -87,6 +87,23 @@ def nonnegative(name: str, value: Any, *, unit: str = "", infinite: bool = False
     return number
 
 
+def within(
+    name: str, value: Any, low: float, high: float = math.inf, *, below: bool = False
+) -> float:
+    """Return a number from `low` to `high`, or below that.
+
+    Raises
+    ------
+    InputError, InputTypeError
+    """
+    number = real(name, value)
+    if not low <= number <= high or (below and number == high):
+        span = f"at least {low:g}" if high == math.inf else f"from {low:g} to "
+        span += f"{'below ' * below}{high:g}" * (high < math.inf)
+        raise InputError(f"{name} must be {span}, got {number:g}")
+    return number
+
+
 def integer(name: str, value: Any, *, low: int | None = None, high: int | None = None) -> int:
     """Return `value` as an int in [`low`, `high`]; floats and bools are refused.
 

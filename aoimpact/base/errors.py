@@ -194,15 +194,13 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     5: (ConvergenceError, "the linear solver failed"),
     6: (
         ConvergenceError,
-        "even the shortest step does not meet the tolerance; take another rtol, where the law is "
-        "your own a smoother one, or, where contacts act on a point without mass (m0 = 0), a small "
-        "m0 or Newmark(dt=...)",
+        "even the shortest step does not meet the tolerance; take another rtol, a smoother law, a "
+        "small m0 where it is 0, or Newmark(dt=...)",
     ),
     7: (
         ConvergenceError,
-        "the run takes too many steps: they fill a GiB, or are far more than those of the run that "
-        "it is to confirm; take a shorter duration, a larger rtol, fewer stiff oscillators, a "
-        "smoother law, or Newmark(dt=...)",
+        "the run takes too many steps; take a shorter duration, a larger rtol, fewer stiff "
+        "oscillators, a smoother law, or Newmark(dt=...)",
     ),
     8: (
         LawLimitError,
@@ -212,8 +210,8 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     9: (ConvergenceError, "the contact law gave no finite number"),
     10: (
         ConvergenceError,
-        "less its patches' own indentation the contact law has no force, since its own falls from "
-        "one value to another; make the law continuous, or the contact points without a radius",
+        "less its patches' own indentation the contact law has no force, since it jumps down; make "
+        "it continuous, or the contact points without a radius",
     ),
     11: (ConvergenceError, "it was stopped"),
     12: (

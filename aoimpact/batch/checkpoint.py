@@ -58,7 +58,7 @@ class Checkpoint:
 
     def __init__(self, path: FilePath) -> None:
         self._name = str(file_path("checkpoint", path))
-        self._places: dict[str, int] = {}
+        self._known: dict[str, Outcome] = {}
         try:
             with open(self._name, "a+b") as file:
                 self._find_lines(file)
@@ -86,8 +86,8 @@ class Checkpoint:
                 break
             try:
                 record = json.loads(line)
-                _outcome(record)
-                self._places[record["case"]] = place
+                told = tuple(map(str, record["warnings"]))
+                self._known[record["case"]] = record["value"], told
             except (ValueError, TypeError, LookupError, RecursionError):
                 damaged += line != _HEAD
             place += len(line)
@@ -96,7 +96,7 @@ class Checkpoint:
             warn(f"{name} is damaged in {damaged} lines: their cases are run again")
 
     def __contains__(self, digest: str) -> bool:
-        return digest in self._places
+        return digest in self._known
 
     def __enter__(self) -> Checkpoint:
         self._written = open(self._name, "ab", buffering=0)  # each line is written at once
@@ -109,9 +109,7 @@ class Checkpoint:
 
     def get(self, digest: str) -> Outcome:
         """Return the outcome under a digest."""
-        with open(self._name, "rb") as file:
-            file.seek(self._places[digest])
-            return _outcome(json.loads(file.readline()))
+        return self._known[digest]
 
     def put(self, digest: str, outcome: Outcome) -> None:
         """Write the outcome of a case that has not failed; it survives if the process is killed.
@@ -122,10 +120,6 @@ class Checkpoint:
         if not isinstance(value, Exception):
             record = {"case": digest, "warnings": messages, "value": value}
             self._written.write(f"{json.dumps(record)}\n".encode())
-
-
-def _outcome(record: Any) -> Outcome:
-    return record["value"], tuple(map(str, record["warnings"]))
 
 
 def as_json(value: Any) -> Any:

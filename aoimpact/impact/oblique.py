@@ -40,8 +40,8 @@ def checked_friction(value: Any, law: ContactLaw) -> Friction:
     mu = nonnegative("friction", value)
     if mu and (law.has_memory or law.pulls):
         raise InputError(
-            f"friction: law={law!r} remembers or pulls, and friction is known for other contacts "
-            "only; give Hertz(...), a law with damping and solver=Newmark(), or friction=0"
+            f"friction: law={law!r} remembers or pulls; give Hertz(...), a damped law and "
+            "solver=Newmark(), or friction=0"
         )
     return Friction(mu)
 
@@ -79,9 +79,8 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
         normals = [tip.normal for tip in tips if tip is not None and tip.normal is not None]
         if len(normals) == 2 and normals[0] @ normals[1] > 0.0:
             raise InputError(
-                f"{first[0]} and {second[0]} are touched on the same side, where their surfaces "
-                f"face {plain(normals[0])} and {plain(normals[1])}. The axes of their meshes are "
-                "parallel: give a point on the opposite side of one, or turn its mesh"
+                f"{first[0]} and {second[0]} are touched on the same side, with the normals "
+                f"{plain(normals[0])} and {plain(normals[1])}; turn the mesh of one"
             )
         for name, model, port in reversed(both):
             tip = model.touched_at(port)
@@ -95,8 +94,7 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
             elif abs(float(along @ found)) < _ONE_FRAME:
                 raise InputError(
                     f"{name}: its direction of travel {plain(along)} is not that of the other "
-                    f"bodies, {plain(found)}. With velocities in three directions the axes of all "
-                    "meshes are parallel: turn the mesh, or give the speed alone"
+                    f"bodies, {plain(found)}; turn its mesh, or give the speed alone"
                 )
     along = _DOWN if found is None else found
     tangents = plane_of(along, np.eye(3)[int(np.argmin(np.abs(along)))])
@@ -115,9 +113,8 @@ def _direction(name: str, tip: ContactPoint) -> FloatArray:
         )
     if tip.normal is not None and abs(float(tip.direction @ tip.normal)) < _ALONG:
         raise InputError(
-            f"{name}: direction {plain(tip.direction)} is not along the normal {plain(tip.normal)} "
-            "of the surface, as it is with friction; leave direction out, and give velocity as a "
-            "vector"
+            f"{name}: direction {plain(tip.direction)} is not along the normal "
+            f"{plain(tip.normal)}; with friction leave direction out, and give velocity as a vector"
         )
     return tip.direction
 

@@ -181,17 +181,15 @@ def pair(
         raise InputError("velocity is 0 m/s: nothing would move; give the projectile a velocity")
     if speed < 0.0 and not moving.body.constrained:
         raise InputError(
-            f"velocity={speed:g} m/s: the projectile flies away from the target, and nothing turns "
-            "it round; give the speed at which it comes, or build a Scene with what brings it back "
-            "(gravity, a load, a body behind it)"
+            f"velocity={speed:g} m/s: the projectile flies away from the target; give the speed at "
+            "which it comes, or build a Scene with what brings it back"
         )
     scene._join((0, 0), (1, 0), law, nonnegative("gap", gap, unit="m"), friction=friction)
     plan = scene._plan(energies=boolean("energies", energies))
     if plan.oblique is not None and moving.vector is not None and plan.velocities[0] <= 0.0:
         raise InputError(
-            f"velocity={plain(moving.vector)} m/s does not approach the target along "
-            f"{plain(plan.oblique.axes[0])}, into its surface; give a velocity with a part "
-            "along that"
+            f"velocity={plain(moving.vector)} m/s does not approach the target; give one with a "
+            f"part along {plain(plan.oblique.axes[0])}, into its surface"
         )
     return scene, plan
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 
-from ..base import InputError, boolean, checked, positive, real
+from ..base import boolean, checked, positive, within
 
 # The smallest tolerance that may be given: double precision has no more digits.
 TIGHTEST = 1e-13
@@ -81,12 +81,7 @@ class Adaptive:
     rtol: float = 1e-8
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rtol", positive("rtol", self.rtol))
-        if not TIGHTEST <= self.rtol < 1.0:
-            raise InputError(
-                f"rtol must be from {TIGHTEST:g} to below 1, got {self.rtol:g}: double precision "
-                "carries no more digits"
-            )
+        checked(self, rtol=partial(within, low=TIGHTEST, high=1.0, below=True))  # double precision
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,10 +130,5 @@ class Newmark:
     def __post_init__(self) -> None:
         if self.dt is not None:
             checked(self, dt=partial(positive, unit="s"))
-        checked(self, beta=positive, gamma=real, rtol=positive, estimate=boolean)
-        if self.gamma < 0.5:
-            raise InputError(
-                f"gamma must be at least 1/2 (below it energy is fed in), got {self.gamma:g}"
-            )
-        if self.rtol >= 1.0:
-            raise InputError(f"rtol must be below 1, got {self.rtol:g}")
+        checked(self, beta=positive, gamma=partial(within, low=0.5))  # below, energy is fed in
+        checked(self, rtol=partial(within, low=TIGHTEST, high=1.0, below=True), estimate=boolean)

@@ -4,27 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
-from ..base import InputError, nonnegative, real
+from ..base import within
 from ..fem import Laminate, Material, Orthotropic, Shell
 from .curvature import contact_modulus, elliptic_contact, half_space, relative_curvatures
 from .law import ContactLaw, HertzianLaw, parameter
-
-
-def exponent(name: str, value: Any) -> float:
-    """Return n of k δⁿ as a float, at least 1."""
-    n = real(name, value)
-    if n < 1.0:
-        raise InputError(f"{name} must be at least 1 (F would start with a jump), got {n:g}")
-    return n
-
-
-def _eccentricity(name: str, value: Any) -> float:
-    eccentricity = nonnegative(name, value)
-    if eccentricity >= 1.0:
-        raise InputError(f"{name} must be in [0, 1), got {eccentricity:g}")
-    return eccentricity
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,7 +36,9 @@ class Hertz(HertzianLaw, kind="hertz"):
     """
 
     k: float
-    eccentricity: float = field(default=0.0, kw_only=True, metadata=parameter(_eccentricity))
+    eccentricity: float = field(
+        default=0.0, kw_only=True, metadata=parameter(within, low=0.0, high=1.0, below=True)
+    )
 
     @classmethod
     def between(
@@ -120,7 +106,7 @@ class PowerLaw(ContactLaw, kind="power"):
     """
 
     k: float
-    n: float = field(metadata=parameter(exponent))
+    n: float = field(metadata=parameter(within, low=1.0))  # less begins with a jump
 
 
 @dataclass(frozen=True, repr=False)

@@ -29,6 +29,7 @@ from ..base import (
     positive,
     real,
     with_unit,
+    within,
 )
 from .rebound import damping_for, integrated_restitution
 
@@ -512,12 +513,7 @@ class ContactLaw:
         number: Callable[[float], float] | None = None,
     ) -> Self:
         """Return the law with the damping for a restitution; number: of a published formula."""
-        e = positive("restitution", restitution)
-        if not _LEAST_RESTITUTION <= e <= 1.0:
-            raise InputError(
-                f"restitution must be from {_LEAST_RESTITUTION:g} (double precision) to 1, "
-                f"got {e:g}"
-            )
+        e = within("restitution", restitution, _LEAST_RESTITUTION, 1.0)
         m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
         closed_form, scale = self._closed_form(m, v)
         reached = damping_for(closed_form, e) if number is None else number(e)

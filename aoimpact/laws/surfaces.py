@@ -122,11 +122,5 @@ def _hertz(one: ContactSurface, two: ContactSurface, angle: float, shift: float 
 
 
 def _said(one: ContactSurface, two: ContactSurface) -> str:
-    radii, bends = (
-        [" and ".join(f"{value:.3g}" for value in getattr(surface, name)) for surface in (one, two)]
-        for name in ("radii", "curvatures")
-    )
-    return (
-        f"surfaces with the principal radii {radii[0]} m (projectile; curvatures {bends[0]} ± "
-        f"{one.error:.2g} 1/m) and {radii[1]} m (target; {bends[1]} ± {two.error:.2g} 1/m)"
-    )
+    radii = (" and ".join(f"{radius:.3g}" for radius in surface.radii) for surface in (one, two))
+    return "surfaces with the principal radii {} m (projectile) and {} m (target)".format(*radii)

@@ -11,8 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ..base import choice, nonnegative, positive
-from .elastic import exponent
+from ..base import choice, nonnegative, positive, within
 from .law import ContactLaw, HertzianLaw, parameter
 from .rebound import (
     hunt_crossley_restitution,
@@ -58,7 +57,7 @@ class HuntCrossley(HertzianLaw, kind="hunt_crossley", depends_on_rate=True, damp
 
     k: float
     damping: float = field(metadata=parameter(nonnegative, "s/m"))
-    n: float = field(default=1.5, metadata=parameter(exponent))
+    n: float = field(default=1.5, metadata=parameter(within, low=1.0))
 
     @classmethod
     def from_restitution(

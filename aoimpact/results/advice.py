@@ -288,8 +288,7 @@ def _thickness(joint: _Joint) -> Limit | None:
     half = 0.5 * min(walls)
     text = (
         "the contact has a radius of more than half the thickness of the shell or beam, "
-        f"{with_unit(2.0 * half, 'm', 3)}, which is no half-space for it; take solids, or "
-        "Tabulated(...)"
+        f"{with_unit(2.0 * half, 'm', 3)}; take solids, or Tabulated(...)"
     )
     return Limit("force", surface.k * (half * half / surface.radius) ** 1.5, 1.0, text)
 
@@ -445,9 +444,8 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
         longest = max((b - a for a, b in _touches(run, number)), default=math.inf) if lag else 0.0
         if lag > _LAGS * longest:
             warn(
-                f"{name} has no mass at its contact (m0 = 0), where damping with beta = "
-                f"{with_unit(lag, 's')} does not act, though the contact lasts only "
-                f"{with_unit(longest, 's')}; give m0={_LIGHT * body.static_mass:.1g}"
+                f"{name}: beta = {with_unit(lag, 's')} does not act on a contact without mass, "
+                f"which lasts {with_unit(longest, 's')}; give m0={_LIGHT * body.static_mass:.1g}"
             )
         if plan.gravity and body.weightless:
             warn(
@@ -485,9 +483,8 @@ def _warn_of_direction(tip: ContactPoint, name: str) -> None:
     if cosine < _OBLIQUE:
         angle = math.degrees(math.acos(cosine))
         warn(
-            f"{name} is touched along {plain(tip.direction)}, {angle:.0f}° off the normal at "
-            f"{plain(tip.point)} m, as a body on a guide. If nothing guides it, leave direction "
-            f"out and give the speed along the normal, {cosine:.3g} of it"
+            f"{name} is touched along {plain(tip.direction)}, {angle:.0f}° off the normal. If "
+            f"nothing guides it, leave direction out, and give {cosine:.3g} of the velocity"
         )
 
 

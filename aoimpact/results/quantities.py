@@ -232,7 +232,8 @@ class Quantity:
         if self.of_speeds is None:
             return self.compared(run)
         parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
-        after = run.parting if parted else np.full(len(run.plan.bodies), np.nan)
+        known = [parted and body.centre_known for body in run.plan.bodies]
+        after = np.where(known, run.compared_velocities, np.nan)
         values = self.of_speeds(_speeds(run, after))
         return values if run.plan.scene else values[:1]
 

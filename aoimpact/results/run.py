@@ -657,19 +657,11 @@ class Run:
         return None if self.finer is None else self.finer(replace(self, asked=None))
 
     @cached_property
-    def parting(self) -> FloatArray:
-        """`mean_velocities` at the end of the last contact, or of the record, shape (bodies,).
-
-        NaN where a centre of mass is not known.
-        """
-        known = [body.centre_known for body in self.plan.bodies]
-        return read_only(np.where(known, self.compared_velocities, np.nan))
-
-    @cached_property
     def compared_velocities(self) -> FloatArray:
-        """`parting`, but where a centre is not known the mean over the static mode.
+        """Mean velocities at the end of the last contact, or of the record, m/s, shape (bodies,).
 
-        That is no velocity of the body; runs are compared by it.
+        Where a centre of mass is not known they are means over the static mode: no velocities of
+        the body, but runs are compared by them.
 
         :meta private:
         """

@@ -104,9 +104,3 @@ def test_the_same_bits_in_any_order_from_any_worker(tmp_path: Path) -> None:
     cases, alone = cases[:2], ao.simulate_many(cases[:2], keep=NAMES)
     for _ in range(2):  # computed, then read
         assert ao.simulate_many(cases, keep=NAMES, checkpoint=tmp_path / "cases") == alone
-
-
-def displacement(hit: ao.Result) -> float:
-    """Near a corner of the plate."""
-    found = hit.target.probe((0.02, 0.02, 0.01))
-    return float(np.abs(found.displacement).max())
