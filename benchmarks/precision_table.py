@@ -16,7 +16,6 @@ from aoimpact.base import (
     choice,
     error_axes,
     given_axes,
-    html_table,
     instances,
     positive,
     text,
@@ -159,11 +158,6 @@ class WorkPrecision:
         failures = ["", *(row.failure for row in self.rows)]
         rows = [f"{line}  {why}".rstrip() for line, why in zip(lines, failures, strict=True)]
         return "\n".join([self.scene, str(self.reference), *rows, *self._comparisons()])
-
-    def _repr_html_(self) -> str:
-        rows = [(*_cells(row), row.failure) for row in self.rows]
-        caption = self.scene, str(self.reference)
-        return html_table((*_HEADINGS, ""), rows, caption=caption, below=self._comparisons())
 
     def _comparisons(self) -> list[str]:
         """The fastest run of each method at some errors, and how many times the quickest's time."""

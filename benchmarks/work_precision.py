@@ -35,7 +35,7 @@ from aoimpact import (
     simulate,
 )
 from aoimpact.base import choice, instance, integer, positive, sequence, with_unit
-from aoimpact.impact import checked_duration, plan_impact
+from aoimpact.impact import plan_impact
 from aoimpact.integrate import rigid_contact_time
 from aoimpact.reduction import body_model
 
@@ -112,7 +112,7 @@ def work_precision(
     """
     count = integer("repeats", repeats, low=1, high=_MOST_REPEATS)
     instance("law", law, ContactLaw)
-    duration = checked_duration(duration)
+    duration = positive("duration", duration, unit="s")
     names = _methods(scipy)
     bodies = _star("projectile", projectile), _star("target", target)
     scene = {
