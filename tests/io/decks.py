@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -74,3 +75,28 @@ def line(length: float = 1.0, n: int = 10) -> ao.Mesh:
     nodes = np.column_stack([np.linspace(0, length, n + 1), np.zeros((n + 1, 2))])
     cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
     return ao.Mesh(nodes, cells, "line", {"xmin": np.array([0]), "xmax": np.array([n])})
+
+
+def strip(n: int, m: int, place: Any) -> tuple[Any, Any]:
+    """Nodes and cells of n x m elements S8R on the unit square, put into space."""
+    i, j = np.meshgrid(np.arange(2 * n + 1), np.arange(2 * m + 1), indexing="ij")
+    kept = (i % 2 == 0) | (j % 2 == 0)
+    number = np.where(kept, np.cumsum(kept).reshape(kept.shape) - 1, -1)
+    a, b = (of[:-1:2, :-1:2].ravel() for of in (i, j))
+    around = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
+    cells = np.stack([number[a + di, b + dj] for di, dj in around], axis=1)
+    return np.stack(place(i[kept] / (2 * n), j[kept] / (2 * m)), axis=1), cells
+
+
+def ccx(path: Path, lines: Iterable[str]) -> Path:
+    """Write a deck, and let CalculiX run it."""
+    path.write_text("\n".join(lines))
+    command = ["ccx", path.stem]
+    subprocess.run(command, cwd=path.parent, check=True, capture_output=True, timeout=300)
+    return path
+
+
+def frequencies(path: Path) -> list[float]:
+    """The frequencies that CalculiX has printed, Hz."""
+    printed = [line.split() for line in path.with_suffix(".dat").read_text().splitlines()]
+    return [float(words[3]) for words in printed if len(words) == 5 and words[0].isdigit()]

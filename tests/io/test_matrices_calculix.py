@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from decks import ccx, frequencies
 from test_matrices import ALU, DOWN, force
 
 import aoimpact as ao
@@ -40,10 +40,7 @@ def deck(mesh: ao.Mesh, fixed: Any, element: str = "", step: str = STORED) -> It
 
 
 def run(folder: Path, lines: Iterator[str]) -> Path:
-    file = folder / "bar.inp"
-    file.write_text("\n".join(lines))
-    subprocess.run(["ccx", "bar"], cwd=folder, check=True, capture_output=True, timeout=120)
-    return file
+    return ccx(folder / "bar.inp", lines)
 
 
 @pytest.mark.filterwarnings("ignore:.*with_mesh")
@@ -94,8 +91,7 @@ def test_elements_that_integrate_their_mass_in_part_have_calculix_s_frequencies(
     file = run(tmp_path, deck(mesh, fixed, element))
     body = ao.read_matrices(file.with_suffix(".sti"), file.with_suffix(".mas"), nodes=file)
     run(tmp_path, deck(mesh, fixed, element, "*STEP\n*FREQUENCY\n9\n*END STEP\n"))
-    printed = [line.split() for line in file.with_suffix(".dat").read_text().splitlines()]
-    theirs = [float(words[3]) for words in printed if len(words) == 5 and words[0].isdigit()][:9]
+    theirs = frequencies(file)[:9]
     rigid = 0 if held else 6
     assert body.rigid_modes.shape[1] == rigid
     assert body.frequencies(9)[rigid:] == pytest.approx(theirs[rigid:], rel=1e-5)

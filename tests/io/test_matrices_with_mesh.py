@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,19 +19,13 @@ BALL = ao.FEModel.from_mesh(MESH, STEEL)
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    return ao.write_matrices(BALL, tmp_path_factory.mktemp("ball"))
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    files = ao.write_matrices(BALL, tmp_path_factory.mktemp("ball"))
+    return {name: files[name] for name in ("K", "M", "dofs", "nodes")}
 
 
-def test_a_patch_and_the_law_are_those_of_the_mesh(files: dict[str, Path]) -> None:
-    body = ao.read_matrices(
-        files["K"],
-        files["M"],
-        dofs=files["dofs"],
-        nodes=files["nodes"],
-        mesh=MESH,
-        material=STEEL,
-    )
+def test_a_patch_and_the_law_are_those_of_the_mesh(files: dict[str, Any]) -> None:
+    body = ao.read_matrices(**files, mesh=MESH, material=STEEL)
     wall = ao.rigid(np.inf)
     hits = [
         ao.simulate(projectile=one.contact(point=(0, 0, -0.01)), target=wall, law=law, velocity=1.0)
@@ -42,29 +37,21 @@ def test_a_patch_and_the_law_are_those_of_the_mesh(files: dict[str, Path]) -> No
     assert body.mass == pytest.approx(BALL.mass)
 
 
-def test_nodes_in_another_order_are_found_by_their_places(files: dict[str, Path]) -> None:
+def test_nodes_in_another_order_are_found_by_their_places(files: dict[str, Any]) -> None:
     order = np.random.default_rng(4).permutation(MESH.n_nodes)
     table = np.column_stack([order + 1, 1e3 * MESH.nodes[order]])
-    body = ao.read_matrices(
-        files["K"],
-        files["M"],
-        dofs=files["dofs"],
-        nodes=table,
-        mesh=MESH,
-        material=STEEL,
-        length=1e-3,
-    )
+    given = files | {"nodes": table}
+    body = ao.read_matrices(**given, mesh=MESH, material=STEEL, length=1e-3)
     np.testing.assert_array_equal(body.free, BALL.free)
     np.testing.assert_array_equal(body.nodes, MESH.nodes)
 
 
-def test_another_mesh_is_refused(files: dict[str, Path]) -> None:
-    given = {"dofs": files["dofs"], "nodes": files["nodes"], "material": STEEL}
+def test_another_mesh_is_refused(files: dict[str, Any]) -> None:
     other = ao.box_mesh((0.01, 0.01, 0.01), (2, 2, 2))
     with pytest.raises(ao.InputError, match="mesh"):
-        ao.read_matrices(files["K"], files["M"], mesh=other, **given)
+        ao.read_matrices(**files, mesh=other, material=STEEL)
     with pytest.raises(ao.InputTypeError, match=r"^mesh"):
-        ao.read_matrices(files["K"], files["M"], **given)
+        ao.read_matrices(**files, material=STEEL)
 
 
 def test_matrices_of_a_shell_have_its_contact_stress_and_errors(tmp_path: Path) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from decks import STEEL
+from decks import STEEL, ccx, frequencies, strip
 
 import aoimpact as ao
 
@@ -38,28 +37,7 @@ def deck(path: Path, nodes: Any, blocks: dict[str, Any], fixed: Any, cards: str,
             count += 1
             lines.append(", ".join(map(str, [count, *(np.array(cell) + 1)])))
     lines += ["*BOUNDARY", *(f"{i + 1}, 1, 6" for i in fixed), cards.strip(), step, "*END STEP", ""]
-    path.write_text("\n".join(lines))
-    subprocess.run(
-        ["ccx", path.stem], cwd=path.parent, check=True, capture_output=True, timeout=300
-    )
-    return path
-
-
-def strip(n: int, m: int, place: Any) -> tuple[Any, Any]:
-    """Nodes and cells of n x m elements S8R on the unit square, put into space."""
-    i, j = np.meshgrid(np.arange(2 * n + 1), np.arange(2 * m + 1), indexing="ij")
-    kept = (i % 2 == 0) | (j % 2 == 0)
-    number = np.where(kept, np.cumsum(kept).reshape(kept.shape) - 1, -1)
-    a, b = (of[:-1:2, :-1:2].ravel() for of in (i, j))
-    around = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
-    cells = np.stack([number[a + di, b + dj] for di, dj in around], axis=1)
-    return np.stack(place(i[kept] / (2 * n), j[kept] / (2 * m)), axis=1), cells
-
-
-def frequencies(path: Path) -> list[float]:
-    """The frequencies that CalculiX has printed, Hz."""
-    printed = [line.split() for line in path.with_suffix(".dat").read_text().splitlines()]
-    return [float(words[3]) for words in printed if len(words) == 5 and words[0].isdigit()]
+    return ccx(path, lines)
 
 
 def extent(path: Path, of: slice) -> Any:

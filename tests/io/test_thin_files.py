@@ -10,6 +10,7 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
+from decks import strip
 
 import aoimpact as ao
 
@@ -143,13 +144,7 @@ def test_shells_and_beams_of_second_order_are_split_at_their_nodes(
 
 def of_eight_nodes(n: int, place: Any) -> meshio.Mesh:
     """n x n elements of eight nodes on the unit square, put into space."""
-    i, j = np.meshgrid(np.arange(2 * n + 1), np.arange(2 * n + 1), indexing="ij")
-    kept = (i % 2 == 0) | (j % 2 == 0)
-    number = np.where(kept, np.cumsum(kept).reshape(kept.shape) - 1, -1)
-    a, b = (of[:-1:2, :-1:2].ravel() for of in (i, j))
-    around = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
-    cells = np.stack([number[a + di, b + dj] for di, dj in around], axis=1)
-    nodes = np.stack(place(i[kept] / (2 * n), j[kept] / (2 * n)), axis=1)
+    nodes, cells = strip(n, n, place)
     return meshio.Mesh(nodes, [("quad8", cells)], point_sets={"all": np.arange(len(nodes))})
 
 

@@ -123,18 +123,3 @@ def test_what_is_no_mixed_mesh() -> None:
         ao.Mesh(mesh.nodes, [("hexaeder", cells)])
     with pytest.raises(InputError, match=r"^cell_sets"):
         ao.Mesh(mesh.nodes, [(b.kind, b.cells) for b in mesh.blocks], "mixed", {}, {"a": [999]})
-
-
-@pytest.mark.slow
-def test_an_impact_on_a_mixed_plate_is_that_on_one_of_bricks() -> None:
-    """The force of a ball on a block of one kind and of four, each fine enough."""
-    forces = []
-    for mesh in (
-        mixed_box((0.06, 0.06, 0.03), (10, 10, 5), order=2),
-        ao.box_mesh((0.06, 0.06, 0.03), (10, 10, 5), kind="hexahedron20"),
-    ):
-        block = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("zmin", "xyz")])
-        tip = block.contact(point=(0.03, 0.03, 0.03), radius=0.01)
-        hit = ao.simulate(projectile=ao.ball(0.01, STEEL), target=tip, velocity=1.0)
-        forces.append(hit.peak_force)
-    assert forces[0] == pytest.approx(forces[1], rel=1e-2)
