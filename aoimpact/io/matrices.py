@@ -63,11 +63,9 @@ _CONDENSED = 6000
 # Ansys' words for components; others have no direction.
 _COMPONENTS = {"UX": 1, "UY": 2, "UZ": 3, "ROTX": 4, "ROTY": 5, "ROTZ": 6}
 
-# A row of a mapping file: the equation, the node, and the component's word or number.
-_MAPPED = re.compile(r"^\s*(\d{1,15})\s+(-?\d{1,15})\s+([A-Z]+|\d{1,2})\s*$", re.MULTILINE)
-
-# A line of a .dof file, or of one of pairs.
-_PAIR = re.compile(r"^\s*(-?\d{1,15})(?:\.|[\s,]+)(\d{1,2})\s*$")
+# A row of a mapping file: the equation, the node, and the component's word or number; or one of a
+# .dof file or of pairs, without an equation.
+_ROW = re.compile(r"\s*(?:(\d{1,15})\s+)?(-?\d{1,15})(?:\.|[\s,]+)([A-Z]+|\d{1,2})\s*")
 
 # Labels, or None where nodes have none but their order; and coordinates in the file's unit.
 Places = tuple[IntArray | None, FloatArray]
@@ -458,22 +456,22 @@ def read_dofs(dofs: Any) -> IntArray:
     file = file_path("dofs", dofs)
     existing("matrix file", file)
     text = file.read_text(encoding="latin-1")
-    if mapped := _MAPPED.findall(text):
-        words = [int(word) if word.isdigit() else _COMPONENTS.get(word, 0) for *_, word in mapped]
-        equations = np.array([int(equation) for equation, *_ in mapped])
-        for wrong in np.flatnonzero(np.sort(equations) != np.arange(1, len(mapped) + 1))[:1]:
-            raise spoilt(file, f"equation {wrong + 1} is not there once: is it cut short?")
-        nodes = [int(node) for _, node, _ in mapped]
-        return np.stack([nodes, words], axis=1)[np.argsort(equations)]
-    pairs: list[tuple[str, ...]] = []
+    rows: list[tuple[Any, ...]] = []
     for line, content in enumerate(text.splitlines(), 1):
-        if pair := _PAIR.match(content):
-            pairs.append(pair.groups())
-        elif content.strip() and pairs:
+        if row := _ROW.fullmatch(content):
+            rows.append(row.groups())
+        elif content.strip() and rows and not rows[0][0]:
             raise spoilt(file, f"a dof such as 123.1 is expected, got {content[:60]!r}", line)
-    if not pairs:
+    if not rows:
         raise spoilt(file, "it has no lines such as 123.1, nor such as 1 123 UX")
-    return np.array(pairs).astype(np.int64)
+    words = [int(word) if word.isdigit() else _COMPONENTS.get(word, 0) for *_, word in rows]
+    found = np.stack([[int(node) for _, node, _ in rows], words], axis=1)
+    equations = np.array([int(equation or 0) for equation, *_ in rows])
+    if not equations.any():
+        return found
+    for wrong in np.flatnonzero(np.sort(equations) != np.arange(1, len(rows) + 1))[:1]:
+        raise spoilt(file, f"equation {wrong + 1} is not there once: is it cut short?")
+    return found[np.argsort(equations)]
 
 
 def read_places(nodes: Any) -> Places:

@@ -51,8 +51,10 @@ def read_op4(file: Path, size: int) -> list[RawMatrix]:
             found.append(_matrix(file, source))
     except (struct.error, IndexError):
         raise spoilt(file, "it ends within a matrix: it is cut short") from None
-    except OverflowError:
-        raise spoilt(file, "a count or row in it is beyond any") from None
+    except InputError:
+        raise
+    except (ValueError, OverflowError):
+        raise source.wrong("a count or row in it is no integer, or beyond any") from None
     return found
 
 
@@ -187,7 +189,7 @@ class _Text:
         found = _TEXT.match(line)
         if found is None:
             raise self.wrong("a header of a matrix should stand here")
-        n_cols, n_rows, _, kind = (self._integer(one) for one in found.groups()[:4])
+        n_cols, n_rows, _, kind = map(int, found.groups()[:4])
         shape = re.search(rb"(\d+)[ED](\d+)\.\d+", line[found.start(5) + 8 :].upper())
         self._per_line, self._width = (int(shape[1]), int(shape[2])) if shape else (5, 16)
         if not 1 <= self._per_line * self._width <= 1000:
@@ -203,7 +205,7 @@ class _Text:
         words = self._next().split()
         if len(words) != count:
             raise self.wrong(f"{count} integers should stand here: is it cut short?")
-        return tuple(self._integer(word) for word in words)
+        return tuple(map(int, words))
 
     def take(self, count: int) -> FloatArray:
         """The next numbers."""
@@ -229,10 +231,3 @@ class _Text:
             raise self.wrong("it ends within a matrix: it is cut short")
         self._at += 1
         return self._lines[self._at - 1]
-
-    def _integer(self, word: bytes) -> int:
-        try:
-            return int(word)
-        except ValueError:
-            shown = word.decode("latin-1")
-            raise self.wrong(f"an integer should stand here, got {shown!r}") from None

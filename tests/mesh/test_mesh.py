@@ -171,6 +171,10 @@ def test_nodes_of_no_element_may_have_any_coordinates(bad: float) -> None:
         ({"cells": -TWO_CELLS}, MeshError, "nodes"),
         ({"nodes": TWO[:, :2]}, InputError, r"^nodes"),
         ({"node_sets": {"a": [12]}}, InputError, r"^node_sets"),
+        ({"cell_sets": {"a": [2]}}, InputError, r"^cell_sets"),
+        ({"kind": "mixed"}, InputTypeError, r"^cells"),
+        ({"kind": "mixed", "cells": 2 * [("hexahedron", TWO_CELLS)]}, InputError, r"^cells"),
+        ({"kind": "mixed", "cells": [("hexaeder", TWO_CELLS)]}, InputError, r"^cells"),
     ],
 )
 def test_meshes_by_hand_are_checked_too(

@@ -8,7 +8,7 @@ import scipy.linalg as la
 from bodies import mixed_box, rigid_motions
 
 import aoimpact as ao
-from aoimpact.base import InputError, InputTypeError, MeshError
+from aoimpact.base import MeshError
 from aoimpact.fem import energy_error, gauss_stress, nodal_stress, stiffness_mass
 from aoimpact.mesh import boundary
 
@@ -110,16 +110,3 @@ def test_kinds_that_do_not_fit_are_refused(kinds: tuple[str, str], said: str | N
     mesh = ao.Mesh(nodes, cells)
     with pytest.raises(MeshError, match=said or r"^mesh"):
         ao.FEModel.from_mesh(mesh, STEEL)
-
-
-def test_what_is_no_mixed_mesh() -> None:
-    mesh = mixed_box(LENGTHS, (2, 2, 3))
-    (kind, cells), *_ = [(block.kind, block.cells) for block in mesh.blocks]
-    with pytest.raises(InputTypeError, match=r"^cells"):
-        ao.Mesh(mesh.nodes, cells)
-    with pytest.raises(InputError, match=r"^cells"):
-        ao.Mesh(mesh.nodes, [(kind, cells), (kind, cells)])
-    with pytest.raises(InputError, match=r"^cells"):
-        ao.Mesh(mesh.nodes, [("hexaeder", cells)])
-    with pytest.raises(InputError, match=r"^cell_sets"):
-        ao.Mesh(mesh.nodes, [(b.kind, b.cells) for b in mesh.blocks], "mixed", {}, {"a": [999]})
