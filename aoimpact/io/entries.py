@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base import FloatArray, IntArray, warn
-from .matrix import RawMatrix, entry_line, labelled, spoilt
-from .raw import columns, number
+from .raw import RawMatrix, columns, entry_line, labelled, number, spoilt
 
 _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
 

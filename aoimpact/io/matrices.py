@@ -33,11 +33,10 @@ from ..fem import AnyMaterial, Damping, FEModel, OneMaterial, audited, checked_l
 from ..linalg import factorize, sound_matrix
 from .abaqusdeck import looks_like_inp
 from .entries import is_market, is_nodal, is_triples, read_market, read_nodal, read_triples
-from .matrix import RawMatrix, at, codes, spoilt
 from .nastran import NastranDeck, is_dmig, read_dmig
 from .nastrandeck import is_nastran
 from .op4 import is_op4, read_op4
-from .raw import columns, naming, rows_of
+from .raw import RawMatrix, at, codes, columns, naming, rows_of, spoilt
 from .read import existing, load, read_mesh
 
 # Units of length and mass, in m and kg: from nanometres and -grams to beyond any.

@@ -21,18 +21,20 @@ import scipy.sparse as sp
 from ..base import ArrayPair, FloatArray, IntArray, MeshError, warn
 from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
 from ..mesh import jacobian_range, reference_element
-from .matrix import RawMatrix, labelled, passed_over
 from .nastrandeck import INTEGER, BulkData, Card, Lines, Table, read_deck
 from .profiles import NASTRAN, Profile, named
 from .raw import (
     UPRIGHT_FIRST,
     RawBlock,
+    RawMatrix,
     RawMesh,
     joined,
+    labelled,
     listed,
     nodes_in,
     number,
     once,
+    passed_over,
     repeats,
     rows_of,
 )

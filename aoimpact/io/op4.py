@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from ..base import FloatArray, InputError
-from .matrix import RawMatrix, passed_over, spoilt
-from .raw import numbers
+from .raw import RawMatrix, numbers, passed_over, spoilt
 
 # The length of a binary header, bytes, with words of 4 and of 8 bytes.
 _HEADERS = {24: 4, 48: 8}
