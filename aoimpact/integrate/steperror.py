@@ -143,26 +143,8 @@ def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[
     sums = np.trapezoid(ours, t), np.trapezoid(theirs, every)
     moved = float(np.linalg.norm(sums, axis=1).max())
     if rubs:
-        apart = max(apart, _cut_corner(size))
         moved = max(moved, _TURNED * float(np.trapezoid(size, t)))
     return (apart, max(peaks)), (float(np.linalg.norm(sums[0] - sums[1])), moved)
-
-
-def _cut_corner(size: FloatArray) -> float:
-    """By how much a largest friction at the corner where slip begins may exceed its samples, N.
-
-    The lines through two samples before a step and two after it meet at the corner, to second
-    order, if there is one within the step.
-    """
-    top, most = int(size.argmax()), 0.0
-    for first in (top - 1, top):
-        if 0 < first < len(size) - 2:
-            before, here, there, after = size[first - 1 : first + 3]
-            rises, falls = here - before, after - there
-            if rises > falls:
-                along = np.clip((there - falls - here) / (rises - falls), 0.0, 1.0)
-                most = max(most, float(here + along * rises - size[top]))
-    return most
 
 
 def _touch_error(run: SteppedRecorder, contact: int) -> float:

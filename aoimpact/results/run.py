@@ -194,16 +194,8 @@ class BodyResult(Frozen, Measured):
 
     @cached_property
     def _at_end(self) -> FloatArray:
-        """Velocity of the centre of mass and spin after the last contact, shape (6,).
-
-        With 0 for the rounding of the largest of the run.
-        """
-        found = self._whole_motion(np.array([self._run._parted])).reshape(2, 3)
-        oblique = self._run.plan.oblique
-        assert oblique is not None
-        sizes = [np.reshape(of, (2, 3)) for of in oblique.velocities]
-        largest = np.abs([found, *sizes]).max(axis=(0, 2), keepdims=True)[0]
-        return np.where(np.abs(found) < np.finfo(float).eps * largest, 0.0, found).ravel()
+        """Velocity of the centre of mass and spin after the last contact, shape (6,)."""
+        return self._whole_motion(np.array([self._run._parted])).ravel()
 
     def _whole_motion(self, times: FloatArray) -> FloatArray:
         """Velocity of a body's centre of mass and its spin at times, s, shape (6, times)."""

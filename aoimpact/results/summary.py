@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import FloatArray, plain, with_unit
+from ..base import plain, with_unit
 from ..contact import ContactPoint
 from .errors import ROUNDING, ErrorParts, percent
 from .quantities import QUANTITIES, Quantity
@@ -36,7 +36,7 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
     velocity = f"{result.velocity:.6g} m/s"
     if oblique is not None:
         way, spin = np.split(oblique.velocities[0], 2)
-        velocity = f"{_vector(way)} m/s" + (f", spin {_vector(spin)} rad/s" if spin.any() else "")
+        velocity = f"{plain(way)} m/s" + (f", spin {plain(spin)} rad/s" if spin.any() else "")
     gap = f", gap {with_unit(result.gap, 'm')}" if result.gap else ""
     rows = [
         ("projectile", _body(result, 0)),
@@ -72,8 +72,8 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
         moving, error = result.projectile, _within(result, "final_spin", math.inf)
         friction = _told(result, "peak_friction_force", 5) + _slips(result.each_contact[0])
         rows += [
-            ("final velocity", f"{_vector(moving.final_velocity)} m/s"),
-            ("final spin", f"{_vector(moving.final_spin)} rad/s{error}"),
+            ("final velocity", f"{plain(moving.final_velocity)} m/s"),
+            ("final spin", f"{plain(moving.final_spin)} rad/s{error}"),
             ("peak friction", friction),
         ]
     if (dent := result.dent).depth > 0.0:
@@ -94,7 +94,7 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
     rows = [(name, _body(run, i)) for i, name in enumerate(run.names[:SHOWN])]
     if oblique is not None:
         rows += [
-            (f"{name}, after", f"{_vector(of.final_velocity)} m/s, {_vector(of.final_spin)} rad/s")
+            (f"{name}, after", f"{plain(of.final_velocity)} m/s, {plain(of.final_spin)} rad/s")
             for name, of, body in zip(run.names[:SHOWN], run.bodies, bodies, strict=False)
             if not body.constrained
         ]
@@ -175,10 +175,6 @@ def _slips(contact: ContactResult) -> str:
         return ", slips all along"
     shown = [f"{with_unit(a, 's', 3)} to {with_unit(b, 's', 3)}" for a, b in slips[:SHOWN]]
     return f", slips from {' and '.join(shown)}{' …' if len(slips) > SHOWN else ''}"
-
-
-def _vector(values: FloatArray) -> str:
-    return f"({', '.join(f'{value:.4g}' for value in values + 0.0)})"
 
 
 def _body(run: Run, number: int) -> str:

@@ -66,9 +66,6 @@ _FOOT, _EARLY, _RISE = 0.05, 0.01, 1.47
 _SAMPLES = 4
 _APART = 1e-3  # of their spacing
 
-# Further starts for a curve, and how far around the first, as a logarithm.
-_STARTS, _AROUND = 5, 0.7
-
 # A residual is of the law and not noise where it is so many times the noise, and this share of
 # the largest value; the noise is that of second differences, from eight values on.
 _OFF, _VISIBLE, _FEW = 3.0, 0.02, 8
@@ -205,11 +202,8 @@ class _Problem:
             return scipy.optimize.least_squares(misfit, x, "3-point", (low, high), **near)
 
         found = within(first, self.low, self.high)
-        if data.depth > 0.0 and data.start is None:  # a curve: quick, several minima
-            around = np.random.default_rng(0).uniform(-_AROUND, _AROUND, (_STARTS, len(first)))
-            starts = np.clip(found.x + around, self.low, self.high)
-            others = [within(x, self.low, self.high) for x in starts]
-            return min((found, *others), key=lambda one: one.cost)
+        if data.start is None:
+            return found
         # A force that is there soon after the contact has begun jumps.
         early = self.law_at(found.x).force(_EARLY * data.depth, data.velocity)
         if not early > _FOOT * data.force:
