@@ -127,9 +127,8 @@ def _refuse_gain(plan: Scenario, run: DenseRecorder) -> None:
         return
     shortest = min(end - start for of in run.events for start, end in of.contacts)
     raise ConvergenceError(
-        f"adaptive run: at its end the bodies have {found / there:.3g} times the energy that they "
-        f"came with; a contact of {shortest:.2g} s is so short that the rounding of time drowns "
-        "it: take a softer law, or a larger m0"
+        f"adaptive run: at its end the bodies have {found / there:.3g} times their energy, since a "
+        f"contact of {shortest:.2g} s is drowned by rounding; take a softer law, or a larger m0"
     )
 
 
@@ -150,28 +149,21 @@ def _confirmed(
         except ConvergenceError as failure:
             text = f"a run at rtol={wanted:g}, for comparison, fails: {failure}"
             break
-        loose, before, share = tolerance, error, min(1.0, SPREAD * wanted / tolerance)
+        before, share = error, min(1.0, SPREAD * wanted / tolerance)
         apart = difference(best, other, speed)
         error = 1.0 if apart > LINEAR else max(apart * share, rounding)
         best, tolerance = other, wanted
         if error <= rtol:
             return best, rtol
         if tolerance == FLOOR or error >= before or error == rounding:
-            by = f"by comparison with a run at rtol={loose:.2g}"
-            if error == rounding:
-                by = "by rounding, which adds up over that many contacts"
-            size = "be as large as the result" if error >= 1.0 else f"be {error:.2g} of the result"
             text = (
-                f"the error of this run, at rtol={tolerance:.2g}, may {size}, {by}; no smaller "
-                "rtol helps, and only the first contacts are reliable"
+                f"the error of this run, at rtol={tolerance:.2g}, may be {error:.2g}, "
+                "and only the first contacts are reliable"
             )
             break
         wanted = tolerance * min(0.1, rtol / error)
     reason = "by a contact that pulls, and ends slowly"
     if touches > 1:
-        reason = (
-            f"over {touches} contacts of the same two bodies, each of which amplifies the errors "
-            "before it"
-        )
+        reason = f"over {touches} contacts of two bodies, each of which amplifies errors before it"
     warn(f"rtol={rtol:g} cannot be met {reason}: {text}")
     return best, error if math.isfinite(error) else None

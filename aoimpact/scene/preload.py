@@ -248,9 +248,8 @@ class _Statics:
         if rounding.max(initial=0.0) > _DETERMINED * size:
             i = int(rounding.argmax())
             raise InputError(
-                f"preload: contact {i} is so stiff, {slopes[i]:.3g} N/m, that the last digit of "
-                f"where its bodies are makes {rounding[i]:.2g} N; take a softer law, or smaller "
-                "gaps"
+                f"preload: contact {i} is so stiff, {slopes[i]:.3g} N/m, that rounding makes "
+                f"{rounding[i]:.2g} N; take a softer law, or smaller gaps"
             )
 
     @cached_property
@@ -392,8 +391,6 @@ def equilibrium(
     present = np.where(at.present > 0.0, at.present, 1.0)
     worst = int((np.abs(at.balance) / present).argmax())
     raise ConvergenceError(
-        "preload: no static equilibrium found; a body that nothing supports against gravity or its "
-        "load, or only a law whose force cannot be as large, falls for ever (imbalance "
-        f"{abs(at.balance[worst]):.3g} N on body {statics.owner[worst]}); support it, or start "
-        "without preload"
+        f"preload: nothing supports body {statics.owner[worst]} against "
+        f"{abs(at.balance[worst]):.3g} N; support it, or start without preload"
     )

@@ -343,9 +343,8 @@ def _warn_of_a_poor_fit(
         noise = float(np.median(second)) / (0.6745 * math.sqrt(6.0))
     if residual > max(_OFF * noise, _VISIBLE * largest):
         warn(
-            f"{type(problem.law).__name__} is {residual / largest:.1%} of the largest value off "
-            f"the measurement, whose noise is {noise / largest:.1%}: take another law or start, or "
-            "check mass, velocity and units"
+            f"{type(problem.law).__name__} is {residual / largest:.1%} of the largest value off, "
+            f"with noise of {noise / largest:.1%}: take another law, or check mass and velocity"
         )
     misfit = problem.misfit(x)
     explained = data.measured @ data.measured - misfit @ misfit
