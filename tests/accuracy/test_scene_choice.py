@@ -183,7 +183,7 @@ def test_a_scene_of_two_has_what_an_impact_has(name):
         scene.connect(moving, struck)
         run = scene.simulate(quantity=name)
         assert run.models[1].n == hit.models[1].n
-        ours, theirs = run.parting - train
+        ours, theirs = run.compared_velocities - train
         assert theirs - ours == pytest.approx(hit.restitution, rel=1e-3)
         assert run.error.model <= 1e-2
         assert run.error[name].total == pytest.approx(run.error.total)
@@ -197,7 +197,7 @@ def test_restitution_is_of_one_contact_and_rebounds_are_of_every_body():
     for one, other in itertools.pairwise(balls):
         scene.connect(one, other, ao.Linear(k=1e8), gap=1e-3)
     run = scene.simulate(quantity="rebound_velocity")
-    np.testing.assert_allclose(run.parting, [0.0, 0.0, 1.0], atol=1e-4)
+    np.testing.assert_allclose(run.compared_velocities, [0.0, 0.0, 1.0], atol=1e-4)
     with pytest.raises(ao.InputError, match=r"^quantity"):
         scene.simulate(quantity="restitution")
     still = ao.Scene(gravity=9.81)

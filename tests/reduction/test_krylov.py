@@ -162,7 +162,7 @@ def test_vectors_fitted_to_large_models_know_a_short_answer_to_its_last_digits()
         )
         for star in (space.of_vectors(140), ao.antioscillators(tip))
     ]
-    few, full = (hit.at(hits[1].t).forces[0] for hit in hits)
+    few, full = (hit.at(hits[1].t).pushes[0] for hit in hits)
     np.testing.assert_allclose(few, full, atol=1e-8 * full.max())
     # The same space, however it has grown.
     small = KrylovSpace(tip, contact_time=0.1, sharpened=True)
