@@ -257,28 +257,6 @@ def test_the_linear_solver_is_the_users_and_named(own_solver):
 # ------------------------------------------------------------------------------------- bad input
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"quantity": "strength"}, r"^quantity"),
-        ({"quantity": "forse"}, r"^quantity"),
-        ({"quantity": 3}, "quantity"),
-        ({"rtol": 1.0}, r"^rtol"),
-        ({"rtol": 1e-12}, r"^rtol"),
-        ({"rtol": "small"}, "rtol"),
-        ({"rtol": 1e-2, "linear_solver": "superlux"}, r"^linear_solver"),
-    ],
-)
-def test_bad_arguments_are_named(paper, options, message):
-    with pytest.raises(ao.AOImpactError, match=message):
-        paper(duration=250e-6, **options)
-
-
-def test_a_point_of_another_body_is_refused(paper):
-    with pytest.raises(ao.InputError, match=r"^quantity"):
-        paper(duration=250e-6, quantity=cube(STEEL, 0.01))
-
-
 def test_a_point_of_a_model_that_is_both_bodies_is_refused_and_a_copy_tells_them_apart():
     """When two cubes collide, the struck one's back stays behind the contact point."""
     tip = cube(STEEL, 0.02)

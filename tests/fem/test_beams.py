@@ -15,8 +15,6 @@ from aoimpact import (
     Beam,
     BeamSection,
     CircularSection,
-    InputError,
-    InputTypeError,
     RectangularSection,
     Shell,
     TubularSection,
@@ -220,27 +218,3 @@ def test_a_section_that_is_rigid_in_shear_is_eulers_with_rotary_inertia() -> Non
     eulers = 1.8751040687**2 / (2 * np.pi * L**2) * math.sqrt(E * second / (rho * h * h))
     exact = scipy.optimize.brentq(unbalanced, 0.95 * eulers, eulers)
     assert frequencies(K, M, 1, np.arange(6)) == pytest.approx(exact, rel=1e-5)
-
-
-NUMBERS = 1e-4, 1e-9, 1e-9, 1e-9
-SQUARE = RectangularSection(0.01, 0.01)
-
-
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: BeamSection(*NUMBERS, shear_factors=(0.5, -math.inf)),
-        lambda: BeamSection(*NUMBERS, shear_factors=(math.inf,)),
-        lambda: BeamSection(*NUMBERS, shear_factors=(0.5, 1.5)),
-        lambda: BeamSection(1e-4, 1e-9, -1e-9, 1e-9),
-        lambda: RectangularSection(0.0, 1.0),
-        lambda: TubularSection(0.01, 0.02),
-        lambda: Beam(SQUARE, STEEL),
-        lambda: Beam(SQUARE, STEEL, (0, 0, 0)),
-        lambda: Beam(CircularSection(0.01), "steel"),
-        lambda: matrices(np.array([[0, 0, 0], [0, 0, 1.0]]), (np.array([[0, 1]]), BAR)),
-    ],
-)
-def test_refusals(make: Any) -> None:
-    with pytest.raises((InputError, InputTypeError)):
-        make()

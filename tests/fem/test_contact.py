@@ -50,11 +50,6 @@ def test_of_a_body_without_a_mesh_the_nearest_node_is_taken_and_said() -> None:
     assert caught[0].filename == __file__
 
 
-def test_of_a_body_without_a_mesh_a_point_off_the_nodes_is_refused() -> None:
-    with pytest.raises(InputError, match=r"^point"):
-        BARE.contact(point=(23.0, 10.0, 20.0), direction=DOWN, radius=0)
-
-
 # ------------------------------------------------------------------------- points of faces
 
 
@@ -148,30 +143,6 @@ def test_automatic_radius_is_an_element_s_where_the_contact_is_not_known() -> No
 # ------------------------------------------------------------------------- bad input
 
 
-BESIDE, AT_RIM = {"point": (0.021, 0.02, 0.01)}, {"point": (0.02, 0.0, 0.01)}
-NODE, SUNK = {"point": (0.02, 0.02, 0.01)}, {"point": (0.02, 0.02, 0.02)}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (NODE | {"radius": 0.05}, r"^radius"),
-        (NODE | {"radius": 0, "expected": 1e-3}, r"^expected"),
-        (NODE | {"radius": "auto", "expected": 0.0}, r"^expected"),
-        ({"point": (0.01, 0.02, 0.01), "radius": 0.012}, r"^radius"),
-        ({"point": (0.018, 0.02, 0.005)}, r"^point"),
-        (SUNK | {"radius": 0.004}, r"^point"),
-        *((AT_RIM | {"radius": radius}, r"^point") for radius in (0, 0.004, "auto")),
-        (BESIDE | {"direction": (1, 0, 0)}, r"^direction"),
-        (BESIDE | {"direction": (1, 1, 0), "radius": 0.008}, r"^direction"),
-        ({"dof": 3, "radius": 0.01}, r"^radius"),
-    ],
-)
-def test_places_that_make_no_sense_are_refused(arguments: dict[str, Any], words: str) -> None:
-    with pytest.raises(InputError, match=words):
-        PLATE.contact(**arguments)
-
-
 @pytest.mark.parametrize("x", [0.02, 0.023])  # a node, and none
 def test_an_edge_is_struck_in_any_direction_but_along_it(x: float) -> None:
     place = (x, 0.0, 0.02)
@@ -261,24 +232,6 @@ def test_a_functional_that_is_no_mean_has_no_direction() -> None:
     assert tip.direction is None
     with pytest.raises(InputError, match=r"^radius"):
         FREE.contact(b=shares(FREE, {0: 1.0, 5: -1.0}), radius=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"b": np.zeros(FREE.n_dofs)}, r"^b"),
-        ({"b": np.ones(7)}, f"b must have one entry for each of the {FREE.n_dofs} rows of K"),
-        ({"b": np.full(FREE.n_dofs, 1e-206)}, r"^b"),
-        ({"b": np.ones(FREE.n_dofs), "dof": 3}, "either"),
-        ({"b": np.ones(FREE.n_dofs), "direction": DOWN}, "point"),
-        ({"node": 99999, "direction": DOWN}, r"^node"),
-        ({"node": 1, "point": (0, 0, 0)}, "point"),
-        ({}, r"^contact"),
-    ],
-)
-def test_what_is_no_functional_is_refused(given: dict[str, Any], words: str) -> None:
-    with pytest.raises((InputError, InputTypeError), match=words):
-        FREE.contact(**given)
 
 
 def labelled(**more: Any) -> FEModel:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -83,19 +81,3 @@ def test_a_body_added_twice_is_reduced_once() -> None:
     run = scene.simulate(duration=2e-4)
     assert run.models[0].n > 0
     assert run.models[1] is run.models[0].turned((0,))
-
-
-@pytest.mark.parametrize(
-    ("tips", "error", "words"),
-    [
-        ((), ao.InputError, r"^tips"),
-        ([[TIP]], ao.InputTypeError, r"^tips"),
-        ([ao.rigid(mass=1.0)], ao.InputTypeError, r"^tips"),
-        ((TIP, tip_of(bar(), 0.15)), ao.InputError, r"^tips"),
-    ],
-)
-def test_what_is_no_place_on_one_body_is_refused(
-    tips: Any, error: type[Exception], words: str
-) -> None:
-    with pytest.raises(error, match=words):
-        ao.full(tips)

@@ -120,11 +120,6 @@ def test_ports_that_excite_few_modes():
         assert ao.interface([ao.FEModel(K=K, M=M).contact(dof=2)], 5, contact_time=5.0).n == 3
 
 
-def test_ports_of_different_bodies_are_refused(free, held):
-    with pytest.raises(ao.InputError, match=r"^tips"):
-        ao.interface([free[0], held[0]], 10)
-
-
 def test_without_nodes_the_centre_of_mass_is_not_known():
     K, M = beam(6, fixed=[0, 12])
     model = ao.interface([ao.FEModel(K=K, M=M).contact(dof=5)], 3)

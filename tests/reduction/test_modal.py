@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 import aoimpact as ao
 
@@ -33,11 +32,3 @@ def test_a_support_across_the_contact_holds_it_to_rounding() -> None:
     mesh = ao.box_mesh((0.1, 0.02, 0.01), (6, 2, 1))
     tip = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("zmax", "z")]).contact(point=(0.08, 0.01, 0.0))
     assert all(model.constrained for model in (ao.modal(tip, 40), ao.full(tip)))
-
-
-def test_more_modes_than_there_are_masses_are_refused() -> None:
-    K, M = np.array([[2.0, -1.0], [-1.0, 1.0]]), np.array([[1.0, 1.0], [1.0, 1.0]])
-    chain = ao.FEModel(K, M)
-    for ask in (lambda: ao.modal(chain.contact(dof=0), 2), lambda: chain.frequencies(2)):
-        with pytest.raises(ao.InputError, match=r"^n"):
-            ask()

@@ -141,17 +141,6 @@ def test_residual_mass_of_the_whole_star_is_that_of_the_bare_contact(rigid):
     assert 1 / star.m0 == pytest.approx(la.inv(M.toarray())[3, 3], rel=1e-9)
 
 
-@pytest.mark.slow
-def test_iteration_and_lapack_find_the_same_oscillators():
-    K, M = rod(1600, fixed=[0])
-    dof = 700
-    few = model(K, M, dof, 6, order="frequency")
-    every = model(K, M, dof, order="frequency")
-    np.testing.assert_allclose(few.m, every.m[:6], rtol=1e-8)
-    np.testing.assert_allclose(few.k, every.k[:6], rtol=1e-8)
-    assert few.m0 == pytest.approx(every.m0 + every.m[6:].sum(), rel=1e-10)
-
-
 @pytest.mark.parametrize("n", [5, pytest.param(40, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "fixed",

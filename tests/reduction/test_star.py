@@ -55,6 +55,7 @@ def test_static_receptance_is_the_ground_spring_and_infinite_without_one():
 
 @given(stars)
 def test_natural_modes_solve_the_stars_eigenproblem(star):
+    """And their frequencies interlace with those at which the contact stands still."""
     M, K = matrices(star)
     omega2, participation = star.to_modal()
     expected = la.eigh(K, M, eigvals_only=True)
@@ -68,15 +69,6 @@ def test_natural_modes_solve_the_stars_eigenproblem(star):
         assert participation[0] ** 2 == pytest.approx(1.0 / star.static_mass, rel=1e-12)
     else:
         assert np.sum(participation**2 / omega2) == pytest.approx(1.0 / star.k0, rel=1e-8)
-
-
-def test_the_static_receptance_is_that_of_k0():
-    star = ao.AOModel(**EXAMPLE)
-    assert star.k0 == pytest.approx(1.0 / star.receptance(0.0), rel=1e-15)
-
-
-@given(stars)
-def test_natural_and_antiresonant_frequencies_interlace(star):
     natural, anti = star.natural_frequencies, np.unique(star.frequencies)
     if len(natural) == len(anti) + 1:
         assert (natural[:-1] <= anti * (1 + 1e-14)).all()
@@ -135,40 +127,6 @@ def test_models_are_immutable_and_pickle():
     assert copy.static_mass == star.static_mass
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"m": [0.5, 0.0, 0.02]}, r"^m"),
-        ({"k": [2e4, -5.0, 1e3]}, r"^k"),
-        ({"k": [2e4, 5e5]}, r"^m"),
-        ({"m0": 0.0, "m": [], "k": []}, r"^m0"),
-    ],
-)
-def test_impossible_stars_are_refused(change, message):
-    with pytest.raises(ao.InputError, match=message):
-        ao.AOModel(**(EXAMPLE | change))
-
-
-def test_a_star_of_numbers_has_no_body_to_expand_to():
-    with pytest.raises(ao.InputError):
-        ao.AOModel(**EXAMPLE).expand([0.0] * 4)
-
-
-@pytest.mark.parametrize(
-    ("numbers", "words"),
-    [
-        ({"m0": 0.0, "m": [1e74], "k": [1e-300]}, r"^k"),
-        ({"m0": 1.0, "m": [1e200], "k": [1.0]}, r"^m"),
-        ({"m0": 1e-308, "k0": 26880.0, "m": [0.2], "k": [5.9e6]}, r"^m0"),
-        ({"m0": 1e308, "k0": 26880.0}, r"^m0"),
-        ({"m0": 1.0, "k0": 1e-200}, r"^k0"),
-    ],
-)
-def test_stars_beyond_the_range_of_numbers_are_refused(numbers, words):
-    with pytest.raises(ao.InputError, match=words):
-        ao.AOModel(**numbers)
-
-
 def test_modes_of_stars_over_two_hundred_decades():
     """Σ r_j² = 1/m0 of mass-normalised modes, and Σ 1/ω_j² r_j² = 1/k0 of a held star."""
     random = np.random.default_rng(4)
@@ -182,7 +140,6 @@ def test_modes_of_stars_over_two_hundred_decades():
         assert math.fsum(k0 / omega2 * shares**2) == pytest.approx(1.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("mass", [1e308, 5e-324])
-def test_rigid_masses_beyond_the_range_of_numbers_are_refused(mass):
-    with pytest.raises(ao.InputError, match=r"^m0"):
-        ao.rigid(mass)
+def test_a_star_of_numbers_has_no_body_to_expand_to():
+    with pytest.raises(ao.InputError):
+        ao.AOModel(**EXAMPLE).expand([0.0] * 4)
