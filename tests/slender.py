@@ -49,6 +49,16 @@ def without(matrix, dofs):
     return matrix[kept][:, kept].tocsr()
 
 
+def joined(K, M, dof, count):
+    """K and M of equal bodies that share one dof, the first of theirs together."""
+    n = K.shape[0]
+    others, join = np.delete(np.arange(n), dof), sp.lil_matrix((count * n, count * (n - 1) + 1))
+    for k in range(count):
+        join[k * n + dof, 0] = 1.0
+        join[k * n + others, 1 + k * (n - 1) + np.arange(n - 1)] = 1.0
+    return tuple((join.T @ in_a_row(*[of] * count) @ join).tocsr() for of in (K, M))
+
+
 def in_a_row(*matrices):
     """Bodies that do not touch."""
     return sp.block_diag(matrices, format="csr")

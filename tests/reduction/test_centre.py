@@ -74,14 +74,6 @@ def test_a_free_target_of_unknown_centre_leaves_the_restitution_open():
     assert math.isnan(hit.restitution)
 
 
-def test_many_hear_of_it():
-    case = impact(projectile=ao.antioscillators(BARE.contact(dof=dof_at(OFF)), 5))
-    names = ("restitution", "rebound_velocity", "impulse")
-    with pytest.warns(ao.AOImpactWarning, match=r"^case"):
-        [kept] = ao.simulate_many([case], keep=names)
-    assert np.isnan([kept["restitution"], kept["rebound_velocity"]]).all()
-
-
 def test_in_a_scene_the_centre_is_not_known_either():
     scene = ao.Scene()
     bar = scene.add(BARE.contact(dof=dof_at(OFF)), velocity=1.0, name="bar")

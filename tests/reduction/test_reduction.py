@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 
-from slender import beam, in_a_row, rod
+from slender import beam, in_a_row, joined, rod
 
 
 def model(K, M, dof, n=None, *, method="eigen", **options):
@@ -162,20 +162,9 @@ def test_the_heaviest_oscillators_of_all_are_found_without_all(n, fixed):
 def test_members_of_a_multiple_eigenvalue_are_joined_and_none_is_missed():
     """Five equal rods hung on one struck mass: every constraint mode is fivefold."""
     for elements in (30, 320):  # small enough for LAPACK, large enough for the iteration
-        one_K, one_M = rod(elements)
-        n = elements + 1
-        # Node 0 of each rod is the same node.
-        where = np.concatenate([[0], *(1 + k * elements + np.arange(elements) for k in range(5))])
-        join = sp.lil_matrix((5 * n, 5 * elements + 1))
-        for k in range(5):
-            join[k * n, 0] = 1
-            for i in range(1, n):
-                join[k * n + i, 1 + k * elements + i - 1] = 1
-        assert len(where) == join.shape[1]
-        K = (join.T @ in_a_row(*[one_K] * 5) @ join).tocsr()
-        M = (join.T @ in_a_row(*[one_M] * 5) @ join).tocsr()
-        star = model(K, M, 0, 3, order="frequency")
-        single = model(one_K, one_M, 0, 3, order="frequency")
+        K, M = rod(elements)
+        star = model(*joined(K, M, 0, 5), 0, 3, order="frequency")
+        single = model(K, M, 0, 3, order="frequency")
         np.testing.assert_allclose(star.m, 5 * single.m, rtol=1e-8)
         np.testing.assert_allclose(star.k, 5 * single.k, rtol=1e-8)
 
