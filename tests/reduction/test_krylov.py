@@ -106,15 +106,6 @@ def test_a_free_body_keeps_its_mass_and_the_motion_of_its_centre(block):
         np.testing.assert_allclose(body.whole.centre[body.omega > 0.0], 0.0, atol=1e-10)
 
 
-def test_momentum_of_a_free_body_is_the_impulse(block):
-    star = ao.antioscillators(block, 4, method="krylov", contact_time=20e-6)
-    law = ao.Hertz(k=1e10)
-    hit = ao.simulate(ao.rigid(mass=0.05), star, 1.0, law=law, duration=1e-4)
-    assert 0.05 * (1.0 - hit.rebound_velocity) == pytest.approx(hit.impulse, rel=1e-7)
-    gained = star.mass * hit.target.centre_velocity[-1]
-    assert gained == pytest.approx(hit.impulse, rel=1e-7)
-
-
 def test_receptance_is_right_over_the_band(block):
     """Real frequencies up to 1/s T = 1, and the imaginary ones of an impact, from 1/T to 30/T."""
     T = 20e-6
@@ -166,14 +157,6 @@ def test_a_held_body_keeps_its_static_mode(contact_time):
         assert star.k0 == pytest.approx(1.0, rel=1e-9)
         assert star.static_mass == pytest.approx(1 / 3, rel=1e-4)
         assert fitted(K, M, 99, n, contact_time=0.06, duration=1e3).k0 == pytest.approx(1.0)
-
-
-def test_a_slender_body_keeps_its_static_mode(paper_beam):
-    """In 90 µs less than a thousandth of its compliance acts: F/u = 48 EI/L³ and shear."""
-    tip, _, exact = paper_beam
-    star = ao.antioscillators(tip, 3, method="krylov", contact_time=90e-6)
-    assert star.k0 == pytest.approx(exact.k0, rel=1e-7)
-    assert star.static_mass == pytest.approx(exact.static_mass, rel=1e-7)
 
 
 def test_a_partly_free_body_keeps_its_static_mode():

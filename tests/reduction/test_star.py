@@ -110,12 +110,6 @@ def test_truncation_keeps_the_static_mass():
     assert star.mass_fractions == pytest.approx(star.m / 0.82)
 
 
-def test_labels_say_what_a_model_is():
-    assert ao.rigid(mass=1.0).label == "rigid"
-    assert ao.rigid(mass=math.inf).label == "wall"
-    assert ao.AOModel(**EXAMPLE).label == "AO(3)"
-
-
 def test_models_are_immutable_and_pickle():
     star = ao.AOModel(**EXAMPLE)
     with pytest.raises(ValueError, match="read-only"):
