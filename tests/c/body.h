@@ -188,4 +188,27 @@ enum {
     VELOCITY
 };
 
+/* A star of n oscillators of masses from a gram to 10^heaviest kg, in ascending order. */
+enum { MOST_OSCILLATORS = 64 };
+typedef struct random_star {
+    double m[MOST_OSCILLATORS], k[MOST_OSCILLATORS];
+    aoi_star star;
+} random_star;
+
+static inline void random_star_make(random_star *r, size_t n, uint64_t *seed, double heaviest, double m0, double k0)
+{
+    for (size_t i = 0; i < n; i++) {
+        r->m[i] = decades(seed, -3.0, heaviest);
+        r->k[i] = r->m[i] * decades(seed, 8.0, 12.0);
+        for (size_t j = i; j > 0 && r->k[j] / r->m[j] < r->k[j - 1] / r->m[j - 1]; j--) {
+            const double m = r->m[j], k = r->k[j];
+            r->m[j] = r->m[j - 1];
+            r->k[j] = r->k[j - 1];
+            r->m[j - 1] = m;
+            r->k[j - 1] = k;
+        }
+    }
+    r->star = (aoi_star){n, m0, k0, r->m, r->k};
+}
+
 #endif

@@ -70,4 +70,19 @@ static double hertz_time(double mass, double k, double speed)
     return 2.943 * pow(1.25 * mass * speed * speed / k, 0.4) / speed;
 }
 
+/* All energy in a column of a record, whose rows are stride apart, less the work of loads. */
+static inline double energy_of(const world *w, const double *column, size_t stride)
+{
+    double sum = 0.0;
+    for (size_t c = 0; c < w->system.contact_count; c++) {
+        const double *of = column + aoi_record_contact(&w->system, c) * stride;
+        sum += of[AOI_CONTACT_ELASTIC * stride] + of[AOI_CONTACT_FRICTION * stride];
+    }
+    for (size_t b = 0; b < w->system.body_count; b++) {
+        const double *of = column + aoi_record_body(&w->system, b) * stride;
+        sum += of[AOI_BODY_KINETIC * stride] + of[AOI_BODY_ELASTIC * stride] - of[AOI_BODY_WORK * stride];
+    }
+    return sum;
+}
+
 #endif

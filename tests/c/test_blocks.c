@@ -140,32 +140,6 @@ static void products_have_the_eigenvectors(size_t parts)
     }
 }
 
-static void products_in_double_are_exact(size_t parts)
-{
-    chain c;
-    double values[STORED * WIDEST * WIDEST], x[NODES * WIDEST], y[NODES * WIDEST], work[WORK];
-    for (size_t size = 1; size <= WIDEST; size++) {
-        chain_make(&c, size, parts);
-        for (size_t p = 0; p < c.stored * size * size; p++) {
-            values[p] = c.values[p];
-        }
-        for (int k = 1; k <= NODES; k++) {
-            for (size_t i = 0; i < NODES * size; i++) {
-                x[i] = sin(k * PI * (double)(i / size + 1) / (NODES + 1));
-            }
-            for (int stage = 0; stage < 2; stage++) {
-                for (size_t part = 0; part < parts; part++) {
-                    aoi_blocks_multiply(&c.matrix, c.parts[part], stage, values, x, y, work);
-                }
-            }
-            const double value = (2.0 - 2.0 * cos(k * PI / (NODES + 1))) * (1.0 + (double)size);
-            for (size_t i = 0; i < NODES * size; i++) {
-                CHECK(fabs(y[i] - value * x[i]) < 1e-13, "blocks of %d, mode %d", (int)size, k);
-            }
-        }
-    }
-}
-
 /* Against the sum over all entries, with blocks that are not symmetric and columns far and near. */
 static void blocks_left_of_the_diagonal_are_those_right_of_it_transposed(void)
 {
@@ -327,7 +301,6 @@ int main(void)
 {
     for (size_t parts = 1; parts <= PARTS; parts++) {
         products_have_the_eigenvectors(parts);
-        products_in_double_are_exact(parts);
         steps_damp_as_chebyshev_polynomials(parts);
     }
     blocks_left_of_the_diagonal_are_those_right_of_it_transposed();

@@ -65,39 +65,6 @@ static void balls_collide(void)
     CHECK(near(brief.velocity[1], velocity * 2.0 * m / (m + n), 1e-8), "second flies off");
 }
 
-static void a_wall_gives_the_velocity_back(void)
-{
-    pair p;
-    aoi_brief brief;
-    make_pair(&p, 0.3, (double)INFINITY, 1e6, 0.0);
-    CHECK(brief_of(&p, 2.0, 0.1, ROWS, &brief) == AOI_OK, "it runs");
-    CHECK(near(brief.velocity[0], -2.0, 1e-8), "thrown back");
-    CHECK(brief.velocity[1] == 0.0, "the wall stays");
-    CHECK(brief.start == 0.0, "touching at the start");
-}
-
-/* Each row of such a run is as long as a row can be; the free motion to the end needs room for one more. */
-static void as_many_rows_are_enough_as_the_run_writes(void)
-{
-    pair p;
-    aoi_brief brief;
-    size_t least = 1;
-    make_pair(&p, 0.3, 0.5, 1e6, 1e-3);
-    while (least < ROWS && brief_of(&p, 2.0, 0.1, least, &brief) != AOI_OK) {
-        least++;
-    }
-    aoi_adaptive *run = malloc(aoi_adaptive_size(&p.system));
-    double *values = malloc(ROWS * aoi_adaptive_room(&p.system) * sizeof *values);
-    size_t row[ROWS];
-    aoi_track track = {values, row, ROWS * aoi_adaptive_room(&p.system), ROWS, 0, 0};
-    const aoi_start start = {.x = p.x, .v = p.v};
-    CHECK(aoi_adaptive_start(run, &p.system, &start, 1e-9, 0.1) == AOI_OK, "started");
-    CHECK(aoi_adaptive_finish(run, &track) == AOI_OK, "finished");
-    CHECK(least <= track.rows + 1, "%zu rows for %zu", least, track.rows);
-    free(values);
-    free(run);
-}
-
 static void a_record_may_end_in_contact(void)
 {
     const double m = 0.3, k = 1e6, end = 0.25 * PI * sqrt(m / k);
@@ -134,19 +101,6 @@ static void bodies_may_miss(void)
     CHECK(brief.velocity[0] == 2.0 && brief.velocity[1] == 0.0, "as before");
 }
 
-/* A light ball that bounces on a heavy one on a spring is met again. */
-static void touches_are_counted(void)
-{
-    pair p;
-    aoi_brief brief;
-    make_pair(&p, 0.3, 0.5, 1e6, 0.0);
-    p.omega[1] = 1000.0;
-    CHECK(brief_of(&p, 2.0, 0.05, ROWS, &brief) == AOI_OK, "it runs");
-    CHECK(brief.touches > 1, "%d touches", (int)brief.touches);
-    CHECK(brief.start == 0.0, "the first one's start");
-    CHECK(brief.end > 1e-3 && brief.end < 0.05, "the last one's end: %g", brief.end);
-}
-
 /* After they have parted a constrained body swings on: its velocity is that of the parting. */
 static void what_comes_later_does_not_count(void)
 {
@@ -163,23 +117,6 @@ static void what_comes_later_does_not_count(void)
     CHECK(late.velocity[1] > 0.1, "it moves on: %g", late.velocity[1]);
 }
 
-/* A dashpot pulls before the bodies part: the touch ends with the force, m x'' = 0. */
-static void a_touch_ends_with_the_force(void)
-{
-    const double m = 0.3, k = 1e6, c = 200.0, decay = c / (2.0 * m);
-    const double omega = sqrt(k / m - decay * decay), parameter[] = {k, c};
-    pair p;
-    aoi_brief brief;
-    make_pair(&p, m, (double)INFINITY, k, 0.0);
-    CHECK(aoi_law_create(&p.law, "kelvin_voigt", 2, parameter) == AOI_OK, "law");
-    CHECK(brief_of(&p, 2.0, 0.1, ROWS, &brief) == AOI_OK, "it runs");
-    const double end = atan2(2.0 * decay * omega, decay * decay - omega * omega) / omega;
-    CHECK(brief.touches == 1 && !brief.lasting, "once, and over");
-    CHECK(near(brief.end, end, 1e-8), "duration");
-    const double speed = 2.0 * exp(-decay * end) * (cos(omega * end) - decay / omega * sin(omega * end));
-    CHECK(near(brief.velocity[0], speed, 1e-8), "the velocity then");
-}
-
 static void what_cannot_be_summed_up(void)
 {
     pair p;
@@ -193,17 +130,27 @@ static void what_cannot_be_summed_up(void)
     CHECK(brief_of(&p, 2.0, -1.0, ROWS, &brief) != AOI_OK, "an end before the start");
 }
 
+/* A light ball that bounces on a heavy one on a spring is met again. */
+static void touches_are_counted(void)
+{
+    pair p;
+    aoi_brief brief;
+    make_pair(&p, 0.3, 0.5, 1e6, 0.0);
+    p.omega[1] = 1000.0;
+    CHECK(brief_of(&p, 2.0, 0.05, ROWS, &brief) == AOI_OK, "it runs");
+    CHECK(brief.touches > 1, "%d touches", (int)brief.touches);
+    CHECK(brief.start == 0.0, "the first one's start");
+    CHECK(brief.end > 1e-3 && brief.end < 0.05, "the last one's end: %g", brief.end);
+}
+
 int main(void)
 {
     balls_collide();
-    a_wall_gives_the_velocity_back();
-    as_many_rows_are_enough_as_the_run_writes();
     a_record_may_end_in_contact();
     a_note_does_not_outlive_its_run();
     bodies_may_miss();
     touches_are_counted();
     what_comes_later_does_not_count();
-    a_touch_ends_with_the_force();
     what_cannot_be_summed_up();
     return check_report();
 }

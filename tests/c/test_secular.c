@@ -1,62 +1,9 @@
-/* Roots of the secular equation where they are known: two poles, and chains of masses; and where
- * they are not, that the function vanishes there as well as its own terms' rounding lets it. */
+/* Roots of the secular equation where they are known, of chains of masses; and where they are not, that the function
+ * vanishes there as well as its own terms' rounding lets it. */
 #include "chain.h"
 #include "star/secular.h"
 
 #include <stdlib.h>
-
-/* Two poles: the root divides the gap between them as the weights do, whatever their sizes. The
- * offset from the nearer pole keeps all its digits. */
-static void two_poles_balance(void)
-{
-    const double origins[] = {0.0, 1.0, -3.0, 1e9};
-    for (size_t o = 0; o < sizeof origins / sizeof origins[0]; o++) {
-        for (int ratio = -20; ratio <= 20; ratio++) {
-            for (int width = -6; width <= 9; width += 3) {
-                const double pole[] = {origins[o], origins[o] + pow(10.0, width)};
-                const double gap = pole[1] - pole[0];
-                const double weight[] = {pow(10.0, ratio < 0 ? ratio : 0),
-                                         pow(10.0, ratio > 0 ? -ratio : 0)};
-                const double total = weight[0] + weight[1];
-                const aoi_secular s = {2, pole, weight, 0.0, 0.0, 0};
-                size_t nearest;
-                double offset;
-                const int status = aoi_secular_root(&s, 0, 0.0, &nearest, &offset);
-                CHECK(status == AOI_OK, "weights 1e%d apart, gap 1e%d", ratio, width);
-                const double wanted =
-                    nearest == 0 ? gap * weight[0] / total : -gap * weight[1] / total;
-                CHECK(near(offset, wanted, 8.0 * DBL_EPSILON),
-                      "weights 1e%d apart, gap 1e%d: %.17g from pole %zu, not %.17g", ratio, width,
-                      offset, nearest, wanted);
-                CHECK(fabs(offset) <= 0.5000001 * gap, "the nearer pole is taken");
-            }
-        }
-    }
-}
-
-/* s between, below and above one pole, of both kinds. */
-static void one_pole_with_a_constant(void)
-{
-    const double pole = 2.0, weight = 3.0;
-    size_t nearest;
-    double offset;
-    for (int e = -15; e <= 15; e += 5) {
-        /* c + w/(p - x) = 0 at x = p + w/c */
-        const double c = pow(10.0, e);
-        const aoi_secular above = {1, &pole, &weight, c, 0.0, 0};
-        CHECK(aoi_secular_root(&above, 0, 1e20, &nearest, &offset) == AOI_OK, "constant 1e%d", e);
-        CHECK(nearest == 0 && near(offset, weight / c, 8.0 * DBL_EPSILON),
-              "constant 1e%d: w/c above the pole, not %.17g", e, offset);
-        /* -c + x w/(p - x) = 0 at x = p c/(w + c): a spring c below the first antiresonance */
-        const aoi_secular below = {1, &pole, &weight, -c, 0.0, 1};
-        CHECK(aoi_secular_root(&below, -1, 0.0, &nearest, &offset) == AOI_OK, "spring 1e%d", e);
-        const double root = pole * c / (weight + c);
-        CHECK(near(nearest == 0 ? -offset : offset,
-                   nearest == 0 ? pole * weight / (weight + c) : root, 1e-14),
-              "spring 1e%d: root %.17g from %s, not %.17g", e, offset,
-              nearest ? "zero" : "the pole", root);
-    }
-}
 
 static void chain_interlaces(int n, int held)
 {
@@ -176,8 +123,6 @@ static void impossible_gaps_are_refused(void)
 
 int main(void)
 {
-    two_poles_balance();
-    one_pole_with_a_constant();
     for (int n = 2; n <= 300; n += n < 10 ? 1 : 29) {
         chain_interlaces(n, 0);
         chain_interlaces(n, 1);

@@ -54,20 +54,6 @@ static double *column(pair *p, const outcome *o, double time)
     return record;
 }
 
-static double all_energy(const pair *p, const double *column)
-{
-    double sum = 0.0;
-    for (size_t c = 0; c < p->w.system.contact_count; c++) {
-        const double *of = column + aoi_record_contact(&p->w.system, c);
-        sum += of[AOI_CONTACT_ELASTIC] + of[AOI_CONTACT_FRICTION];
-    }
-    for (size_t b = 0; b < p->w.system.body_count; b++) {
-        const double *of = column + aoi_record_body(&p->w.system, b);
-        sum += of[AOI_BODY_KINETIC] + of[AOI_BODY_ELASTIC] - of[AOI_BODY_WORK];
-    }
-    return sum;
-}
-
 /* The ball's contact point along its line after an impact with psi, in units of mu v E/G, before it. */
 static double psi_after(double psi, double rtol)
 {
@@ -111,7 +97,7 @@ static void what_motion_keeps(void)
     const size_t first = add_ball(&p.w, RADIUS, one, NULL);
     join(&p, first, add_ball(&p.w, -RADIUS, other, NULL));
     const outcome o = run(&p, 1e-9, end);
-    const double *a = o.end.v, *b = o.end.v + 5, before = all_energy(&p, column(&p, &o, 0.0));
+    const double *a = o.end.v, *b = o.end.v + 5, before = energy_of(&p.w, column(&p, &o, 0.0), 1);
     for (size_t j = 0; j < 3; j++) {
         CHECK(fabs(a[j] + b[j] - one[j] - other[j]) < 1e-14, "momentum %zu", j);
     }
@@ -122,7 +108,7 @@ static void what_motion_keeps(void)
     double taken = 0.0;
     for (size_t i = 0; i <= 400; i++) {
         const double *now = column(&p, &o, end * (double)i / 400.0);
-        CHECK(fabs(all_energy(&p, now) - before) < 1e-9 * before, "energy: %g at %zu", all_energy(&p, now) / before - 1.0, i);
+        CHECK(fabs(energy_of(&p.w, now, 1) - before) < 1e-9 * before, "energy: %g at %zu", energy_of(&p.w, now, 1) / before - 1.0, i);
         CHECK(now[AOI_CONTACT_FRICTION] > taken - 1e-7 * before, "friction takes %g, then %g", taken, now[AOI_CONTACT_FRICTION]);
         CHECK(hypot(now[AOI_CONTACT_TANGENTIAL], now[AOI_CONTACT_TANGENTIAL + 1]) <= 0.3 * now[0] * (1.0 + 1e-6), "Coulomb");
         CHECK(now[AOI_CONTACT_STUCK] >= 0.0 && now[AOI_CONTACT_STUCK] <= 1.0, "a share");
@@ -149,12 +135,12 @@ static void a_slider_comes_to_stick(void)
     meet_wall(&p, RADIUS, velocity, down);
     p.w.x[0][0] = MASS * down[0] / 1e6;
     const outcome o = run(&p, 1e-8, end);
-    const double before = all_energy(&p, column(&p, &o, 0.0));
+    const double before = energy_of(&p.w, column(&p, &o, 0.0), 1);
     double x[2];
     memcpy(x, o.end.x + 1, sizeof x);
     for (size_t i = 0; i <= 300; i++) {
         const double *now = column(&p, &o, end * (double)i / 300.0);
-        CHECK(fabs(all_energy(&p, now) - before) < 1e-9 * before, "energy: %g at %zu", all_energy(&p, now) / before - 1.0, i);
+        CHECK(fabs(energy_of(&p.w, now, 1) - before) < 1e-9 * before, "energy: %g at %zu", energy_of(&p.w, now, 1) / before - 1.0, i);
     }
     CHECK(column(&p, &o, end)[AOI_CONTACT_FRICTION] > 0.1 * before, "it slid");
     const aoi_progress fixed = by_fixed_steps(&p, end, 12000);
@@ -197,12 +183,12 @@ static void what_is_taken_out(void)
     p.law.compliance = c;
     p.w.contact[0].compliance = out;
     const outcome o = run(&p, 1e-9, last);
-    const double before = all_energy(&p, column(&p, &o, 0.0));
+    const double before = energy_of(&p.w, column(&p, &o, 0.0), 1);
     double v[5];
     memcpy(v, o.end.v, sizeof v);
     for (size_t i = 0; i <= 100; i++) {
         const double *now = column(&p, &o, last * (double)i / 100.0);
-        CHECK(fabs(all_energy(&p, now) - before) < 1e-8 * before, "energy: %g at %zu", all_energy(&p, now) / before - 1.0, i);
+        CHECK(fabs(energy_of(&p.w, now, 1) - before) < 1e-8 * before, "energy: %g at %zu", energy_of(&p.w, now, 1) / before - 1.0, i);
     }
     const aoi_progress fixed = by_fixed_steps(&p, last, 20000);
     for (size_t j = 0; j < 5; j++) {

@@ -225,44 +225,6 @@ static void dense_output_meets_the_rows(void)
     release(&p);
 }
 
-/* The columns of the record, in contact and after it, by the states that the track gives. */
-static void columns_are_those_of_the_states(void)
-{
-    const aoi_law law = hertz(1e7);
-    plant p = {.bodies = 0};
-    furnish(&p, GRAVITY | DAMPED | STEADY, &law);
-    must_go(&p, 1e-9, 0.012);
-    CHECK(open_sampler(&p) == AOI_OK, "sampled");
-    for (int i = 0; i <= 100; i++) {
-        double record[MOST_ROWS], state[2][2 * MOST_MODES], u[2][2], du[2][2];
-        const double t = 0.012 * i / 100.0;
-        aoi_sampler_column(p.sampler, t, 1, record, 1);
-        const double *row = record + AOI_CONTACT_ROWS;
-        for (size_t b = 0; b < 2; b++) {
-            const size_t n = p.part[b].n;
-            double kinetic, elastic;
-            aoi_sampler_state(p.sampler, t, b, state[b]);
-            aoi_modes_energy(&p.body[b], state[b], state[b] + n, NULL, &kinetic, &elastic);
-            CHECK(near(row[AOI_BODY_CENTRE], p.part[b].centre[0] * state[b][0], 1e-13), "centre");
-            CHECK(near(row[AOI_BODY_KINETIC], kinetic, 1e-13) && near(row[AOI_BODY_ELASTIC], elastic, 1e-13),
-                  "energies");
-            for (size_t q = 0; q < 2; q++) {
-                aoi_modes_port(&p.body[b], q, state[b], state[b] + n, &u[b][q], &du[b][q]);
-                CHECK(near(row[AOI_BODY_ROWS + 2 * q], u[b][q], 1e-13), "body %zu, port %zu", b, q);
-                CHECK(near(row[AOI_BODY_ROWS + 2 * q + 1], du[b][q], 1e-13), "body %zu, port %zu", b, q);
-            }
-            row += AOI_BODY_ROWS + 2 * AOI_PORT_ROWS;
-        }
-        const double indentation = u[0][0] - u[1][1] - 1e-4;
-        CHECK(fabs(record[1] - indentation) < 1e-12, "t %g: indentation %.12g, not %.12g", t, record[1],
-              indentation);
-        CHECK(fabs(record[0] - 1e7 * pow(fmax(indentation, 0.0), 1.5)) < 1e-5, "t %g: the law's force", t);
-        CHECK(fabs(record[2] - 0.4e7 * pow(fmax(indentation, 0.0), 2.5)) < 1e-9, "t %g: elastic", t);
-        CHECK(fabs(record[3]) < 1e-9, "t %g: Hertz's law loses nothing", t);
-    }
-    release(&p);
-}
-
 /* A sample is the same whether others were asked for before it or not, and whatever the stride, to the last bit
  * where the times do not lie evenly (test_even.c). */
 static double uneven(size_t i) { return 0.012 * pow((double)i / 49.0, 1.5); }
@@ -366,7 +328,6 @@ int main(void)
     a_place_that_springs_back_is_booked();
     work_and_losses_are_those_of_the_motion();
     dense_output_meets_the_rows();
-    columns_are_those_of_the_states();
     samples_do_not_depend_on_each_other();
     return check_report();
 }
