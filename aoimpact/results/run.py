@@ -194,8 +194,10 @@ class BodyResult(Frozen, Measured):
 
     @cached_property
     def _at_end(self) -> FloatArray:
-        """Velocity of the centre of mass and spin after the last contact, shape (6,)."""
-        return self._whole_motion(np.array([self._run._parted])).ravel()
+        """Velocity of the centre of mass and spin after the last contact; 0 for rounding, (6,)."""
+        both = self._whole_motion(np.array([0.0, self._run._parted]))
+        size = np.abs(both).reshape(2, -1).max(axis=1).repeat(3)
+        return np.where(np.abs(both[:, 1]) < np.finfo(float).eps * size, 0.0, both[:, 1])
 
     def _whole_motion(self, times: FloatArray) -> FloatArray:
         """Velocity of a body's centre of mass and its spin at times, s, shape (6, times)."""
