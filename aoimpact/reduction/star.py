@@ -93,7 +93,7 @@ class AOModel(Frozen):
     0.3
     >>> model.frequencies.round(1)  # Hz
     array([355.9])
-    >>> round(model.receptance(0.0) * model.k0, 9)
+    >>> round(float(model.receptance(0.0) * model.k0), 9)
     1.0
     """
 
