@@ -1,4 +1,4 @@
-"""Rows of cells as a table: aligned for a terminal, HTML for a notebook, CSV in a file."""
+"""Rows of cells as a table: aligned for a terminal, CSV in a file."""
 
 from __future__ import annotations
 

@@ -90,16 +90,19 @@ def nonnegative(name: str, value: Any, *, unit: str = "", infinite: bool = False
 def within(
     name: str, value: Any, low: float, high: float = math.inf, *, below: bool = False
 ) -> float:
-    """Return a number from `low` to `high`, or below that.
+    """Return `value` as a float from `low` to `high`, or below `high`; see `real`.
 
     Raises
     ------
-    InputError, InputTypeError
+    InputError
+        If it lies outside.
+    InputTypeError
+        If it is not a real number.
     """
     number = real(name, value)
     if not low <= number <= high or (below and number == high):
-        span = f"at least {low:g}" if high == math.inf else f"from {low:g} to "
-        span += f"{'below ' * below}{high:g}" * (high < math.inf)
+        to = f"below {high:g}" if below else f"{high:g}"
+        span = f"at least {low:g}" if high == math.inf else f"from {low:g} to {to}"
         raise InputError(f"{name} must be {span}, got {number:g}")
     return number
 

@@ -114,7 +114,6 @@ class Scene:
         self.gravity, self._falls = number_or_vector("gravity", gravity, "m/s²")
         self._members: list[Member] = []
         self._contacts: list[Contact] = []
-        # Laws and gaps of the contacts between two places.
         self._loads: list[Load] = []
         # Copies and pickles keep it: their handles are as good. An impact of two bodies has none.
         self._mark = Mark(uuid.uuid4().hex)

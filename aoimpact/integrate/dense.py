@@ -157,8 +157,9 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
         If the run's steps, up to a GiB of them, do not fit into memory.
     """
     began = perf_counter()
-    laws = {id(contact.law): contact.law.for_core() for contact in plan.contacts}  # each once
-    contacts = tuple(contact.for_core(laws[id(contact.law)]) for contact in plan.contacts)
+    laws = {id(contact.law): contact.law for contact in plan.contacts}.values()
+    packed = {id(law): law.for_core() for law in laws}  # each of them once
+    contacts = tuple(contact.for_core(packed[id(contact.law)]) for contact in plan.contacts)
     bodies, moving, oblique, pull = [], [], plan.oblique is not None, plan.pull
     for i, body in enumerate(plan.modal):
         bodies.append(body.for_core(pull, plan.load_on(i) if plan.loads else None))

@@ -725,7 +725,7 @@ class Body(Frozen, BodyModel):
         """
         frequency = finite_array("omega", omega, unit="rad/s", most=HUGE)
         self.warn_outside_band(frequency)
-        stiffness: Any = self.omega**2 - frequency[..., None] ** 2
+        stiffness: Any = (self.omega - frequency[..., None]) * (self.omega + frequency[..., None])
         if self.decay is not None:
             stiffness = stiffness + 2j * self.decay * frequency[..., None]
         with np.errstate(divide="ignore", invalid="ignore"):

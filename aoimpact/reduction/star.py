@@ -231,13 +231,11 @@ class AOModel(Frozen):
         """
         return self.modal.band
 
-    @np.errstate(divide="ignore", invalid="ignore")
     def receptance(self, omega: npt.ArrayLike) -> Any:
         """Return displacement over force at the contact coordinate.
 
-        Without damping 1/(k0 - ω² m0 - Σ m_i ω² ω_i²/(ω_i² - ω²)): infinite at a resonance, 0 at an
-        antiresonance. With damping Σ r_j²/(ω_j² - ω² + 2iσ_jω) over the natural modes, and what
-        compliance a massless contact leaves.
+        Σ r_j²/(ω_j² - ω² + 2iσ_jω) over the natural modes, and what compliance a massless contact
+        leaves: infinite at a resonance without damping, 0 to rounding at an antiresonance.
 
         Parameters
         ----------

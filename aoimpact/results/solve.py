@@ -78,14 +78,14 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
         contact = None if error.contact is None else plan.contacts[error.contact]
         if contact is None or not isinstance(contact.law, PatchLaw):
             raise
-        # Of rigid bodies, which go deeper; c is in inverse proportion to the radius of a patch.
-        own, mass = contact.law.law, plan.reduced_mass(contact)
-        most = removable(own, own.stroke(0.5 * mass * plan.fastest**2))
-        factor = 1.2 * max(contact.law.compliance / most, 1.0)
         radii = [tip.patch.radius for *_, tip in plan.touched(contact) if tip.patch is not None]
         cure = "leave radius out, so that a patch carries the contact"
-        if radii:
-            cure = f"give the contact points radius={factor * max(radii):.2g} m or more"
+        if radii and plan.fastest > 0.0:
+            # Rigid bodies go deeper. c is inversely proportional to the radius of a patch.
+            own, mass = contact.law.law, plan.reduced_mass(contact)
+            most = removable(own, own.stroke(0.5 * mass * plan.fastest**2))
+            wider = 1.2 * max(contact.law.compliance / most, 1.0) * max(radii)
+            cure = f"give the contact points radius={wider:.2g} m or more"
         raise LawLimitError(
             f"{error.args[0].partition(': ')[0]}: the compliance of the mesh, "
             f"{contact.law.compliance:.3g} m/N, leaves nothing of the law; {cure}",

@@ -56,7 +56,7 @@ typedef struct aoi_scales {
     double mobility; /* of both ports under a sudden force, 1/kg */
 } aoi_scales;
 
-/* What it has done. */
+/* Totals of the run, and the impulse since the last touch, N s; work: of the contact force, J. */
 typedef struct aoi_ledger {
     aoi_peak peak;
     double since_touch, work;

@@ -170,8 +170,8 @@ PyObject *track_slips(PyObject *args)
 
 /* ------------------------------------------------------------------------------ dense output */
 
-/* What is read at each of many times: a column of the record, with energies or without them, contact forces, or the state
- * of a body. */
+/* Values at each of many times: a column of the record, with energies or without them; contact forces; or the state of a
+ * body. */
 enum { RECORD = 0, ENERGIES, FORCES, STATES, READINGS };
 typedef struct reading {
     aoi_sampler *sampler;
