@@ -45,7 +45,6 @@ Types that functions return, and rare errors, are in the modules that make them,
 
 import sys as _sys
 from importlib.machinery import PathFinder as _PathFinder
-from importlib.metadata import version as _version
 from pathlib import Path as _Path
 
 # Only beside this file: find_spec would find the core of an editable install elsewhere, too.
@@ -80,4 +79,4 @@ def __getattr__(name: str) -> object:
     return found
 
 
-__version__ = _version("aoimpact")
+__version__ = "0.1.0"

@@ -20,9 +20,8 @@ from hashlib import blake2b
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import FilePath, InputError, InputTypeError, file_path, warn
+from ..base import FilePath, InputError, InputTypeError, file_path, sp, warn
 from ..fem import FEModel
 
 # Value kept of a case, or its exception; and its warnings.

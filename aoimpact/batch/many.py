@@ -14,10 +14,10 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.metadata import version
 from itertools import islice
 from typing import Any, NamedTuple
 
+from .. import __version__
 from ..accuracy import Keep, Named, keeper, shared_models
 from ..base import (
     FilePath,
@@ -198,7 +198,7 @@ class _Item(NamedTuple):
 def _items(
     cases: Iterable[Any], keep: Keep | None, store: Checkpoint | None, key: str | None
 ) -> Iterator[_Item]:
-    digests = Digests(key, None if store is None else (version("aoimpact"), keep))
+    digests = Digests(key, None if store is None else (__version__, keep))
     for i, case in enumerate(cases):
         if store is None or isinstance(case, Exception):
             yield _Item(case)

@@ -13,9 +13,8 @@ from typing import Any
 
 import numpy as np
 import scipy
-import scipy.sparse as sp
 
-from ..base import ArrayPair, FloatArray, IntArray
+from ..base import ArrayPair, FloatArray, IntArray, sp
 from ..mesh import Block, Mesh, ReferenceElement, cofactors
 
 # Points in each direction of the product rules: exact to degree 5 on triangles, 3 on tetrahedra.

@@ -15,9 +15,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, at_once, bar, require
+from ..base import FloatArray, IntArray, at_once, bar, require, sp
 from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, taken
 from .beams import Beam

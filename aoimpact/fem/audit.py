@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 import scipy
-import scipy.sparse as sp
 
-from ..base import FloatArray, aligned, with_unit
+from ..base import FloatArray, aligned, sp, with_unit
 from ..mesh import motions_at
 from .labels import axes_of
 

@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 import scipy
-import scipy.sparse as sp
 
-from ..base import PRINTED, FloatArray, InputError, plain, warn
+from ..base import PRINTED, FloatArray, InputError, plain, sp, warn
 from ..mesh import Mesh
 from .beams import Beam
 from .composition import AnyMaterial, pieces

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import ROUNDING, FloatArray, IntArray
+from ..base import ROUNDING, FloatArray, IntArray, sp
 from ..linalg import lowest, m_orthonormal
 from ..mesh import Surface, motions_at
 

@@ -14,7 +14,6 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
 from ..base import (
     HUGE,
@@ -29,6 +28,7 @@ from ..base import (
     integer,
     integers,
     nonnegative,
+    sp,
     text,
     unit_vector,
     warn,

@@ -19,9 +19,8 @@ from typing import Any
 
 import numpy as np
 import scipy
-import scipy.sparse as sp
 
-from ..base import ArrayPair, FloatArray, InputError, IntArray, SingularError
+from ..base import ArrayPair, FloatArray, InputError, IntArray, SingularError, sp
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from ..mesh import motions_at
 from .assembly import stiffness_mass

@@ -15,9 +15,18 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import PRINTED, BoolArray, FloatArray, InputError, IntArray, finite_array, text, warn
+from ..base import (
+    PRINTED,
+    BoolArray,
+    FloatArray,
+    InputError,
+    IntArray,
+    finite_array,
+    sp,
+    text,
+    warn,
+)
 from ..mesh import Mesh, group
 from .beams import Beam, BeamSection, beam_frames, beam_rows
 from .composition import AnyMaterial, layout, pieces

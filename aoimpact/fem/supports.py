@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
 from ..base import (
     PRINTED,
@@ -25,6 +24,7 @@ from ..base import (
     nearest,
     place,
     positive,
+    sp,
     warn,
 )
 from ..linalg import LARGEST

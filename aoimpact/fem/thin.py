@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray
+from ..base import FloatArray, IntArray, sp
 from .beams import Beam, beam_mass, beam_stiffness
 from .laminate import Layers
 from .shells import element_mass, element_stiffness, nodal_normals, rigid_ends

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..base import (
     FilePath,
@@ -23,6 +22,7 @@ from ..base import (
     optional_package,
     positive,
     scale_for,
+    sp,
     warn,
     with_unit,
 )

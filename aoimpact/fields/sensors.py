@@ -15,7 +15,6 @@ from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
 from ..base import (
     HUGE,
@@ -29,6 +28,7 @@ from ..base import (
     finite_array,
     plain,
     positive,
+    sp,
     unit_vector,
     warn,
     with_unit,

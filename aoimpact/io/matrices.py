@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..base import (
     HUGE,
@@ -27,6 +26,7 @@ from ..base import (
     integers,
     positive,
     require,
+    sp,
     warn,
 )
 from ..fem import AnyMaterial, Damping, FEModel, OneMaterial, audited, checked_labels

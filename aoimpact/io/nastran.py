@@ -16,9 +16,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import ArrayPair, FloatArray, IntArray, MeshError, warn
+from ..base import ArrayPair, FloatArray, IntArray, MeshError, sp, warn
 from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
 from ..mesh import jacobian_range, reference_element
 from .nastrandeck import INTEGER, BulkData, Card, Lines, Table, read_deck

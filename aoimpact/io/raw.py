@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
-from ..base import PRINTED, FloatArray, InputError, IntArray, MeshError, decoded
+from ..base import PRINTED, FloatArray, InputError, IntArray, MeshError, decoded, sp
 from ..mesh import KINDS, reference_element
 
 # Kinds of cells by their numbers of nodes.

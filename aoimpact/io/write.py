@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 import scipy.io
-import scipy.sparse as sp
 
-from ..base import FilePath, FloatArray, InputTypeError, file_path, writable_folder
+from ..base import FilePath, FloatArray, InputTypeError, file_path, sp, writable_folder
 from ..contact import ContactPoint
 from ..fem import FEModel
 from ..reduction import AOModel

@@ -7,10 +7,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from .. import _core
-from ..base import FloatArray, IntArray, at_once
+from ..base import FloatArray, IntArray, at_once, sp
 
 Part = tuple[int, int]
 

@@ -6,10 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
 from .. import _core
-from ..base import PRINTED, ROUNDING, FloatArray, SingularError
+from ..base import PRINTED, ROUNDING, FloatArray, SingularError, sp
 from ..mesh import rigid_motions
 from .blocks import diagonal_places
 from .pencil import Pencil

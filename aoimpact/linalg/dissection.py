@@ -9,9 +9,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import BoolArray, FloatArray, IntArray
+from ..base import BoolArray, FloatArray, IntArray, sp
 
 # Nodes, and rows, of a part that is not cut further.
 _LEAF, _LEAF_ROWS = 64, 200

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import PRINTED, FloatArray, InputError, InputTypeError, SingularError, finite_array
+from ..base import PRINTED, FloatArray, InputError, InputTypeError, SingularError, finite_array, sp
 from .superlu import CHECKED_DOFS, factorize
 
 # Entries that the core's int32 offsets can count.
@@ -241,13 +240,13 @@ def _anew(matrix: Any) -> Any:
     SciPy's conversions trust these arrays: wrong indices write outside the memory allocated. Its
     own astype would sort the entries of the caller's arrays.
     """
-    if matrix.ndim == 2 and matrix.format in _COMPRESSED:
+    if matrix.ndim == 2 and matrix.format in ("csr", "csc", "bsr"):
         # In one piece, as the core takes them: A.real of a complex A is every other number.
         indices, starts = map(_integers, (matrix.indices, matrix.indptr))
         if (starts[1:] < starts[:-1]).any():  # SciPy looks only where there are entries
             raise ValueError("indptr must not descend")
         arrays = np.ascontiguousarray(matrix.data, np.float64), indices, starts
-        anew = _COMPRESSED[matrix.format](arrays, shape=matrix.shape)
+        anew = getattr(sp, f"{matrix.format}_array")(arrays, shape=matrix.shape)
         anew.check_format(full_check=True)
         return anew
     if matrix.format == "dia":  # SciPy writes outside of memory for others
@@ -267,9 +266,6 @@ def _integers(value: Any) -> Any:
     if array.ndim != 1 or array.dtype.kind not in "iu":
         raise ValueError(f"indices must be integers along one axis, got {array.dtype}")
     return array
-
-
-_COMPRESSED = {"csr": sp.csr_array, "csc": sp.csc_array, "bsr": sp.bsr_array}
 
 
 def _canonical(csr: sp.csr_array) -> sp.csr_array:

@@ -15,9 +15,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
-from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, bar
+from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, bar, sp
 from ..mesh import Mesh
 from .blocks import Blocks, congruent
 from .coarsening import (

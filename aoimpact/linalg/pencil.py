@@ -7,9 +7,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import ArrayPair, FloatArray, IntArray
+from ..base import ArrayPair, FloatArray, IntArray, sp
 from .blocks import Rows
 from .dissection import Fill, fill, nested_dissection
 

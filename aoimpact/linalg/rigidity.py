@@ -6,9 +6,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import PRINTED, FloatArray, SingularError
+from ..base import PRINTED, FloatArray, SingularError, sp
 
 
 def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> FloatArray:

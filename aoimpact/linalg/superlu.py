@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import FloatArray, IntArray, MemoryLimitError, SingularError
+from ..base import FloatArray, IntArray, MemoryLimitError, SingularError, sp
 from .method import Inverse, Method, of_factors
 from .pencil import Pencil
 

@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
-import scipy.sparse as sp
 
-from ..base import BoolArray, FloatArray, Frozen, InputError, IntArray, plain
+from ..base import BoolArray, FloatArray, Frozen, InputError, IntArray, plain, sp
 from .mesh import twins
 from .surface import SHARP, Surface, plane_of
 

@@ -6,9 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import BoolArray, FloatArray, IntArray
+from ..base import BoolArray, FloatArray, IntArray, sp
 from .surface import SHARP
 
 _TINY = float(np.finfo(float).tiny)

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..base import PRINTED, ROUNDING, ArrayPair, BoolArray, FloatArray, IntArray, MeshError
+from ..base import PRINTED, ROUNDING, ArrayPair, BoolArray, FloatArray, IntArray, MeshError, sp
 from .elements import ReferenceFace, reference_faces
 from .mesh import Mesh, twins
 

@@ -15,10 +15,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 
 from .. import _core
-from ..base import ArrayPair, ConvergenceError, FloatArray, InputError, IntArray, LawLimitError
+from ..base import ArrayPair, ConvergenceError, FloatArray, InputError, IntArray, LawLimitError, sp
 from ..laws import ContactLaw
 from ..linalg import LARGEST
 from ..reduction import Body

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 
 from .. import _core
-from ..base import FloatArray
+from ..base import FloatArray, sp
 from ..fem import Rayleigh
 from ..linalg import core_rows, factorize
 
