@@ -14,8 +14,11 @@ from .method import Inverse, Method, of_factors
 from .pencil import Pencil
 from .superlu import check_condition
 
-# PARDISO's iparm, counted from 0: nested dissection, and two-level scheduling of the factorisation.
-_OPTIONS = {1: 2, 23: 1}
+# PARDISO's iparm, counted from 0: nested dissection; two-level scheduling of the factorisation;
+# rows of like patterns, as those of a node, are dissected as one where 80 % of their block are
+# entries. That takes a fifth to a half of the time of the analysis, on plates, balls and shells of
+# 14 000 to 224 000 dofs, and gives factors of the same size.
+_OPTIONS = {1: 2, 23: 1, 36: -80}
 
 # See `of_factors`. PARDISO stores L by supernodes, and a copy of K.
 _COST = of_factors((1e-11, 3e-8, 0.9e-9), 12.0, 30.0)
