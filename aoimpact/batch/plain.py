@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base import AOImpactError, boolean, held_warnings, nonnegative, positive
-from ..impact import number_or_vector, plan_impact
+from ..base import held_warnings
+from ..impact import LEAST_SPEED, plan_impact
 from ..integrate import Adaptive, Events
 from ..laws import ContactLaw
 from ..reduction import AOModel, Body, fitted_times, is_valid_for
@@ -39,6 +39,9 @@ _REQUIRED = {"projectile", "target", "law", "velocity", "duration"}
 _KEYWORDS = _REQUIRED | {"solver", "gap", "energies"}
 
 _BY_DEFAULT = Adaptive()
+
+# Numbers of other types, and larger ones, are left to simulate, which takes or refuses them.
+_NUMBERS, _LARGEST = {float, int, np.float64}, 1.0 / LEAST_SPEED
 
 
 class _Pair(NamedTuple):
@@ -90,31 +93,32 @@ def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, 
     names : sequence of str
         Names in PLAIN_NUMBERS.
     """
-    known: dict[tuple[int, int, int], _Pair | None] = {}
-    asked: list[tuple[int, _Pair]] = []
-    rows = []
+    known: dict[tuple[int, int, int], int] = {}  # their places among the pairs, -1 if not plain
+    pairs: list[_Pair] = []
+    asked, places, rows = [], [], []
     for i, case in enumerate(cases):
         if (numbers := _given(case)) is None:
             continue
         # The cases outlive this call: no id is used twice.
         key = id(case["projectile"]), id(case["target"]), id(case["law"])
         if key not in known:
-            known[key] = _pair(case)
-        if (pair := known[key]) is not None:
+            pair = _pair(case)
+            known[key] = len(pairs) if pair else -1
+            pairs += [pair] if pair else []
+        if known[key] >= 0:
+            asked.append(i)
+            places.append(known[key])
             rows.append(numbers)
-            asked.append((i, pair))
     found: list[dict[str, float] | None] = [None] * len(cases)
     if not asked:
         return found
-    pairs = {id(pair): pair for _, pair in asked}
-    place = {one: number for number, one in enumerate(pairs)}
-    number = np.array([place[id(pair)] for _, pair in asked])
-    bodies = [body for pair in pairs.values() for body in pair.plan.modal]
+    number = np.array(places)
+    bodies = [body for pair in pairs for body in pair.plan.modal]
     given, answers = np.array(rows), np.empty((len(rows), len(ANSWERS)))
     _core.briefs(
         tuple(body.for_core() for body in bodies),
         tuple(body.whole.moving for body in bodies),
-        tuple(pair.plan.contacts[0].law.for_core() for pair in pairs.values()),
+        tuple(pair.plan.contacts[0].law.for_core() for pair in pairs),
         np.stack([2 * number, 2 * number + 1, number], axis=1).astype(np.int32),
         given,
         answers,
@@ -122,10 +126,13 @@ def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, 
     velocity, _, duration, rtol = given.T
     by_column: Any = answers.T  # in place of numbers
     status, touches, lasting, peak, peak_time, impulse, start, end, *after = by_column
-    parted = end < duration * (1.0 - 1e-12)
-    once = (touches == 1.0) & (lasting == 0.0) & parted
-    force, speed = np.array([pair.limits for _, pair in asked]).T
-    plain = (status == 0.0) & once & (peak <= force) & (velocity <= speed)
+    lasted, parted = end - start, end < duration * (1.0 - 1e-12)
+    force, speed, least, most = np.array([pair.limits + pair.fits for pair in pairs])[number].T
+    plain = (status == 0.0) & (touches == 1.0) & (lasting == 0.0) & parted
+    plain &= (peak <= force) & (velocity <= speed)
+    for one in np.flatnonzero(plain & ~((least <= lasted) & (lasted <= most))):
+        of = pairs[number[one]].plan.bodies  # simulate warns of models that are not valid
+        plain[one] = all(is_valid_for(body, lasted[one]) for body in of)
     events = Events(peak, peak_time, ((start, end),), impulse)
     before = np.array([velocity, np.zeros_like(velocity)])
     fixed = np.array([body.constrained for body in bodies]).reshape(-1, 2)[number]
@@ -133,12 +140,10 @@ def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, 
     columns = [
         rtol if name == ERROR else QUANTITIES[name].of_plain(events, speeds) for name in names
     ]
-    for (i, pair), is_plain, lasted, *row in zip(
-        asked, plain, (end - start).tolist(), *(column.tolist() for column in columns), strict=True
+    for i, is_plain, *row in zip(
+        asked, plain.tolist(), *(column.tolist() for column in columns), strict=True
     ):
-        least, most = pair.fits
-        fits = least <= lasted <= most or all(is_valid_for(of, lasted) for of in pair.plan.bodies)
-        if is_plain and fits:  # simulate warns of the others
+        if is_plain:
             found[i] = dict(zip(names, row, strict=True))
     return found
 
@@ -147,18 +152,12 @@ def _given(case: Any) -> tuple[float, ...] | None:
     """The numbers of a case; None where `simulate` has to look at it."""
     if not isinstance(case, Mapping) or not _REQUIRED <= case.keys() <= _KEYWORDS:
         return None
-    if not isinstance(case["law"], ContactLaw):
-        return None
     solver = case.get("solver") or _BY_DEFAULT
-    if not isinstance(solver, Adaptive):
+    if not (isinstance(case["law"], ContactLaw) and isinstance(solver, Adaptive)):
         return None
-    try:
-        boolean("energies", case.get("energies", True))
-        velocity, vector = number_or_vector("velocity", case["velocity"], "m/s")
-        duration = positive("duration", case["duration"], unit="s")
-        gap = nonnegative("gap", case.get("gap", 0.0), unit="m")
-    except AOImpactError:  # simulate raises it
+    velocity, gap, duration = case["velocity"], case.get("gap", 0.0), case["duration"]
+    if not {type(velocity), type(gap), type(duration)} <= _NUMBERS:
         return None
-    if vector is not None or velocity <= 0.0:
-        return None
-    return velocity, gap, duration, solver.rtol
+    in_range = LEAST_SPEED <= velocity <= _LARGEST and 0.0 <= gap <= _LARGEST
+    fine = in_range and 0.0 < duration <= _LARGEST and type(case.get("energies", True)) is bool
+    return (velocity, gap, duration, solver.rtol) if fine else None

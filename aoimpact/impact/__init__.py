@@ -4,7 +4,7 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 `scenefile`, `batch`, `study` and `paper`.
 """
 
-from .defaults import number_or_vector
+from .defaults import LEAST_SPEED
 from .foreseen import Foreseen
 from .scene import Scene
 from .twobodies import pair, plan_impact, simulate

@@ -13,8 +13,8 @@ from ..contact import ContactPoint
 from ..laws import LawFromSurfaces, law_between
 from ..reduction import BodyModel
 
-# Squares and energies of speeds of a smaller magnitude vanish, and of the reciprocal overflow.
-_LEAST = 1e-60
+# Squares and energies of lower speeds, m/s, vanish, and of those above the reciprocal overflow.
+LEAST_SPEED = 1e-60
 
 
 def number_or_vector(name: str, value: Any, unit: str) -> tuple[float, FloatArray | None]:
@@ -27,7 +27,7 @@ def number_or_vector(name: str, value: Any, unit: str) -> tuple[float, FloatArra
         vector = finite_array(name, value, shape=(3,), unit=unit)
         number = math.hypot(*vector)
     number = real(name, number, unit=unit)
-    if number and not _LEAST <= abs(number) <= 1.0 / _LEAST:
+    if number and not LEAST_SPEED <= abs(number) <= 1.0 / LEAST_SPEED:
         raise InputError(f"{name}={number:g} {unit} is beyond what can be computed with")
     return number, vector
 
