@@ -143,11 +143,16 @@ class _Joint(NamedTuple):
     tips: list[tuple[int, int, ContactPoint]]
 
 
-def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
-    """Return the limits of a contact by name, as far as its law and bodies are known."""
+def limits(plan: Scenario, contact: Contact, *, warned: bool = False) -> dict[str, Limit]:
+    """Return the limits of a contact by name, as far as its law and bodies are known.
+
+    warned: whether only those are wanted beyond which a warning is due.
+    """
     law, materials = own_law(contact.law), contact.materials(plan.bodies)
     known, surface = list(filter(None, materials)), round_contact(law, materials)
     joint = _Joint(plan, contact, law, known, surface, plan.touched(contact))
+    if warned and not (known or surface or joint.tips):  # a law and bodies given by numbers
+        return {}
     found = {name: rule(joint) for name, rule in RULES.items()}
     return {name: limit for name, limit in found.items() if limit is not None}
 
@@ -155,7 +160,8 @@ def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
 def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]:
     """Yield the rows of a contact of a run; of all rules, or of those that may be exceeded."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
-    for name, limit in limits(plan, contact).items() if events.contacts else ():
+    found = limits(plan, contact, warned=exceeded) if events.contacts else {}
+    for name, limit in found.items():
         if limit.of == "force":
             value = events.peak_force
         elif limit.of == "speed":
@@ -590,7 +596,7 @@ _BENDING = 2.0
 def warning_limits(plan: Scenario) -> tuple[float, float]:
     """Return up to which force, N, and velocity, m/s, an impact needs no warning; 0 of none."""
     mass, most = plan.bodies[0].known_mass, {"force": math.inf, "speed": math.inf}
-    for limit in limits(plan, plan.contacts[0]).values():
+    for limit in limits(plan, plan.contacts[0], warned=True).values():
         of, value = limit.of, limit.most
         if of == "energy":
             of, value = "speed", math.sqrt(2.0 * value / mass) if mass else 0.0
