@@ -17,6 +17,7 @@ import numpy as np
 
 from .. import _core
 from ..base import ArrayPair, FloatArray, MemoryLimitError
+from ..laws import CoreLaw
 from ..scene import Scenario
 from .events import Events
 from .motion import Motion
@@ -119,7 +120,7 @@ class DenseRecorder:
         return record
 
     def pushes(self, times: FloatArray) -> FloatArray:
-        if self.plan.slides:
+        if self.plan.layout.slides:
             return self.plan.layout.pushes(self.rows(times, energies=False))
         forces = np.zeros((len(self.events), len(times)))
         _core.track_read(self.track, np.ascontiguousarray(times), 2, 0, forces)
@@ -157,14 +158,17 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
         If the run's steps, up to a GiB of them, do not fit into memory.
     """
     began = perf_counter()
-    laws = {id(contact.law): contact.law for contact in plan.contacts}.values()
-    packed = {id(law): law.for_core() for law in laws}  # each of them once
-    contacts = tuple(contact.for_core(packed[id(contact.law)]) for contact in plan.contacts)
+    laws: dict[int, CoreLaw] = {}
+    contacts: list[tuple[Any, ...]] = []
+    for contact in plan.contacts:
+        if id(contact.law) not in laws:  # each law is packed once
+            laws[id(contact.law)] = contact.law.for_core()
+        contacts.append(contact.for_core(laws[id(contact.law)]))
     bodies, moving, oblique, pull = [], [], plan.oblique is not None, plan.pull
     for i, body in enumerate(plan.modal):
         bodies.append(body.for_core(pull, plan.load_on(i) if plan.loads else None))
         moving.append(body.rates(plan.start(i)) if oblique else body.whole.moving)
-    scene = tuple(bodies), contacts
+    scene = tuple(bodies), tuple(contacts)
     velocities = (1.0,) * len(bodies) if oblique else tuple(plan.velocities)
     rest = None if plan.rest is None else np.concatenate(plan.rest.modes)
     try:

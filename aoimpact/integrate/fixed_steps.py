@@ -153,7 +153,7 @@ def solve_newmark(plan: Scenario, rule: Newmark) -> tuple[SteppedRecorder, float
         If the step is too large for any digit to be right.
     """
     began, length, rtol = perf_counter(), plan.duration, rule.rtol
-    if rule.dt is None and plan.slides and rtol < 4.0 * DRAWN:
+    if rule.dt is None and plan.layout.slides and rtol < 4.0 * DRAWN:
         raise InputError(
             f"Newmark(rtol={rtol:g}): friction is known to {DRAWN:g}; give rtol={4 * DRAWN:g} "
             "or more, or dt"
@@ -253,7 +253,7 @@ def newmark_run(
     duration = plan.duration if duration is None else duration
     steps = _steps(plan, rule, dt, duration)
     precision = DRAWN
-    if plan.slides:
+    if plan.layout.slides:
         precision = min(DRAWN + _PRECISION * (dt / first_step(plan)) ** 2, _ROUGHEST)
     bodies = [plan.stepped(i) for i in range(len(plan.bodies))]
     rows = np.zeros((plan.layout.rows, steps + 1))

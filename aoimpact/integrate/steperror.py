@@ -101,7 +101,7 @@ def time_error(
         StepError(float(alone.max()), _SUDDEN),
         StepError(float((missed / scales).max()), _TOUCH),
     )
-    share = unseen.share + found.share + DRAWN * plan.slides
+    share = unseen.share + found.share + DRAWN * plan.layout.slides
     return StepError(share if share <= _NO_DIGIT else 1.0, max(unseen, found).why)
 
 

@@ -14,7 +14,7 @@ import scipy
 from scipy import LowLevelCallable
 
 from ..base import FloatArray, InputError, InputTypeError, boolean, finite_array
-from .law import ContactLaw
+from .law import ContactLaw, CoreLaw
 
 
 @dataclass(frozen=True, repr=False)
@@ -84,8 +84,8 @@ class Tabulated(ContactLaw, kind="table"):
     def limit(self) -> float:
         return self.indentation[-1]
 
-    def _data(self) -> FloatArray:
-        return self._table
+    def for_core(self) -> CoreLaw:
+        return super().for_core()._replace(limit=self.limit, data=self._table)
 
     @functools.cached_property
     def _table(self) -> FloatArray:
@@ -185,7 +185,8 @@ class UserLaw(ContactLaw, kind="user", by_caller=True):
             found.append(entry)
         return tuple(found)
 
-    def _data(self) -> Any:
+    def for_core(self) -> CoreLaw:
         # The objects themselves go along: they must outlive the call.
         functions = (self.function, self.stiffness, self.damping, self.energy)
-        return self._entries(), self.depends_on_rate, self.pulls, functions
+        data = self._entries(), self.depends_on_rate, self.pulls, functions
+        return super().for_core()._replace(data=data)

@@ -48,7 +48,7 @@ class CoreLaw(NamedTuple):
     note : ndarray, shape (3,)
         Where a user's law puts the state at which it failed.
     data : object
-        A user's function, or None.
+        A table or a user's functions, or None.
     """
 
     kind: str
@@ -230,10 +230,6 @@ class ContactLaw:
         values = [getattr(self, entry.name) for entry in self._fields() if not entry.kw_only]
         return tuple([value for value in values if isinstance(value, float)])
 
-    def _data(self) -> Any:
-        """The objects that the core needs besides numbers: a table, or the user's functions."""
-        return None
-
     @property
     def limit(self) -> float:
         """Deepest indentation that the law stands for, m."""
@@ -246,7 +242,7 @@ class ContactLaw:
         """
         # A note is the core's word on where and why a law gave no force.
         note = _NO_NOTE.copy()
-        return CoreLaw(self.kind, self._parameters, 0.0, self.limit, note, self._data())
+        return CoreLaw(self.kind, self._parameters, 0.0, math.inf, note, None)
 
     def force(
         self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0, *, along: bool = False

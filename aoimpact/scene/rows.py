@@ -78,6 +78,8 @@ class RecordLayout:
         Number of ports of each body.
     sliding : tuple of bool
         True of each contact with friction.
+    slides : bool
+        True if a contact has friction.
     rows : int
         Number of rows.
     """
@@ -87,14 +89,16 @@ class RecordLayout:
 
     def __post_init__(self) -> None:
         # The first row of each contact and of the bodies, and of each body and the number of rows.
-        sizes = np.where(self.sliding, _SLIDING, _CONTACT).astype(np.intp)
+        sliding = np.array(self.sliding, dtype=bool)
+        sizes = np.where(sliding, _SLIDING, _CONTACT)
         self._starts: IntArray = np.append(0, np.cumsum(sizes))
-        bodies = [_BODY + _PORT * ports for ports in self.ports]
+        bodies = _BODY + _PORT * np.array(self.ports, dtype=np.intp)
         self._first: IntArray = np.cumsum([self._starts[-1], *bodies])
-        self.rows = int(self._first[-1])
-        kinds = zip(self._starts.tolist(), self.sliding, strict=False)
-        pushes = [first + row for first, of in kinds for row in ((0, 4, 5) if of else (0,))]
-        self._pushes = np.array(pushes, dtype=np.intp)
+        self.rows, self.slides = int(self._first[-1]), bool(sliding.any())
+        first = self._starts[:-1]
+        self._pushes: IntArray = np.sort(
+            np.concatenate([first, first[sliding] + 4, first[sliding] + 5])
+        )
 
     def contact(self, record: FloatArray, contact: int) -> ContactRows:
         """Return the rows of one contact of a record, shape (rows, times)."""

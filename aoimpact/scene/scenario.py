@@ -123,11 +123,6 @@ class Scenario:
         """True if gravity acts."""
         return bool(np.any(self.pull))
 
-    @cached_property
-    def slides(self) -> bool:
-        """True if a contact has friction."""
-        return any(contact.friction is not None for contact in self.contacts)
-
     @property
     def body_names(self) -> tuple[str, ...]:
         """Names of the bodies; empty for one without a name."""
@@ -153,14 +148,13 @@ class Scenario:
     @cached_property
     def modal(self) -> tuple[Body, ...]:
         """The bodies in their natural modes."""
-        return tuple([body.modal for body in self.bodies])
+        return tuple(map(attrgetter("modal"), self.bodies))
 
     @cached_property
     def layout(self) -> RecordLayout:
         """Places of the rows of a record."""
         sliding = tuple([contact.friction is not None for contact in self.contacts])
-        ports = tuple([body.ports for body in self.bodies])
-        return RecordLayout(ports, sliding)
+        return RecordLayout(tuple(map(attrgetter("ports"), self.bodies)), sliding)
 
     @cached_property
     def _loads_of(self) -> dict[int, list[Load]]:
