@@ -16,13 +16,22 @@ from ..linalg import LinearSolver, Solver, checked_solver
 from ..reduction import Body
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors
 from ..scene import Scenario
-from .hierarchy import Models, fixed_model, only_models
+from .hierarchy import fixed_model, only_models
 from .leftout import errors_left_out
-from .order import Orders, search
+from .order import Search
 
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
 _RTOL, _TIGHTEST = 2e-3, 1e-8
+
+# Where no tolerance was given, that of time and models is this share of the mesh's error of the
+# quantity, by which the total error grows, up to the loosest tolerance.
+_SHARE_OF_MESH, _LOOSEST = 0.2, 1e-2
+
+# The largest order where a tolerance was given; and where none was, with which the search ends with
+# the error that it has by then: a thin sheet that touches again and again would take hundreds of
+# vectors.
+_MOST_ORDER = {True: 600, False: 80}
 
 # Shares of the tolerance of time integration, by the adaptive method and by fixed steps; the rest
 # is for the models. Over 148 impacts on nine bodies of up to 6171 dofs, to 1e-1 … 1e-3, the error
@@ -98,7 +107,7 @@ def choose_models(
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
     factors : dict of body to LinearSolver, optional
-        See `search`.
+        See `Search`.
 
     Returns
     -------
@@ -122,69 +131,62 @@ def choose_models(
         else fixed(body)
         for body in plan.bodies
     ]
-    left_out = partial(errors_left_out, interest=interest, solver=rule)
+    left_out: Any = partial(errors_left_out, interest=interest, solver=rule)
     in_models = tolerance - in_time
-
-    def trial(models: Models) -> Run:
-        """A run whose bodies determine the length of the record, unless they are yet rigid."""
-        flexible = all(
-            _order(model) or getattr(body, "most", _order(body)) == 0
-            for model, body in zip(models, bodies, strict=True)
-        )
-        return record.run(plan.of_models(models, energies=False), rule, last=flexible)
-
     if models := only_models(bodies):
+        error, compared = 0.0, []
         run = record.run(plan.of_models(models, energies=plan.energies), rule)
-        found = Orders((0,) * len(models), models, 0.0, in_models, run, ())
     else:
-        found = search(
-            bodies,
-            trial,
-            quantity,
-            in_models,
-            record,
-            solver=linear_solver,
-            factors=factors,
-            left_out=left_out if plan.meshed and not given else None,
-            in_time=in_time,
-            best=not given,
-        )
-        if found.rtol > in_models:
-            tolerance = found.rtol + in_time
-        if found.error > tolerance:
-            _warn_of_the_best(found, quantity, tolerance)
-        run, made = found.run, plan.of_models(found.models, energies=plan.energies)
+        how = rule, record, _MOST_ORDER[given], linear_solver, factors or {}
+        search, loose = Search(plan, bodies, quantity, in_models, *how), False
+        while True:
+            error, applies = search.error(), in_models
+            if in_models < error <= _LOOSEST and plan.meshed and not given:
+                applies = _LOOSEST
+                if not loose:
+                    left_out, loose = left_out(search.run), True
+                    share = _SHARE_OF_MESH * left_out.mesh.get(quantity.name, 0.0)
+                    applies = max(in_models, min(share, _LOOSEST) - in_time)
+            if error <= applies or not search.enlarge(applies):
+                break
+        if error > applies:
+            if given or error >= 1.0:
+                raise search.failure(error)
+            applies = max(applies, _LOOSEST) if error <= _LOOSEST else applies
+        if applies > in_models:
+            tolerance = applies + in_time
+        if error > tolerance:
+            _warn_of_the_best(search, error, tolerance)
+        assert search.run is not None
+        run, compared = search.run, search.compared
+        made = plan.of_models(search.models(), energies=plan.energies)
         if run.recorder.dense or not plan.energies:  # steps record energies as they are made
             made = replace(made, duration=run.duration)
             run = replace(run, plan=made, recorder=replace(run.recorder, plan=made))
         else:
             run = record.run(made, rule)
-    error = run.time_error
-    if given and error is not None and error + found.error > tolerance:
+    in_steps = run.time_error
+    if given and in_steps is not None and in_steps + error > tolerance:
         cure = f"take {type(rule).__name__}(rtol={in_time:.1g})"
         if isinstance(rule, Newmark) and rule.dt is not None:
-            finer = rule.dt * min(0.5, math.sqrt(in_time / error))
+            finer = rule.dt * min(0.5, math.sqrt(in_time / in_steps))
             cure = f"take dt={finer:.1g} or less, or Newmark() without dt"
         raise ConvergenceError(
-            f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about {error:.2g} of "
-            f"the peak force or the impulse, and that of the models, {found.error:.2g}, are more; "
-            f"{cure}"
+            f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about "
+            f"{in_steps:.2g} of the peak force or the impulse, and that of the models, "
+            f"{error:.2g}, are more; {cure}"
         )
-    run = replace(run, chosen=_chosen(found, quantity, tolerance))
-    return replace(run, left_out=found.left_out or left_out) if plan.meshed else run
-
-
-def _chosen(found: Orders, quantity: Quantity, tolerance: float) -> Chosen:
-    """How models were chosen: the quantity, its tolerance, and the errors of all numbers."""
-    numbers, most = number_errors(found.run, found.smaller, {quantity.name: found.error}), math.nan
+    numbers, largest = number_errors(run, compared, {quantity.name: error}), math.nan
     if quantity.history is not None:
-        most = float(np.abs(quantity.history(found.run, found.run.t)).max(initial=0.0))
-    return Chosen(quantity.name, tolerance, numbers, quantity.unit, most)
+        largest = float(np.abs(quantity.history(run, run.t)).max(initial=0.0))
+    run = replace(run, chosen=Chosen(quantity.name, tolerance, numbers, quantity.unit, largest))
+    return replace(run, left_out=left_out) if plan.meshed else run
 
 
-def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> None:
+def _warn_of_the_best(search: Search, error: float, tolerance: float) -> None:
     """Warn that the largest models do not meet the default tolerance, and why."""
-    count = max(len(events.contacts) for events in found.run.events)
+    assert search.run is not None
+    count = max(len(events.contacts) for events in search.run.events)
     why = (
         f"of its {count} contacts each begins from the motion that those before have left, so that "
         "errors grow from one to the next; give the duration= of the first ones"
@@ -192,15 +194,10 @@ def _warn_of_the_best(found: Orders, quantity: Quantity, tolerance: float) -> No
         else "the waves of a short contact take more of them; choose a shorter duration="
     )
     warn(
-        f"{quantity.name}: its error from the models is {found.error:.2g}, and not the "
-        f"{tolerance:.2g} that is aimed at, with up to {max(found.orders)} vectors: {why}, "
+        f"{search.quantity.name}: its error from the models is {error:.2g}, and not the "
+        f"{tolerance:.2g} that is aimed at, with up to {max(search.orders)} vectors: {why}, "
         "a quantity= that sums up (peak_force, impulse), or rtol= as large as you allow"
     )
-
-
-def _order(model: Any) -> int:
-    """The number of a model's oscillators; 1 for a full model, which is not reduced."""
-    return getattr(model, "n", 1)
 
 
 def time_rule(solver: Any, tolerance: float, plan: Scenario, *, given: bool) -> tuple[Any, float]:

@@ -9,16 +9,17 @@ bodies are raised until it is within the tolerance.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
 from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
 from ..contact import own_contact_time
 from ..linalg import LinearSolver, Solver
-from ..reduction import BodyModel, FullModel
-from ..results import LeftOut, Quantity, RecordLength, Run
+from ..reduction import Body, BodyModel, FullModel
+from ..results import Quantity, RecordLength, Run, TimeSolver
+from ..scene import Scenario
 from .hierarchy import Hierarchy, Models, alike, model_hierarchy
 
 # Factor from one order to the next; and the error of a model over its difference to each of the
@@ -30,11 +31,8 @@ from .hierarchy import Hierarchy, Models, alike, model_hierarchy
 _GROWTH = 1.5
 _SHARES = tuple(1.0 / (_GROWTH ** (1.25 * i) - 1.0) for i in (1, 2, 3))
 
-# First oscillators for each digit of the tolerance, of the smallest model; the largest order; and
-# where no tolerance was given, with which the search ends with the error that it has by then: a
-# thin sheet that touches again and again would take hundreds of vectors.
+# First oscillators for each digit of the tolerance, of the smallest model.
 _FIRST = 1.5
-_MOST_ORDER, _MOST_BY_DEFAULT = 600, 80
 
 # The tolerance named in a message is this factor above the error found.
 _EASED = 1.1
@@ -47,45 +45,11 @@ _REFIT, _MOST_FITS = 2.0, 4
 # raised: larger models would not help.
 _TOO_WIDE = 3
 
-# Where no tolerance was given, that of time and models is this share of the mesh's error of the
-# quantity, by which the total error grows, up to the loosest tolerance.
-_SHARE_OF_MESH, _LOOSEST = 0.2, 1e-2
-
 # The order of each different hierarchy.
 _Orders = tuple[int, ...]
 
 # Where motion matters for longer than this many contact times, the bases hold slow motion as well.
 _LONG = 4.0
-
-
-@dataclass(frozen=True, eq=False)
-class Orders:
-    """Orders that meet the tolerance.
-
-    Attributes
-    ----------
-    orders : tuple of int
-        Order of each body; 0 is rigid.
-    models : tuple of Body
-    error : float
-        Estimated relative error of the quantity from the models' orders.
-    rtol : float
-        The tolerance that applied: as given, or the looser one.
-    run : Run
-        With these models.
-    smaller : tuple of (Run, float)
-        Runs with smaller ones, and the error over the difference to each.
-    left_out : LeftOut or None
-        Errors of meshes, which are those of any models, where they made the tolerance looser.
-    """
-
-    orders: tuple[int, ...]
-    models: Models
-    error: float
-    rtol: float
-    run: Run
-    smaller: tuple[tuple[Run, float], ...]
-    left_out: LeftOut | None = None
 
 
 class TimeScales(NamedTuple):
@@ -134,59 +98,170 @@ def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:
 
 
 @dataclass(eq=False)
-class _Trials:
-    """Models fitted to the time scales of a scene, and their runs: every set is run once.
+class Search:
+    """Models of rising order, fitted to the time scales of a scene, and their runs.
+
+    The caller reads the error of the models, and enlarges them until it is small enough. Every set
+    of models is run once.
 
     Attributes
     ----------
-    run : callable
-        Simulates with given models, one for each body.
+    plan : Scenario
+        Of the bodies.
+    bodies : sequence of Body, FullModel or Hierarchy
+    quantity : Quantity
+    rtol : float
+        Relative error that is aimed at; the first orders follow from it.
+    rule : Adaptive or Newmark
     record : RecordLength
-        How long: a run that is not as long as the others is made again.
-    places : tuple of int
-        The hierarchy of each body: equal bodies with the same contact point, such as two equal
-        spheres, share one. Orders are those of the hierarchies.
-    hierarchies : tuple of Hierarchy
+        How long runs are. The largest models determine it for those compared with them.
+    most : int
+        The order beyond which no larger ones are tried.
+    solver : str or callable
+        The linear solver of the bodies; see `FEModel.inverse`.
+    factors : dict of body to LinearSolver
+        Those that have been set up, and can be taken from here.
+    orders : tuple of int
+        Of each different body; 0 is rigid. Equal bodies with the same contact point, such as two
+        equal spheres, share a hierarchy.
+    run : Run or None
+        With models of these orders; None where models that small cannot be run.
+    compared : list of (Run, float)
+        Runs with smaller models, and the error over the difference to each.
     """
 
-    run: Callable[[Models], Run]
+    plan: Scenario
+    bodies: Sequence[Any]
+    quantity: Quantity
+    rtol: float
+    rule: TimeSolver
     record: RecordLength
-    places: tuple[int, ...]
-    hierarchies: tuple[Hierarchy, ...]
+    most: int
+    solver: Solver
+    factors: dict[Any, LinearSolver]
+    orders: _Orders = field(init=False)
+    run: Run | None = field(init=False, default=None)
+    compared: list[tuple[Run, float]] = field(init=False, default_factory=list)
 
     def __post_init__(self) -> None:
-        self._runs: dict[_Orders, Run | None] = {}
-        self.failure: AOImpactError | None = None
+        self._unlike = list(dict.fromkeys(self.bodies))
+        self._first = max(1, round(-_FIRST * math.log10(self.rtol)))
+        for _ in _SHARES:
+            self._first = math.ceil(_GROWTH * self._first)
+        self._fits = 0
+        self._fit(first_guess(self.bodies, self._run_of, self.quantity))
 
-    def at(self, orders: _Orders) -> Run | None:
-        """Return the run of such orders; None where models that small cannot be run."""
-        models = [one.model(n) for one, n in zip(self.hierarchies, orders, strict=True)]
-        key = self.at_most(orders)  # known when the models are made
+    def error(self) -> float:
+        """Return the relative error of the quantity from the models; infinite where none can run.
+
+        Models that were fitted to quite another contact time are fitted anew.
+        """
+        while True:
+            self.record.settled = False
+            self.run = self._at(self.orders)
+            if self.run is None:
+                return math.inf
+            found = _scales(self.quantity, self.run, self._scales)
+            if self._fits == _MOST_FITS or self._scales.suit(found):
+                break
+            self._fit(found)
+        error, self.compared = 0.0, []
+        for orders, share in zip(self._smaller, _SHARES, strict=False):
+            other = self._at(orders)
+            error = max(error, share * self._apart(other))
+            if other is not None:
+                self.compared.append((other, share))
+        return error
+
+    def enlarge(self, rtol: float) -> bool:
+        """Take larger models, and return True; False where there are none, or none are tried.
+
+        Of the bodies with too large a share of a tolerance, or of all.
+
+        Raises
+        ------
+        LawLimitError
+            Where contacts exceed their patches with larger and larger models.
+        """
+        if self.run is None and isinstance(self._failure, LawLimitError):
+            self._too_wide += 1
+            if self._too_wide == _TOO_WIDE:
+                raise self._failure
+        if max(self.orders) > self.most or not self._smaller:
+            return False
+        orders, poor = self.orders, []
+        for i, n in enumerate(self._smaller[0]):
+            apart = self._apart(self._at((*orders[:i], n, *orders[i + 1 :])))
+            poor.append(_SHARES[0] * apart * len(orders) > rtol)
+        grown = zip(self._made, orders, poor, strict=True)
+        self.orders = tuple(
+            [
+                one.larger(math.ceil(_GROWTH * n)) if is_poor or not any(poor) else n
+                for one, n, is_poor in grown
+            ]
+        )
+        return True
+
+    def failure(self, error: float) -> AOImpactError:
+        """Return why there are no models of a smaller error."""
+        failure = self._failure if self.run is None else None
+        return failure or _no_convergence(error, max(self.orders))
+
+    def models(self) -> Models:
+        """Return the models of the bodies; what only larger ones need is given back."""
+        models = [one.finished(n) for one, n in zip(self._made, self.orders, strict=True)]
+        for one in self._made:
+            one.release()
+        return self._of_bodies(models)
+
+    def _fit(self, scales: TimeScales) -> None:
+        """Begin with models that are fitted to these time scales."""
+        time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
+        self._made: list[Hierarchy] = []
+        for body in self._unlike:  # with models that were made for an impact like this one, if any
+            make = partial(model_hierarchy, body, time, slow, self.solver)
+            if isinstance(body, FullModel):
+                # The factors are taken from those set up, so that their memory can be freed.
+                known = self.factors.pop(body.body, None) if self.solver == "auto" else None
+                tips = tuple([tip.key for tip in body.tips])
+                key = tips, time, slow, self.solver, self._first
+                make = partial(body.body.kept.get, key, partial(make, known))
+            self._made.append(make())
+        self.orders = tuple([one.first + self._first for one in self._made])
+        self._scales, self._fits, self._too_wide = scales, self._fits + 1, 0
+        self._runs: dict[_Orders, Run | None] = {}
+        self._failure: AOImpactError | None = None
+
+    def _at(self, orders: _Orders) -> Run | None:
+        """The run of such orders; None where models that small cannot be run."""
+        pairs = list(zip(self._made, orders, strict=True))
+        models = [one.model(n) for one, n in pairs]
+        key = tuple([min(n, one.most) for one, n in pairs])  # known when the models are made
         run = self._runs.get(key)
         if key not in self._runs or (run and run.plan.duration != self.record.length):
             try:
-                self._runs[key] = self.run(tuple([models[place] for place in self.places]))
+                self._runs[key] = self._run_of(self._of_bodies(models))
             except AOImpactError as error:
                 # With few vectors patches are too stiff, and two rigid bodies may both be walls:
                 # such errors may vanish with larger models.
-                pairs = zip(self.hierarchies, orders, strict=True)
                 deform = all(order > 0 or one.most == 0 for one, order in pairs)
                 of_input = isinstance(error, InputError | InputTypeError)
                 if of_input and deform and not isinstance(error, LawLimitError):
                     raise
-                self._runs[key], self.failure = None, error
+                self._runs[key], self._failure = None, error
         return self._runs[key]
 
-    def at_most(self, orders: Iterable[int]) -> _Orders:
-        """Return the orders themselves, or the largest that there are, if these are less."""
-        return tuple([min(n, one.most) for one, n in zip(self.hierarchies, orders, strict=True)])
+    def _run_of(self, models: Models) -> Run:
+        return self.record.run(self.plan.of_models(models, energies=False), self.rule)
 
-    def smaller(self, orders: _Orders) -> list[_Orders]:
-        """Return those that they are compared with; none of whole bodies, whose models are exact.
+    def _of_bodies(self, models: Sequence[Body]) -> Models:
+        """Each body's among those of the different ones."""
+        return tuple([models[self._unlike.index(body)] for body in self.bodies])
 
-        Whole bodies have exact responses at their contacts.
-        """
-        pairs = list(zip(self.hierarchies, orders, strict=True))
+    @property
+    def _smaller(self) -> list[_Orders]:
+        """The orders to compare with; none of whole bodies, whose responses are exact."""
+        pairs = list(zip(self._made, self.orders, strict=True))
         if all(n >= one.most for one, n in pairs):
             return []
         shares = [_GROWTH**i for i in range(1, 1 + len(_SHARES))]
@@ -194,134 +269,12 @@ class _Trials:
             tuple([n if n >= one.most else int(n / share) for one, n in pairs]) for share in shares
         ]
 
-    def found(self, orders: _Orders, error: float, rtol: float) -> Orders:
-        """Return the models, which meet a tolerance, and their runs."""
-        compared, orders = self.smaller(orders), self.at_most(orders)
-        finished = [of.finished(n) for of, n in zip(self.hierarchies, orders, strict=True)]
-        models = tuple(finished[place] for place in self.places)
-        run, *smaller = filter(None, map(self.at, (orders, *compared)))  # all: errors are small
-        for one in self.hierarchies:
-            one.release()
-        numbers = tuple(orders[place] for place in self.places)
-        return Orders(numbers, models, error, rtol, run, tuple(zip(smaller, _SHARES, strict=False)))
-
-
-def _apart(quantity: Quantity, exact: Run | None, other: Run | None) -> float:
-    """The relative difference of a quantity between two runs; infinite where there is none."""
-    if exact is None or other is None:
-        return math.inf
-    apart = quantity.difference(exact, other)
-    return apart if math.isfinite(apart) else math.inf
-
-
-def search(
-    bodies: Sequence[Any],
-    run: Callable[[Models], Run],
-    quantity: Quantity,
-    rtol: float,
-    record: RecordLength,
-    *,
-    solver: Solver = "auto",
-    factors: dict[Any, LinearSolver] | None = None,
-    left_out: Callable[[Run], LeftOut] | None = None,
-    in_time: float = 0.0,
-    best: bool = False,
-) -> Orders:
-    """Return small orders of bodies that give a quantity to a tolerance of the whole bodies.
-
-    Models are fitted to the time scales of their runs.
-
-    Parameters
-    ----------
-    bodies : sequence
-        Body, FullModel or Hierarchy.
-    run : callable
-        Simulates with given models, one for each body.
-    quantity : Quantity
-    rtol : float
-        Relative.
-    record : RecordLength
-        How long runs are. The largest models determine it for those compared with them.
-    solver : str or callable, optional
-        The linear solver of the bodies; see `FEModel.inverse`.
-    factors : dict of body to LinearSolver, optional
-        Those that have been set up, and can be taken from here.
-    left_out : callable, optional
-        Where no tolerance was given: returns the errors of a run by its meshes. Where these are
-        larger, a looser tolerance applies; models that meet `_LOOSEST` are enlarged once to meet
-        it.
-    in_time : float, optional
-        The share of time in the tolerance, which is looser by as much.
-    best : bool, optional
-        True to return the models of the least error, if it is below 1, where no models tried meet
-        the tolerance.
-
-    Raises
-    ------
-    ConvergenceError
-        If not even the largest models tried agree to within the tolerance.
-    """
-    oscillators = max(1, round(-_FIRST * math.log10(rtol)))
-    for _ in _SHARES:
-        oscillators = math.ceil(_GROWTH * oscillators)
-    unlike = list(dict.fromkeys(bodies))
-    places = tuple([unlike.index(body) for body in bodies])
-    scales, fits = first_guess(bodies, run, quantity), 0
-    by_mesh: LeftOut | None = None  # errors, which are those of any models
-    while True:
-        time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
-        made: list[Hierarchy] = []
-        for body in unlike:  # with models that were made for an impact like this one, if any were
-            make = partial(model_hierarchy, body, time, slow, solver)
-            if isinstance(body, FullModel):
-                # The factors are taken from those set up, so that their memory can be freed.
-                known = factors.pop(body.body, None) if factors and solver == "auto" else None
-                key = tuple([tip.key for tip in body.tips]), time, slow, solver, oscillators
-                make = partial(body.body.kept.get, key, partial(make, known))
-            made.append(make())
-        orders, fits = tuple([one.first + oscillators for one in made]), fits + 1
-        trials = _Trials(run, record, places, tuple(made))
-        loose, too_wide = False, 0
-        while True:
-            record.settled = False
-            exact = trials.at(orders)
-            if exact is not None and fits < _MOST_FITS:
-                found = _scales(quantity, exact, scales)
-                if not scales.suit(found):
-                    scales = found
-                    break
-            error, applies, smaller = 0.0 if exact else math.inf, rtol, trials.smaller(orders)
-            compared = map(trials.at, smaller) if exact is not None else ()
-            for share, other in zip(_SHARES, compared, strict=False):
-                error = max(error, share * _apart(quantity, exact, other))
-            if rtol < error <= _LOOSEST and exact is not None and left_out is not None:
-                applies = _LOOSEST
-                if not loose:
-                    by_mesh, loose = left_out(exact), True
-                    share = _SHARE_OF_MESH * by_mesh.mesh.get(quantity.name, 0.0)
-                    applies = max(rtol, min(share, _LOOSEST) - in_time)
-            if error <= applies:
-                return replace(trials.found(orders, error, applies), left_out=by_mesh)
-            too_wide += exact is None and isinstance(trials.failure, LawLimitError)
-            if trials.failure is not None and too_wide >= _TOO_WIDE:
-                raise trials.failure
-            limit = min(_MOST_ORDER, _MOST_BY_DEFAULT) if best else _MOST_ORDER
-            if max(orders) > limit or not smaller:
-                if best and error < 1.0:
-                    applies = max(applies, _LOOSEST) if error <= _LOOSEST else applies
-                    return replace(trials.found(orders, error, applies), left_out=by_mesh)
-                failure = trials.failure if exact is None else None
-                raise failure or _no_convergence(error, max(orders))
-            # Larger models of the bodies with too large a share of the error, or of all.
-            alone = [(*orders[:i], n, *orders[i + 1 :]) for i, n in enumerate(smaller[0])]
-            apart = [_apart(quantity, exact, other) for other in map(trials.at, alone)]
-            poor = [_SHARES[0] * of * len(orders) > applies for of in apart]
-            orders = tuple(
-                [
-                    one.larger(math.ceil(_GROWTH * n)) if is_poor or not any(poor) else n
-                    for one, n, is_poor in zip(made, orders, poor, strict=True)
-                ]
-            )
+    def _apart(self, other: Run | None) -> float:
+        """The relative difference of the quantity to another run; infinite where there is none."""
+        if self.run is None or other is None:
+            return math.inf
+        apart = self.quantity.difference(self.run, other)
+        return apart if math.isfinite(apart) else math.inf
 
 
 def _no_convergence(error: float, order: int) -> ConvergenceError:

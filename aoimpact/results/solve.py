@@ -124,16 +124,8 @@ class RecordLength:
     _longest: float = 0.0
     _cut: bool = False
 
-    def run(self, plan: Scenario, solver: TimeSolver | None, *, last: bool = True) -> Run:
-        """Run a plan for this length, or, where that is open, until its impact is over.
-
-        Parameters
-        ----------
-        plan : Scenario
-        solver : Adaptive or Newmark, optional
-        last : bool, optional
-            Whether this run determines the length: not one with bodies that are rigid for a trial.
-        """
+    def run(self, plan: Scenario, solver: TimeSolver | None) -> Run:
+        """Run a plan for this length, or, where that is open, until its impact is over."""
         if self.given or self.settled:
             return solve(_lasting(plan, self.length), solver)
         self._longest = self._longest or _MOST * self.length
@@ -149,7 +141,7 @@ class RecordLength:
             run = run if run.duration >= length else _ahead(plan, length, solver)
         self._cut = wanted > length and found.touching is not None
         self.length = min(wanted, length)
-        self.settled = last
+        self.settled = True
         found = _shortened(run, self.length)
         whole = found.duration == self.length and found.events == run.events
         return found if whole else solve(_lasting(plan, self.length), solver)

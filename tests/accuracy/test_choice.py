@@ -306,7 +306,7 @@ def test_the_best_models_come_with_a_warning_where_the_default_tolerance_is_not_
         velocity=1.0,
         duration=2e-3,
     )
-    monkeypatch.setattr("aoimpact.accuracy.order._MOST_ORDER", 2)
+    monkeypatch.setattr("aoimpact.accuracy.choice._MOST_ORDER", {True: 2, False: 2})
     with pytest.raises(ao.ConvergenceError, match="rtol"):
         strike(rtol=1e-3)
     with pytest.warns(ao.AOImpactWarning, match="force"):
