@@ -77,7 +77,7 @@ class Hierarchy:
     first : int
         The order of the model without oscillators: 0, of a constrained body 1.
     most : int
-        The largest order that there is.
+        The largest order that there is, whose model has the body's exact response at its contact.
     make : callable
         Returns the model of an order.
     space : callable or None
@@ -112,10 +112,6 @@ class Hierarchy:
     def larger(self, order: int) -> int:
         """Return an order so large, or that of the whole body."""
         return self.most if self.small and 2 * order > self.most else min(order, self.most)
-
-    def is_whole(self, order: int) -> bool:
-        """True if the model of this order has the body's exact response at its contact."""
-        return order >= self.most
 
     def release(self) -> None:
         """Give back memory that only larger models need."""
@@ -238,6 +234,4 @@ def only_models(bodies: Sequence[Any]) -> tuple[Body, ...] | None:
         As of `model_hierarchy`.
     """
     every = [model_hierarchy(body, math.nan, None) for body in bodies]
-    return (
-        tuple(one.finished(0) for one in every) if all(one.is_whole(0) for one in every) else None
-    )
+    return tuple(one.finished(0) for one in every) if all(one.most <= 0 for one in every) else None

@@ -425,8 +425,8 @@ def _tangential_restitution(run: Run) -> FloatArray:
     if not run.events[0].contacts or run.in_contact_at_end:
         return np.array([np.nan])
     held = np.array([plan.bodies[body].constrained for body in pair]) & ~moved.any(axis=1)
-    bodies = zip(moved, held, (run.bodies[body] for body in pair), strict=True)
-    after = np.array([came if still else of.final_velocity for came, still, of in bodies])
+    bodies = zip(pair, moved, held, strict=True)
+    after = np.array([came if still else run.motion_after(of)[:3] for of, came, still in bodies])
     return -_restitution(Speeds(moved @ way, after @ way, held))
 
 
@@ -434,7 +434,10 @@ def _final_spins(run: Run) -> FloatArray:
     """Spin of each body after the last contact, rad/s."""
     if run.plan.oblique is None:
         return np.empty(0)
-    spins = [np.nan if of.constrained else np.linalg.norm(of.final_spin) for of in run.bodies]
+    bodies = enumerate(run.plan.bodies)
+    spins = [
+        np.nan if of.constrained else np.linalg.norm(run.motion_after(i)[3:]) for i, of in bodies
+    ]
     return np.array(spins)
 
 

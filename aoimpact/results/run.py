@@ -190,29 +190,11 @@ class BodyResult(Frozen, Measured):
     @cached_property
     def spin(self) -> FloatArray:
         """Angular velocity over time, rad/s, shape (n, 3), as `final_spin` has it at the end."""
-        return read_only(self._whole_motion(self._run.t)[3:].T)
+        return read_only(self._run._whole_motion(self._number, self._run.t)[3:].T)
 
     @cached_property
     def _at_end(self) -> FloatArray:
-        """Velocity of the centre of mass and spin after the last contact; 0 for rounding, (6,)."""
-        both = self._whole_motion(np.array([0.0, self._run._parted]))
-        size = np.abs(both).reshape(2, -1).max(axis=1).repeat(3)
-        return np.where(np.abs(both[:, 1]) < np.finfo(float).eps * size, 0.0, both[:, 1])
-
-    def _whole_motion(self, times: FloatArray) -> FloatArray:
-        """Velocity of a body's centre of mass and its spin at times, s, shape (6, times)."""
-        run, model = self._run, self._run.plan.bodies[self._number]
-        if run.plan.oblique is None:
-            raise InputError(
-                "this run has one direction of travel; give velocity as a vector and friction= for "
-                "velocities and spins in three directions"
-            )
-        if isinstance(model, FullModel):
-            rows = whole_motion(model.body)[0]
-        else:
-            assert model.modal.whole.velocity is not None
-            rows = model.modal.whole.velocity
-        return np.asarray(run.recorder.motion(self._number).observed(rows, times)[1])
+        return self._run.motion_after(self._number)
 
     @property
     def centre_velocity(self) -> FloatArray:
@@ -524,9 +506,8 @@ class Run:
 
     @cached_property
     def _left_out(self) -> LeftOut:
-        if callable(self.left_out):
-            return self.left_out(replace(self, asked=None))
-        return self.left_out
+        known = self.left_out
+        return known(replace(self, asked=None)) if callable(known) else known
 
     # ------------------------------------------------------------------- what was run
 
@@ -641,6 +622,30 @@ class Run:
             return end
         steps = self.recorder.times
         return float(steps[np.searchsorted(steps, end)])
+
+    def motion_after(self, body: int) -> FloatArray:
+        """Return the velocity of a body's centre of mass and its spin, m/s and rad/s, shape (6,).
+
+        After the last contact, or at the record's end; 0 for rounding.
+
+        :meta private:
+        """
+        both = self._whole_motion(body, np.array([0.0, self._parted]))
+        size = np.abs(both).reshape(2, -1).max(axis=1).repeat(3)
+        return np.where(np.abs(both[:, 1]) < np.finfo(float).eps * size, 0.0, both[:, 1])
+
+    def _whole_motion(self, body: int, times: FloatArray) -> FloatArray:
+        """Velocity of a body's centre of mass and its spin at times, s, shape (6, times)."""
+        model = self.plan.bodies[body]
+        if self.plan.oblique is None:
+            raise InputError(
+                "this run has one direction of travel; give velocity as a vector and friction= for "
+                "velocities and spins in three directions"
+            )
+        full = isinstance(model, FullModel)
+        rows = whole_motion(model.body)[0] if full else model.modal.whole.velocity
+        assert rows is not None
+        return np.asarray(self.recorder.motion(body).observed(rows, times)[1])
 
     @cached_property
     def larger(self) -> Run | None:

@@ -27,7 +27,7 @@ def test_hierarchy_of_a_body_is_nested_and_ends():
     assert hierarchy.model(0).label == "wall"
     assert hierarchy.model(4).label == "AO(3)"
     assert hierarchy.model(4) is hierarchy.model(4)
-    assert hierarchy.is_whole(30)
+    assert hierarchy.most <= 30
     assert hierarchy.model(30).n == hierarchy.model(10**6).n == 29
 
 
