@@ -70,8 +70,10 @@ def notebook(page: str) -> Any:
     for number, (kind, source) in enumerate(cells(page)):
         new.cells.append(kinds[kind](source, id=f"cell-{number}"))
     new.metadata["kernelspec"] = {
-        "name": "python3", "language": "python", "display_name": "Python 3"
-    }  # fmt: skip
+        "name": "python3",
+        "language": "python",
+        "display_name": "Python 3",
+    }
     return new
 
 
@@ -106,9 +108,13 @@ def main(names: list[str]) -> None:
         made = notebook(page)
         with tempfile.TemporaryDirectory() as folder:
             nbclient.NotebookClient(
-                made, timeout=600, kernel_name="python3", resources={"metadata": {"path": folder}},
-                record_timing=False, extra_arguments=look(),
-            ).execute()  # fmt: skip
+                made,
+                timeout=600,
+                kernel_name="python3",
+                resources={"metadata": {"path": folder}},
+                record_timing=False,
+                extra_arguments=look(),
+            ).execute()
         made.metadata.pop("language_info", None)
         for cell in made.cells:
             if cell.cell_type == "code":

@@ -60,12 +60,9 @@ def second_order() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     places = places.reshape(-1, 3)
     tets = gmsh.model.mesh.getElementsByType(TETRA10)[1].reshape(-1, 10)
     triangles = gmsh.model.mesh.getElementsByType(TRIANGLE6)[1].reshape(-1, 6)
-    used = np.unique(tets)
-    number = {int(tag): i for i, tag in enumerate(used)}
-    row = {int(tag): i for i, tag in enumerate(tags)}
-    nodes = places[[row[int(tag)] for tag in used]]
-    renumber = np.vectorize(number.__getitem__)
-    tets, triangles = renumber(tets), renumber(triangles)
+    used, order = np.unique(tets), np.argsort(tags)
+    nodes = places[order[np.searchsorted(tags, used, sorter=order)]]
+    tets, triangles = np.searchsorted(used, tets), np.searchsorted(used, triangles)
     surface = np.unique(triangles)
     # Gmsh leaves 1e-6 of rounding; the sphere is known exactly.
     nodes[surface] *= RADIUS / np.linalg.norm(nodes[surface], axis=1)[:, None]

@@ -26,7 +26,7 @@ CLASSES = (1000.0, 4000.0)
 ENDS = [("xmin", "xyz"), ("xmax", "xyz")]
 
 # Mesh, material, supports, damping; contact, sensors, the supports that are read, and k, N/m^1.5.
-BODIES: dict[str, Any] = {
+BODIES = {
     "plate": (
         (((0.1, 0.08, 0.01), (6, 5, 1)), ALUMINIUM, ENDS, (0.0, 0.0)),
         ((0.05, 0.042, 0.01), [(0.03, 0.04, 0.0), (0.08, 0.06, 0.0)], "xmin", 3e9),
@@ -191,8 +191,8 @@ def readings(
     read = {"reaction": (reaction.force[:, 2], reaction.error["force"])}
     for i, at in enumerate(sensors):
         probe, gauge = of.probe(at, UP, times=t), of.gauge(at, (1, 0, 0), length, times=t)
-        read[f"displacement {i}"] = probe.displacement, probe.error["displacement"]
-        read[f"velocity {i}"] = probe.velocity, probe.error["velocity"]
+        for kind in ("displacement", "velocity"):
+            read[f"{kind} {i}"] = getattr(probe, kind), probe.error[kind]
         read[f"gauge {i}"] = gauge.strain, gauge.error
         for cfc in CLASSES:
             channel = probe.filtered(cfc=cfc)

@@ -145,7 +145,9 @@ KINDS = {"pair": 25, "chain": 15}
 @pytest.mark.parametrize("family", KINDS)
 def test_random_scenes(family: str) -> None:
     cases = (case_of(seed) for seed in range(10**6, 10**6 + 1000))
-    chosen = (case for case in cases if case.family == family and not case.crowded_massless)
+    # A massless coordinate that two contacts press has another answer.
+    single = (case for case in cases if not any(body.massless for body in case.bodies[1:-1]))
+    chosen = (case for case in single if case.family == family)
     for case in itertools.islice(chosen, KINDS[family]):
         verdict = judge(case)
         assert verdict.kind in ("ok", "warned"), f"{verdict.kind}: {verdict.why}\n{case.script()}"

@@ -23,12 +23,12 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits a proces
         ("mesh", 5),
         *(
             pytest.param(*case, marks=pytest.mark.slow)
-            for case in (("mesh", 200), ("matrix", 600), ("matrixfile", 600), ("scene", 300))
+            for case in (("mesh", 200), ("matrix", 600), ("matrixfile", 600), ("scenefile", 300))
         ),
     ],
 )
 def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
-    command = [sys.executable, "-m", "campaign.inputs", "--kind", kind, "--count", str(count)]
+    command = [sys.executable, "-m", "campaign", kind, "--count", str(count)]
     done = subprocess.run(
         [*command, "--seed", "20261122"],
         cwd=TOOLS,
@@ -39,7 +39,7 @@ def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert f"{kind}: {count} inputs" in done.stdout
+    assert f"{kind}: {count} of seed 20261122" in done.stdout
 
 
 SOUND = """

@@ -33,7 +33,7 @@ def impacts() -> list[dict[str, Any]]:
         compared(setup, kind, sizes)
         for setup in setups()
         for kind, sizes in setup.tests()
-        if setup.name in BODIES and (setup.meshes or not kind.startswith("tetra"))
+        if setup.name in BODIES and (setup.sizes or not kind.startswith("tetra"))
     ]
 
 

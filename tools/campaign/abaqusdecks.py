@@ -2,51 +2,77 @@
 
 from __future__ import annotations
 
-import math
 import random
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
-import aoimpact as ao
-
-from .deckbody import Body, differences, draw, read
-
-FloatArray = npt.NDArray[np.float64]
+from .deckbody import Body, Dialect, Drawn, Expected, Groups, System, runs, shared_out, trials
+from .outcome import FloatArray
 
 # Keywords and data lines that stay together, in this order; a keyword may take several lines.
 Unit = list[str]
 
 _TYPES = {
-    "tetra": ("C3D4", "C3D4H", "C3D4T"),
-    "pyramid": ("C3D5",),
-    "wedge": ("C3D6", "C3D6T"),
-    "hexahedron": ("C3D8", "C3D8R", "C3D8I", "C3D8T", "c3d8rt", "C3D8S"),
-    "tetra10": ("C3D10", "C3D10M", "C3D10HS"),
-    "pyramid13": ("C3D13",),
-    "wedge15": ("C3D15",),
-    "hexahedron20": ("C3D20", "C3D20R", "C3D20RH"),
+    "tetra": "C3D4 C3D4H C3D4T",
+    "pyramid": "C3D5",
+    "wedge": "C3D6 C3D6T",
+    "hexahedron": "C3D8 C3D8R C3D8I C3D8T c3d8rt C3D8S",
+    "tetra10": "C3D10 C3D10M C3D10HS",
+    "pyramid13": "C3D13",
+    "wedge15": "C3D15",
+    "hexahedron20": "C3D20 C3D20R C3D20RH",
 }
 
-# Keywords without influence on the mesh.
-_OTHERS: tuple[Unit, ...] = (
-    ["*HEADING", "plate, 3 x 2 and a * in the text", "second line"],
-    ["*MATERIAL, NAME=STEEL", "*ELASTIC", "210000., 0.3", "*DENSITY", "7.8E-9"],
-    ["*SOLID SECTION, ELSET=NOWHERE, MATERIAL=STEEL", ","],
-    ["*SURFACE, TYPE=ELEMENT, NAME=S1", "NOWHERE, S3"],
-    ["*AMPLITUDE, NAME=A", "0., 0., 1., 1.", "2., 0."],
-    ["*STEP, NLGEOM", "*STATIC", "0.1, 1.", "*BOUNDARY,", "1, 1, 3", "*END STEP"],
-    ["*NODE PRINT", "U", "*EL FILE", "S"],
-    ["*Node Output", "U, V", "*Element Output, directions=YES", "S, E"],
-    ["*RIGID BODY, REF NODE=1, ELSET=NOWHERE"],
-    ["*PREPRINT, echo=NO, model=NO"],
-    ["*TRANSFORM, NSET=NOWHERE", "1., 0., 0., 0., 1., 0."],
-)  # fmt: skip
+# Keywords without influence on the mesh, each followed by what belongs to it.
+_OTHERS = """
+*HEADING
+plate, 3 x 2 and a * in the text
+second line
+
+*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., 0.3
+*DENSITY
+7.8E-9
+
+*SOLID SECTION, ELSET=NOWHERE, MATERIAL=STEEL
+,
+
+*SURFACE, TYPE=ELEMENT, NAME=S1
+NOWHERE, S3
+
+*AMPLITUDE, NAME=A
+0., 0., 1., 1.
+2., 0.
+
+*STEP, NLGEOM
+*STATIC
+0.1, 1.
+*BOUNDARY,
+1, 1, 3
+*END STEP
+
+*NODE PRINT
+U
+*EL FILE
+S
+
+*Node Output
+U, V
+*Element Output, directions=YES
+S, E
+
+*RIGID BODY, REF NODE=1, ELSET=NOWHERE
+
+*PREPRINT, echo=NO, model=NO
+
+*TRANSFORM, NSET=NOWHERE
+1., 0., 0., 0., 1., 0.
+"""
 
 # Warnings that the decks call for.
 _CALLED_FOR = (
@@ -58,90 +84,86 @@ _CALLED_FOR = (
 _SPARE = 200_000_000
 
 
-@dataclass
-class _Writer:
-    """Lines of a deck, and the groups that a reader should find, by labels.
+def _include(rng: random.Random, name: str) -> str:
+    plain = "*INCLUDE, INPUT={}" if " " not in name else '*INCLUDE, INPUT="{}"'
+    return rng.choice((plain, '*include,input="{}"')).format(name)
 
-    Names of groups are in capitals, as Abaqus compares them.
-    """
 
-    rng: random.Random
-    exact: bool = True
-    node_sets: dict[str, set[int]] = field(default_factory=dict)
-    cell_sets: dict[str, set[int]] = field(default_factory=dict)
-    names: int = 0
+_DIALECT = Dialect(("** Prüfkörper", "", "   ", "**", "  ** *NODE"), _include)
+
+
+class _Writer(Drawn):
+    """Lines of a deck. Names of groups are in capitals, as Abaqus compares them."""
+
+    names, exact = 0, True
 
     # ------------------------------------------------------------------------ how it looks
 
     def keyword(self, name: str, *options: str) -> str:
         """Return a keyword with its options, in any order, case and number of lines."""
         parts = [name, *self.rng.sample(options, len(options))]
-        if self.rng.random() < 0.5:
-            case = self.rng.choice((str.lower, str.title, str.upper))
+        if self.chance(0.5):
+            case = self.pick((str.lower, str.title, str.upper))
             parts = [part if '"' in part or "." in part else case(part) for part in parts]
         text = parts[0]
         for part in parts[1:]:
-            text += self.rng.choice((",", ", ", " ,  ", ",\n", ", \n** a comment\n  "))
-            text += part.replace("=", self.rng.choice(("=", " = ")), 1)
+            text += self.pick((",", ", ", " ,  ", ",\n", ", \n** a comment\n  "))
+            text += part.replace("=", self.pick(("=", " = ")), 1)
         return text
 
     def row(self, fields: Iterable[object], *, end: bool = True) -> str:
         """Return a data line, perhaps with blanks and a comma at its end."""
-        comma = self.rng.choice((",", ", ", " , ", ",\t"))
-        last = self.rng.choice(("", "", "", ",", " ")) if end else ""
-        return self.rng.choice(("", "", "   ")) + comma.join(map(str, fields)) + last
+        comma = self.pick((",", ", ", " , ", ",\t"))
+        last = self.pick(("", "", "", ",", " ")) if end else ""
+        return self.pick(("", "", "   ")) + comma.join(map(str, fields)) + last
 
     def number(self, value: float) -> str:
         """Return a number with all of its digits."""
-        if value == int(value) and self.rng.random() < 0.5:
+        if value == int(value) and self.chance(0.5):
             return (
-                self.rng.choice(("{}.", "{}", "{}.0", "{}.D0", "+{}."))
+                self.pick(("{}.", "{}", "{}.0", "{}.D0", "+{}."))
                 .format(int(value))
                 .replace("+-", "-")
             )
-        style = self.rng.choice(("{!r}", "{:.17g}", "{:.16E}", "{:.16e}", "D"))
+        style = self.pick(("{!r}", "{:.17g}", "{:.16E}", "{:.16e}", "D"))
         return f"{value:.16E}".replace("E", "D") if style == "D" else style.format(value)
 
     def name(self) -> str:
         self.names += 1
-        return self.rng.choice((f"SET-{self.names}", f"_S{self.names}", f'"A, B {self.names}"'))
+        return self.pick((f"SET-{self.names}", f"_S{self.names}", f'"A, B {self.names}"'))
 
     # -------------------------------------------------------------------------- the body
 
     def nodes(self, labels: Sequence[int], places: FloatArray) -> list[Unit]:
         """Return blocks of nodes, some of them in systems of their own."""
         units = []
-        for part in self.parts(range(len(labels))):
-            unit: Unit = []
-            local = places[part]
-            if self.rng.random() < 0.3:
-                origin = np.array([self.rng.uniform(-2, 2) for _ in range(3)])
-                turn = Rotation.from_rotvec([self.rng.uniform(-3, 3) for _ in range(3)]).as_matrix()
-                if self.rng.random() < 0.3:
-                    turn = np.eye(3)
-                points = [origin, origin + 2 * turn[0], origin + 0.5 * turn[0] + 3 * turn[1]]
-                values = [[self.number(float(x)) for x in point] for point in points]
+        for part in shared_out(self.rng, range(len(labels))):
+            unit, system = list[str](), System()
+            kind = self.pick("RRRCS")
+            if self.chance(0.3):
+                system = System.drawn(self.rng, kind)
+                if self.chance(0.3):
+                    system = System(kind, system.origin)
+                x, y, _ = system.axes
+                points = system.origin + np.stack([0 * x, 2 * x, 0.5 * x + 3 * y])
+                values = [[self.number(float(of)) for of in point] for point in points]
                 lines = [self.row(values[0] + values[1]), self.row(values[2])]
-                if (turn == np.eye(3)).all():
+                if (system.axes == np.eye(3)).all():
                     lines = [self.row(values[0])]
-                unit += [self.keyword("*SYSTEM"), *lines]
-                local = (local - origin) @ turn.T
-                self.exact = False
-            system = self.rng.choice("RRRCS")
-            if system != "R":
-                local = _curved(system, local)
-                self.exact = False
-            options = [f"SYSTEM={system}"] if system != "R" or self.rng.random() < 0.2 else []
-            if self.rng.random() < 0.2:
+                unit = [self.keyword("*SYSTEM"), *lines]
+            self.exact = self.exact and kind == "R" and not unit
+            local = System(kind, system.origin, system.axes).local(places[part])
+            if kind == "S":  # the angle about z second, and that from the plane of x and y
+                local = np.stack([local[:, 0], local[:, 2], 90.0 - local[:, 1]], 1)
+            options = [f"SYSTEM={kind}"] if kind != "R" or self.chance(0.2) else []
+            if self.chance(0.2):
                 name = self.name()
                 options.append(f"NSET={name}")
                 self.node_sets[_key(name)] = {labels[i] for i in part}
             rows = []
             for i, place in zip(part, local.tolist(), strict=True):
-                texts = [
-                    "" if x == 0.0 and self.rng.random() < 0.3 else self.number(x) for x in place
-                ]
-                if place[2] == 0.0 and self.rng.random() < 0.3:
+                texts = ["" if x == 0.0 and self.chance(0.3) else self.number(x) for x in place]
+                if place[2] == 0.0 and self.chance(0.3):
                     texts = texts[:2]
                 rows.append(self.row([labels[i], *texts]))
             back = ["*SYSTEM"] if unit else []
@@ -150,36 +172,31 @@ class _Writer:
 
     def elements(self, body: Body) -> list[Unit]:
         """Return blocks of elements, and the groups of which they are parts."""
-        mesh, units = body.mesh, []
-        group = {label: number for number, part in enumerate(body.parts) for label in part}
-        names = {number: self.name() for number in range(len(body.parts))}
-        by_block = self.rng.random() < 0.6
-        for block in mesh.blocks:
-            labels = _labels(mesh.cell_labels)[block.numbers]
-            for part in self.parts(range(len(labels))):
-                chosen: dict[int, list[int]] = {}
-                for i in part:
-                    chosen.setdefault(group[int(labels[i])] if by_block else -1, []).append(i)
-                for number, own in chosen.items():
-                    kind = self.rng.choice(_TYPES[block.kind])
-                    options = [f"TYPE={kind}", *([f"ELSET={names[number]}"] if by_block else [])]
-                    rows = []
-                    for i in own:
-                        nodes = _labels(mesh.node_labels)[block.cells[i]].tolist()
-                        rows += self.broken([int(labels[i]), *nodes])
-                    units.append([self.keyword("*ELEMENT", *options), *rows])
-        for number, part in enumerate(body.parts):
+        units, by_block = list[Unit](), self.chance(0.6)
+        named = [(self.name(), set(part)) for part in body.parts]
+        for block in body.mesh.blocks:
+            own = list(zip(body.cells[block.numbers], block.cells, strict=True))
+            for part in shared_out(self.rng, range(len(own))):
+                for name, members in named if by_block else [("", set(body.cells))]:
+                    kind = self.pick(_TYPES[block.kind].split())
+                    options = [f"TYPE={kind}", *([f"ELSET={name}"] if by_block else [])]
+                    rows = [
+                        row
+                        for label, cell in (own[i] for i in part)
+                        if label in members
+                        for row in self.broken([label, *(body.nodes[node] for node in cell)])
+                    ]
+                    units += [[self.keyword("*ELEMENT", *options), *rows]] if rows else []
+        for name, members in named:
             if by_block:
-                self.cell_sets[_key(names[number])] = set(part)
+                self.cell_sets[_key(name)] = members
             else:
-                units += self.group(
-                    "ELSET", names[number], part, _labels(mesh.cell_labels).tolist()
-                )
+                units += self.group("ELSET", name, members, body.cells)
         return units
 
     def broken(self, numbers: list[int]) -> Unit:
         """Return an element in one line or in several."""
-        if self.rng.random() < 0.6 and len(numbers) <= 16:
+        if self.chance(0.6) and len(numbers) <= 16:
             return [self.row(numbers)]
         cut = self.rng.randint(1, min(15, len(numbers) - 1))
         rest = self.broken(numbers[cut:]) if len(numbers[cut:]) > 1 else [self.row(numbers[cut:])]
@@ -195,15 +212,13 @@ class _Writer:
         sets = self.node_sets if which == "NSET" else self.cell_sets
         sets[_key(name)] = wanted
         listed = self.rng.sample(sorted(wanted), len(wanted))
-        option = [f"{which}={name}", *also, *self.rng.choice(([], ["INTERNAL"], ["UNSORTED"]))]
-        way = self.rng.choice(("pieces", "generate", "nested"))
+        option = [f"{which}={name}", *also, *self.pick(([], ["INTERNAL"], ["UNSORTED"]))]
+        way = self.pick(("pieces", "generate", "nested"))
         if way == "generate":
-            rows = self.rng.sample(self.ranges(wanted, every), len(self.ranges(wanted, every)))
-            cut = self.rng.randint(0, len(rows))
+            rows = [[run[0], run[-1], *self.pick(([], [1]))] for run in runs(wanted, every)]
             return [
-                [self.keyword(f"*{which}", *option, "GENERATE"), *some]
-                for some in (rows[:cut], rows[cut:])
-                if some
+                [self.keyword(f"*{which}", *option, "GENERATE"), *(self.row(rows[i]) for i in some)]
+                for some in shared_out(self.rng, range(len(rows)))
             ]
         if way == "nested" and not also and len(listed) > 1:
             cut = self.rng.randint(1, len(listed) - 1)
@@ -215,49 +230,30 @@ class _Writer:
             mine = [other for other, _ in inner[: len(units)]]
             rest = [] if len(units) == 2 else inner[1][1]
             whole = [self.keyword(f"*{which}", *option), *self.lines([*mine, *rest])]
-            return [_flat(self.rng.choice(([*units, whole], [whole, *units])))]
+            return [_flat(self.pick(([*units, whole], [whole, *units])))]
         return [
             [self.keyword(f"*{which}", *option), *self.lines([listed[i] for i in part])]
-            for part in self.parts(range(len(listed)))
+            for part in shared_out(self.rng, range(len(listed)))
         ]
 
     def lines(self, members: Sequence[object]) -> Unit:
         step = self.rng.randint(1, 16)
         return [self.row(members[i : i + step]) for i in range(0, len(members), step)]
 
-    def ranges(self, wanted: set[int], every: list[int]) -> Unit:
-        """Return rows of GENERATE; numbers between that nothing has are passed over."""
-        rows, run = [], []
-        for label in [*sorted(every), -1]:
-            if label in wanted:
-                run.append(label)
-            elif run:
-                rows.append([run[0], run[-1], *self.rng.choice(([], [1]))])
-                run = []
-        return [self.row(row) for row in rows]
-
-    def parts(self, numbers: range) -> list[list[int]]:
-        """Return numbers in some parts, each in any order."""
-        shuffled = self.rng.sample(numbers, len(numbers))
-        cuts = sorted(self.rng.randint(0, len(numbers)) for _ in range(self.rng.randint(0, 2)))
-        bounds = [0, *cuts, len(numbers)]
-        return [shuffled[a:b] for a, b in pairwise(bounds) if a < b]
-
     def others(self, body: Body) -> list[Unit]:
-        """Return elements that are no solids, nodes of no element, and other keywords."""
-        units = [list(unit) for unit in self.rng.sample(_OTHERS, self.rng.randint(0, 4))]
-        nodes = [int(n) for n in _labels(body.mesh.node_labels)[:4]]
-        if self.rng.random() < 0.3:
-            units.append(["*ELEMENT, TYPE=MASS, ELSET=M", f"{_SPARE}, {nodes[0]}"])
-        if self.rng.random() < 0.3:
-            units.append(["*ELEMENT,TYPE=SPRINGA", f"{_SPARE + 1}, {nodes[0]}, {nodes[1]}"])
-        if self.rng.random() < 0.3:
-            units.append(
-                ["*ELEMENT,TYPE=S4R, ELSET=SHELL", ",".join(map(str, [_SPARE + 2, *nodes]))]
-            )
+        """Return elements that are no solids, and nodes of no element."""
+        one, two = body.nodes[:2]
+        units = [
+            ["*ELEMENT, TYPE=MASS, ELSET=M", f"{_SPARE}, {one}"],
+            ["*ELEMENT,TYPE=SPRINGA", f"{_SPARE + 1}, {one}, {two}"],
+            ["*NODE", f"{_SPARE}, 5., 5., 5."],
+        ]
+        units = [unit for unit in units if self.chance(0.3)]
+        if self.chance(0.3):
+            nodes = body.nodes[:4]
+            shell = ",".join(map(str, [_SPARE + 2, *nodes]))
+            units.append(["*ELEMENT,TYPE=S4R, ELSET=SHELL", shell])
             self.node_sets["SHELL"] = set(nodes)
-        if self.rng.random() < 0.3:
-            units.append(["*NODE", f"{_SPARE}, 5., 5., 5."])
         return units
 
 
@@ -265,29 +261,8 @@ def _flat(units: Iterable[Unit]) -> Unit:
     return [line for unit in units for line in unit]
 
 
-def _labels(labels: npt.NDArray[np.int64] | None) -> npt.NDArray[np.int64]:
-    assert labels is not None
-    return labels
-
-
-def _remade(mesh: ao.Mesh, nodes: FloatArray, **sets: dict[str, npt.NDArray[np.int64]]) -> ao.Mesh:
-    """Return the mesh with its nodes elsewhere, and with other groups."""
-    blocks = [(block.kind, block.cells) for block in mesh.blocks]
-    labels = {"node_labels": mesh.node_labels, "cell_labels": mesh.cell_labels}
-    return ao.Mesh(nodes, blocks, **labels, **sets)  # type: ignore[arg-type]
-
-
 def _key(name: str) -> str:
     return name.strip('"').upper()
-
-
-def _curved(system: str, places: FloatArray) -> FloatArray:
-    """Return cylindrical or spherical coordinates, angles in degrees."""
-    x, y, z = places.T
-    radius, turn = np.hypot(x, y), np.degrees(np.arctan2(y, x))
-    if system == "C":
-        return np.column_stack([radius, turn, z])
-    return np.column_stack([np.hypot(radius, z), turn, np.degrees(np.arctan2(z, radius))])
 
 
 # ------------------------------------------------------------------------------ whole decks
@@ -295,7 +270,7 @@ def _curved(system: str, places: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class _Placement:
-    """Translation of an instance, and the rotation after it."""
+    """Translation of an instance, and the rotation after it, degrees about an axis by its ends."""
 
     shift: FloatArray
     axis: FloatArray
@@ -303,11 +278,9 @@ class _Placement:
 
     @classmethod
     def drawn(cls, rng: random.Random) -> _Placement:
-        def some() -> FloatArray:
-            return np.array([round(rng.uniform(-2, 2), 3) for _ in range(3)])
-
+        shift, start, end = np.round([[rng.uniform(-2, 2) for _ in range(3)] for _ in range(3)], 3)
         angle = rng.choice((0.0, 90.0, rng.uniform(-180, 180)))
-        return cls(some() * rng.choice((0, 1, 1)), np.array([some(), some()]), angle)
+        return cls(shift * rng.choice((0, 1, 1)), np.array([start, end]), angle)
 
     def lines(self, writer: _Writer) -> Unit:
         numbers = [*self.axis.ravel(), self.angle]
@@ -315,112 +288,78 @@ class _Placement:
         return [writer.row([writer.number(float(x)) for x in row]) for row in rows]
 
     def __call__(self, places: FloatArray) -> FloatArray:
-        return self.turn(places + self.shift, 1.0)
+        return self._turned(places + self.shift, 1.0)
 
     def before(self, places: FloatArray) -> FloatArray:
-        return self.turn(places, -1.0) - self.shift
+        return self._turned(places, -1.0) - self.shift
 
-    def turn(self, places: FloatArray, sense: float) -> FloatArray:
-        start, end = self.axis
-        along = (end - start) / np.linalg.norm(end - start)
-        v, angle = places - start, sense * math.radians(self.angle)
-        turned = v * math.cos(angle) + np.cross(along, v) * math.sin(angle)
-        return start + turned + np.outer(v @ along, along) * (1.0 - math.cos(angle))
+    def _turned(self, places: FloatArray, sense: float) -> FloatArray:
+        start, along = self.axis[0], self.axis[1] - self.axis[0]
+        turn = sense * self.angle * along / np.linalg.norm(along)
+        turned: FloatArray = Rotation.from_rotvec(turn, degrees=True).apply(places - start)
+        return start + turned
 
 
-def _write(rng: random.Random, folder: Path) -> tuple[Path, list[tuple[str, Body, _Writer]]]:
-    """Write a deck, and return the bodies that should be read: by part, or by "" as a whole."""
+def _written(rng: random.Random, body: Body, folder: Path) -> tuple[Path, list[Expected]]:
+    """Write a deck, and return what should be read of it."""
     writer = _Writer(rng)
     placed = [_Placement.drawn(rng) for _ in range(2)]
     style = rng.choice(("flat", "flat", "flat", "parts", "instance", "within", "two"))
-    moved = style in ("instance", "within", "two")
-    body = draw(rng)
     places = body.mesh.nodes
-    if moved:
-        writer.exact = False
+    if style in ("instance", "within", "two"):
         places = placed[0].before(places)
-    units = writer.nodes(_labels(body.mesh.node_labels).tolist(), places)
-    units += writer.elements(body)
-    nodes, cells = (_labels(x).tolist() for x in (body.mesh.node_labels, body.mesh.cell_labels))
-    outer: list[Unit] = []
+    units = writer.nodes(body.nodes, places) + writer.elements(body)
+    outer, outside = list[Unit](), set[str]()
     for which, groups, every in (
-        ("NSET", body.node_sets, nodes),
-        ("ELSET", body.element_sets, cells),
+        ("NSET", body.node_sets, body.nodes),
+        ("ELSET", body.element_sets, body.cells),
     ):
         for members in groups:
             name = writer.name()
             if style in ("instance", "within") and rng.random() < 0.5:
                 outer += writer.group(which, name, members, every, "INSTANCE=I-1")
+                outside.add(_key(name))
             else:
                 units += writer.group(which, name, members, every)
-    outside = {_key(_option(unit[0])) for unit in outer}
     last: Unit = []
     name = rng.choice(sorted(set(writer.cell_sets) - outside))
     if rng.random() < 0.3 and "," not in name:  # after all of its pieces
         last = [writer.keyword("*NSET", "NSET=OF-ELEMENTS", f"ELSET={name}")]
-        writer.node_sets["OF-ELEMENTS"] = _nodes_of(body, writer.cell_sets)[name]
-    others = writer.others(body)
-    rng.shuffle(outer)
-    inner_sets = (
-        {k: set(v) for k, v in writer.node_sets.items()},
-        {k: set(v) for k, v in writer.cell_sets.items()},
-    )
-    own = [
-        unit
-        for unit in others
-        if unit[0].upper().startswith(("*ELEMENT,", "*NODE")) and "OUTPUT" not in unit[0].upper()
-    ]
-    model = [unit for unit in others if unit not in own]
-    units += own
-    if style == "flat":
-        units += model
+        writer.node_sets["OF-ELEMENTS"] = body.nodes_of(writer.cell_sets[name])
+    others = _OTHERS.strip().split("\n\n")
+    model = [unit.splitlines() for unit in rng.sample(others, rng.randint(0, 4))]
+    units += writer.others(body) + (model if style == "flat" else [])
     rng.shuffle(units)
+    rng.shuffle(outer)
     lines = [*_flat(units), *last]
+    if style != "flat":
+        lines = _assembled(writer, style, lines, outer, model, placed)
+    file = _DIALECT.stored(rng, folder, "deck.inp", lines)
+    of_cells = {name: body.nodes_of(of) for name, of in writer.cell_sets.items()}
+    sets = of_cells | writer.node_sets, writer.cell_sets
     if style == "flat":
-        return _stored(rng, folder, lines), [("", body, writer)]
-    lines = _assembled(rng, writer, style, lines, outer, model, placed)
-    names = ["BAR"] if style == "parts" else ["I-1", "I-2"] if style == "two" else ["I-1"]
+        return file, [Expected(places, *sets, 0.0 if writer.exact else 1e-12)]
     expected = []
-    for i, instance in enumerate(names):
-        mesh = body.mesh
-        if i == 1:
-            mesh = _remade(mesh, placed[1](placed[0].before(mesh.nodes)))
-        sets, groups = (
-            _of_instance(instance, those, outside, alone=len(names) == 1) for those in inner_sets
+    names = ["BAR"] if style == "parts" else ["I-1", "I-2"] if style == "two" else ["I-1"]
+    for number, name in enumerate(names):
+        moved = placed[number](places) if style != "parts" else places
+        node_sets, cell_sets = (
+            _of_instance(name, those, outside, alone=len(names) == 1) for those in sets
         )
-        said = replace(writer, node_sets=sets, cell_sets=groups | {instance: set(cells)})
-        expected.append((instance if len(names) > 1 else "", replace(body, mesh=mesh), said))
-    return _stored(rng, folder, lines), expected
+        node_sets[name], cell_sets[name] = set(body.nodes), set(body.cells)
+        part = name if len(names) > 1 else None
+        exact = style == "parts" and writer.exact
+        expected.append(Expected(moved, node_sets, cell_sets, 0.0 if exact else 1e-12, part))
+    return file, expected
 
 
-def _of_instance(
-    instance: str, sets: dict[str, set[int]], outside: set[str], *, alone: bool
-) -> dict[str, set[int]]:
+def _of_instance(instance: str, sets: Groups, outside: set[str], *, alone: bool) -> Groups:
     """Return sets by the names that a reader finds: those within an instance have its name."""
-    found = {}
-    for name, members in sets.items():
-        if name not in outside:
-            found[f"{instance}.{name}"] = members
-        if name in outside or alone:
-            found[name] = members
-    return found
-
-
-def _option(keyword: str) -> str:
-    """Return the name of the set that a keyword defines."""
-    parts = keyword.replace("\n", " ").replace("** a comment", " ")
-    for which in ("NSET", "ELSET"):
-        if parts.upper().startswith(f"*{which}"):
-            at = parts.upper().index(which, 5)
-            value = parts[at + len(which) :].strip().lstrip("=").strip()
-            return (
-                value[: value.index('"', 1) + 1] if value[0] == '"' else value.split(",")[0].strip()
-            )
-    raise ValueError(keyword)
+    inner = {f"{instance}.{name}": of for name, of in sets.items() if name not in outside}
+    return inner | {name: of for name, of in sets.items() if name in outside or alone}
 
 
 def _assembled(
-    rng: random.Random,
     writer: _Writer,
     style: str,
     lines: Unit,
@@ -431,88 +370,17 @@ def _assembled(
     """Put the lines of a part into a part, an instance, or a part of two instances."""
     keyword = writer.keyword
     before, after = model[: len(model) // 2], model[len(model) // 2 :]
-    if style == "within":
-        part = [keyword("*PART", "NAME=BAR"), "*End Part"]
-        inside = lines
-    else:
-        part, inside = [keyword("*PART", "NAME=BAR"), *lines, "*END PART"], []
+    within = lines if style == "within" else []
+    part = [keyword("*PART", "NAME=BAR"), *([] if within else lines), "*End Part"]
     if style == "parts":
         return [*_flat(before), *part, *_flat(after)]
     instances = []
     for number in range(2 if style == "two" else 1):
         head = keyword("*INSTANCE", f"NAME=I-{number + 1}", "PART=BAR")
-        instances += [head, *placed[number].lines(writer), *inside, keyword("*END INSTANCE")]
-    end = keyword("*END ASSEMBLY")
-    points = ["*NODE", "1, 9., 9., 9."] if rng.random() < 0.3 else []
-    inside_assembly = [*instances, *points, *_flat(outer)]
-    assembly = [keyword("*ASSEMBLY", "NAME=A"), *inside_assembly, end]
-    return [*_flat(before), *part, *assembly, *_flat(after)]
+        instances += [head, *placed[number].lines(writer), *within, keyword("*END INSTANCE")]
+    points = ["*NODE", "1, 9., 9., 9."] if writer.rng.random() < 0.3 else []
+    assembly = [keyword("*ASSEMBLY", "NAME=A"), *instances, *points, *_flat(outer)]
+    return [*_flat(before), *part, *assembly, keyword("*END ASSEMBLY"), *_flat(after)]
 
 
-def _nodes_of(body: Body, groups: dict[str, set[int]]) -> dict[str, set[int]]:
-    """Return the labels of the nodes of groups of elements."""
-    mesh = body.mesh
-    nodes = {
-        int(label): set(_labels(mesh.node_labels)[cell].tolist())
-        for block in mesh.blocks
-        for label, cell in zip(_labels(mesh.cell_labels)[block.numbers], block.cells, strict=True)
-    }
-    return {name: set().union(*(nodes[e] for e in members)) for name, members in groups.items()}
-
-
-def _stored(rng: random.Random, folder: Path, lines: Unit) -> Path:
-    """Write lines, some of them into files that are included, with comments between."""
-    encoding, mark, line_end = rng.choice(
-        (
-            *((("utf-8", "", "\n"),) * 4),
-            ("latin-1", "", "\n"),
-            ("utf-8-sig", "", "\r\n"),
-            ("utf-16", "", "\n"),
-        )
-    )
-    count = 0
-
-    def written(some: Unit, name: str, depth: int) -> Path:
-        nonlocal count
-        text = []
-        for line in some:
-            while rng.random() < 0.06:
-                text.append(rng.choice(("** Prüfkörper", "", "   ", "**", "  ** *NODE")))
-            text.append(rng.choice(("", "", "", " ")) + line)
-        while depth < 3 and len(text) > 3 and rng.random() < 0.25:
-            a, b = sorted(rng.sample(range(len(text)), 2))
-            count += 1
-            other = rng.choice(("part{}.inc", "sub/part{}.txt")).format(count)
-            written(text[a:b], other, depth + 1)
-            text[a:b] = [rng.choice(("*INCLUDE, INPUT={}", '*include,input="{}"')).format(other)]
-        file = folder / name
-        file.parent.mkdir(exist_ok=True)
-        file.write_bytes((mark + "\n".join(text) + "\n").replace("\n", line_end).encode(encoding))
-        return file
-
-    return written(lines, "deck.inp", 0)
-
-
-def tried(seed: int, number: int, folder: Path) -> str:
-    """Write a deck, read it, and return the differences; none if it is read as it was meant."""
-    rng = random.Random(f"{seed} abaqus {number}")
-    file, expected = _write(rng, folder)
-    for part, body, wanted in expected:
-        mesh = read(file, part or None, _CALLED_FOR)
-        if isinstance(mesh, str):
-            return mesh
-        sets = _nodes_of(body, wanted.cell_sets) | wanted.node_sets
-        named = {
-            "node_sets": {name.upper(): ids for name, ids in mesh.node_sets.items()},
-            "cell_sets": {name.upper(): ids for name, ids in mesh.cell_sets.items()},
-        }
-        wrong = differences(
-            body,
-            _remade(mesh, mesh.nodes, **named),
-            sets,
-            wanted.cell_sets,
-            tolerance=0.0 if wanted.exact else 1e-12,
-        )
-        if wrong:
-            return wrong
-    return ""
+trial = trials("abaqus", _written, _CALLED_FOR)

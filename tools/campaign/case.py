@@ -10,6 +10,10 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
+import aoimpact as ao
+
 
 @dataclass(frozen=True)
 class Law:
@@ -47,6 +51,8 @@ class Body:
     damping: None, ("Rayleigh", alpha, beta) or ("ModalDamping", ratio).
     """
 
+    ports = 1
+
     m0: float
     k0: float = 0.0
     m: tuple[float, ...] = ()
@@ -63,16 +69,22 @@ class Body:
         return self.m0 == 0.0
 
     @property
-    def ports(self) -> int:
-        return 1
-
-    @property
     def held(self) -> bool:
         return self.k0 > 0.0 or self.wall
 
     @property
     def mass(self) -> float:
         return self.m0 + math.fsum(self.m)
+
+    @property
+    def masses(self) -> tuple[float, ...]:
+        """Of its coordinates, that of the contact first."""
+        return self.m0, *self.m
+
+    @property
+    def springs(self) -> list[tuple[int, int, float]]:
+        """Ends, which are one coordinate where the other is the ground, and stiffnesses."""
+        return [(0, 0, self.k0), *((0, j, k) for j, k in enumerate(self.k, start=1))]
 
     @property
     def expression(self) -> str:
@@ -121,6 +133,15 @@ class Frame:
     @property
     def mass(self) -> float:
         return math.fsum(self.m)
+
+    @property
+    def masses(self) -> tuple[float, ...]:
+        return self.m
+
+    @property
+    def springs(self) -> list[tuple[int, int, float]]:
+        between = [(i, i + 1, k) for i, k in enumerate(self.k)]
+        return [*((i, i, k) for i, k in enumerate(self.k0)), *between]
 
     @property
     def expression(self) -> str:
@@ -186,14 +207,6 @@ class Case:
     rtol: float = 1e-6
     family: str = ""
 
-    @property
-    def crowded_massless(self) -> bool:
-        """Whether a massless coordinate has two contacts or more."""
-        return any(len(self.contacts_of(i)) > 1 for i, b in enumerate(self.bodies) if b.massless)
-
-    def contacts_of(self, body: int) -> list[Contact]:
-        return [contact for contact in self.contacts if body in (contact.a, contact.b)]
-
     def with_tolerance(self, rtol: float) -> Case:
         return replace(self, rtol=rtol)
 
@@ -215,18 +228,15 @@ class Case:
     def _handle(self, body: int, port: int) -> str:
         return f"b{body}.port({port})" if self.bodies[body].ports > 1 else f"b{body}"
 
-    def simulate_expression(self, solver: str = "") -> str:
-        preload = ", preload=True" if self.preload else ""
-        chosen = solver or f"ao.Adaptive(rtol={self.rtol!r})"
-        return f"scene.simulate(duration={self.duration!r}{preload}, solver={chosen})"
-
     def script(self) -> str:
         """A script of public API that runs the scene and prints what was compared."""
-        head = ["import math", "", "import aoimpact as ao", ""]
-        if any(isinstance(body, Frame) for body in self.bodies):
-            head = ["import math", "", "import numpy as np", "", "import aoimpact as ao", "", FRAME]
+        frames = any(isinstance(body, Frame) for body in self.bodies)
+        head = ["import math", *(["", "import numpy as np"] * frames), "", "import aoimpact as ao"]
+        head += [FRAME] if frames else [""]
+        preload = ", preload=True" if self.preload else ""
+        how = f"duration={self.duration!r}{preload}, solver=ao.Adaptive(rtol={self.rtol!r})"
         tail = [
-            f"run = {self.simulate_expression()}",
+            f"run = scene.simulate({how})",
             "for i, contact in enumerate(run.contacts):",
             '    print(i, "peak", contact.peak_force, "at", contact.peak_time,',
             '          "impulse", contact.impulse, "touches", contact.intervals[:4])',
@@ -235,13 +245,8 @@ class Case:
         ]
         return "\n".join(head + self.lines() + tail) + "\n"
 
-    def build(self) -> Any:
-        """Return the `ao.Scene`."""
-        import numpy as np
-
-        import aoimpact as ao
-
+    def build(self) -> ao.Scene:
         names: dict[str, Any] = {"ao": ao, "math": math, "np": np}
-        exec(FRAME, names)
-        exec("\n".join(self.lines()), names)
-        return names["scene"]
+        exec("\n".join([FRAME, *self.lines()]), names)
+        scene: ao.Scene = names["scene"]
+        return scene

@@ -14,13 +14,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from .case import Case
-from .outcome import Outcome, Touch
-from .package import Extrapolated
-
-FloatArray = npt.NDArray[np.float64]
+from .outcome import FloatArray, Outcome, Touch
 
 _LESSER = 0.01
 _SUDDEN = 0.01
@@ -59,15 +55,14 @@ def apart(case: Case, found: Outcome, true: Outcome, limit: float) -> list[Apart
     ]
 
 
-def from_newmark(case: Case, found: Outcome | Extrapolated, true: Outcome | Extrapolated) -> float:
+def from_newmark(case: Case, found: Outcome, true: Outcome) -> float:
     """How far peaks, impulses and velocities are apart, of two ways of which one is Newmark's."""
-    speed = _speed(case, true.impulses, found.velocities, true.velocities)
-    off = [
-        *(one.off for one in _lesser("", found.peaks, true.peaks)),
-        *(one.off for one in _lesser("", found.impulses, true.impulses)),
-        *(np.abs(found.velocities - true.velocities) / speed if speed > 0.0 else [0.0]),
+    every = [
+        *_lesser("peak force", found.peaks, true.peaks),
+        *_lesser("impulse", found.impulses, true.impulses),
+        *_velocities(case, found.velocities, true),
     ]
-    return float(max(off, default=0.0))
+    return max((one.off for one in every), default=0.0)
 
 
 def _lesser(what: str, found: FloatArray, true: FloatArray) -> list[Apart]:
@@ -80,24 +75,19 @@ def _lesser(what: str, found: FloatArray, true: FloatArray) -> list[Apart]:
     ]
 
 
-def _speed(case: Case, impulses: FloatArray, *velocities: FloatArray) -> float:
-    """The largest velocity; of bodies that rest, a share of what their contacts would give them."""
-    starts = [abs(body.velocity) for body in case.bodies]
-    mass = min(body.mass for body in case.bodies if not body.wall)
-    rest = _AT_REST * float(np.abs(impulses).max(initial=0.0)) / mass
-    return max([*starts, rest, *(float(np.abs(v).max(initial=0.0)) for v in velocities)])
-
-
 def _velocities(case: Case, found: FloatArray, true: Outcome) -> list[Apart]:
-    speed = _speed(case, true.impulses, true.velocities)
+    """Relative to the largest; of bodies that rest, to a share of what contacts would give them."""
+    mass = min(body.mass for body in case.bodies if not body.wall)
+    rest = _AT_REST * np.abs(true.impulses).max(initial=0.0) / mass
+    starts = np.array([body.velocity for body in case.bodies])
+    speed = max(rest, np.abs([starts, true.velocities]).max())
     # At a given time velocities suffer from the error of when the last touch was as well.
     last = max((touch.end for touches in true.touches for touch in touches), default=0.0)
-    result = []
-    for i, (f, t) in enumerate(zip(found, true.velocities, strict=True)):
-        moved = abs(true.accelerations[i]) * last if len(true.accelerations) else 0.0
-        size = speed + moved
-        result.append(Apart(f"velocity {i}", abs(f - t) / size if size > 0.0 else 0.0, f, t))
-    return result
+    moved = np.abs(true.accelerations) * last if len(true.accelerations) else 0.0 * starts
+    return [
+        Apart(f"velocity {i}", abs(f - t) / size if size > 0.0 else 0.0, f, t)
+        for i, (f, t, size) in enumerate(zip(found, true.velocities, speed + moved, strict=True))
+    ]
 
 
 def _peak_times(case: Case, found: Outcome, true: Outcome, limit: float) -> list[Apart]:
@@ -122,12 +112,10 @@ def _times(case: Case, found: Outcome, true: Outcome, c: int, limit: float) -> l
     touches = true.touches[c]
     largest = max((t.impulse for of in true.touches for t in of), default=0.0)
     own = max((t.impulse for t in touches), default=0.0)
-    least = _LESSER * max(own, _LESSER * largest)
-    starts = np.array([t.start for t in found.touches[c]])
-    ends = np.array([t.end for t in found.touches[c]])
+    starts, ends = np.array([(t.start, t.end) for t in found.touches[c]]).reshape(-1, 2).T
     result = []
     for i, touch in enumerate(touches):
-        if touch.impulse < least or touch.impulse == 0.0:
+        if touch.impulse < _LESSER * max(own, _LESSER * largest) or touch.impulse == 0.0:
             continue
         if not len(starts):
             result.append(Apart(f"touch {c}.{i}", math.inf, math.nan, touch.start))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import aoimpact as ao
@@ -12,7 +12,7 @@ import aoimpact as ao
 from .case import Body, Case
 from .compare import apart, from_newmark, largest_apart
 from .outcome import Outcome
-from .package import Answer, run
+from .package import in_time, run
 
 # Tolerances to try where a larger one is named, and Newmark's steps over the record.
 _LARGER, _STEPS = (1e-6, 1e-4, 1e-2), (20_000, 200_000)
@@ -43,25 +43,19 @@ class Cure:
 
 def named(case: Case, message: str) -> dict[str, list[Cure]]:
     """Return the cures that a message names, each with the ways to try it."""
-    found: dict[str, list[Cure]] = {}
-    if "larger rtol" in message:
-        found["a larger rtol"] = [
-            Cure(f"rtol={rtol:g}", case.with_tolerance(rtol), None, TIMES * rtol)
-            for rtol in _LARGER
-            if rtol > case.rtol
-        ]
-    if "m0" in message:
-        found["m0"] = [Cure("another m0", _heavier(case), None, _ABOUT)]
-    if "dt" in message:
-        steps = (case.duration / steps for steps in _STEPS)
-        found["dt"] = [Cure(f"dt={dt:g}", case, ao.Newmark(dt=dt), _ABOUT) for dt in steps]
-    if "softer law" in message:
-        found["a softer law"] = [Cure("k/100", _softer(case))]
-    if "less load" in message:
-        found["less load"] = [Cure("a hundredth of the load", _lighter(case))]
-    if "shorter duration" in message:
-        found["a shorter duration"] = [Cure("a tenth", replace(case, duration=0.1 * case.duration))]
-    return found
+    larger = [rtol for rtol in _LARGER if rtol > case.rtol]
+    steps = [case.duration / steps for steps in _STEPS]
+    ways = {
+        "larger rtol": [
+            Cure(f"rtol={rtol:g}", case.with_tolerance(rtol), None, TIMES * rtol) for rtol in larger
+        ],
+        "m0": [Cure("another m0", _heavier(case), None, _ABOUT)],
+        "dt": [Cure(f"dt={dt:g}", case, ao.Newmark(dt=dt), _ABOUT) for dt in steps],
+        "softer law": [Cure("k/100", _softer(case))],
+        "less load": [Cure("a hundredth of the load", _lighter(case))],
+        "shorter duration": [Cure("a tenth", replace(case, duration=0.1 * case.duration))],
+    }
+    return {word: of for word, of in ways.items() if word in message}
 
 
 def _heavier(case: Case) -> Case:
@@ -105,22 +99,9 @@ def tried(case: Case, message: str, true: Outcome | None) -> dict[str, str]:
     return found
 
 
-def _in_time(cure: Cure) -> Answer | None:
-    """The run of a cure, interrupted when it takes too long."""
-    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
-    signal.setitimer(signal.ITIMER_REAL, _LONGEST)
-    try:
-        return run(cure.case, cure.solver)
-    except KeyboardInterrupt:
-        return None
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
-
-
 def _failures(ways: list[Cure], true: Outcome | None) -> Iterator[str]:
     for cure in ways:
-        answer = _in_time(cure)
+        answer = in_time(partial(run, cure.case, cure.solver), _LONGEST)
         if answer is None:
             yield f"{cure.name} does not end in {_LONGEST:g} s"
         elif answer.outcome is None:

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import random
+import shutil
 import warnings
-from dataclasses import dataclass
+from argparse import Namespace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from runpy import run_path
 
 import numpy as np
-import numpy.typing as npt
+from scipy.spatial.transform import Rotation
 
 import aoimpact as ao
 from aoimpact.mesh import KINDS
 
-IntArray = npt.NDArray[np.int64]
+from .outcome import FloatArray, Trial, Verdict
+
+Groups = dict[str, set[int]]
 
 _TESTS = Path(__file__).parents[2] / "tests"
-_ROUNDING = 1e-12
-_MATERIAL = ao.Material(E=1e9, nu=0.3, rho=1e3)
 
 
 @dataclass(frozen=True)
@@ -28,16 +33,29 @@ class Body:
     Attributes
     ----------
     mesh : Mesh
-    parts : tuple of tuple of int
+    nodes, cells : list of int
+        Labels, in the mesh's order.
+    parts : list of list of int
         Labels of elements, each of them in one part.
-    node_sets, element_sets : tuple of tuple of int
+    node_sets, element_sets : list of list of int
         Labels, any.
     """
 
     mesh: ao.Mesh
-    parts: tuple[tuple[int, ...], ...]
-    node_sets: tuple[tuple[int, ...], ...]
-    element_sets: tuple[tuple[int, ...], ...]
+    nodes: list[int]
+    cells: list[int]
+    parts: list[list[int]]
+    node_sets: list[list[int]]
+    element_sets: list[list[int]]
+
+    @cached_property
+    def members(self) -> Groups:
+        """Kinds and nodes of the elements, by their labels."""
+        return {label: set(nodes) for label, (_, nodes) in _elements(self.mesh).items()}
+
+    def nodes_of(self, elements: Iterable[int]) -> set[int]:
+        """Return the labels of the nodes of elements."""
+        return set().union(*(self.members[label] for label in elements))
 
 
 def draw(rng: random.Random) -> Body:
@@ -53,103 +71,192 @@ def draw(rng: random.Random) -> Body:
     else:
         mesh = ao.box_mesh(lengths, counts, kind=kind)
     pushed = [rng.uniform(-0.01, 0.01) for _ in range(mesh.nodes.size)]
-    nodes = np.round(mesh.nodes + np.reshape(pushed, mesh.nodes.shape), 3)
-    most = rng.choice((200, 10_000, 99_999_999))
-    node_labels = rng.sample(range(1, most + 10 * mesh.n_nodes), mesh.n_nodes)
-    cell_labels = rng.sample(range(1, most + 10 * mesh.n_cells), mesh.n_cells)
+    places = np.round(mesh.nodes + np.reshape(pushed, mesh.nodes.shape), 3)
+    most = rng.choice((200, 10_000, 99_990_000))  # eight digits are all that a field has
+    nodes = rng.sample(range(1, most + 10 * mesh.n_nodes), mesh.n_nodes)
+    cells = rng.sample(range(1, most + 10 * mesh.n_cells), mesh.n_cells)
     if rng.random() < 0.5:
-        node_labels.sort()
-        cell_labels.sort()
-    if max(node_labels + cell_labels) > 99_999_999:  # eight digits are all that a field has
-        node_labels, cell_labels = [list(range(1, 1 + len(x))) for x in (node_labels, cell_labels)]
-    blocks = [(block.kind, block.cells) for block in mesh.blocks]
+        nodes.sort()
+        cells.sort()
     labelled = ao.Mesh(
-        nodes,
-        blocks,
+        places,
+        [(block.kind, block.cells) for block in mesh.blocks],
         "mixed",
-        node_labels=np.array(node_labels),
-        cell_labels=np.array(cell_labels),
+        node_labels=np.array(nodes),
+        cell_labels=np.array(cells),
     )
-    parts: dict[int, list[int]] = {}
-    for label in cell_labels:
+    parts = {}
+    for label in cells:
         parts.setdefault(rng.randrange(3), []).append(label)
-    return Body(
-        labelled,
-        tuple(tuple(part) for part in parts.values()),
-        tuple(_some(rng, node_labels) for _ in range(rng.randrange(3))),
-        tuple(_some(rng, cell_labels) for _ in range(rng.randrange(3))),
-    )
+    sets = [
+        [rng.sample(labels, rng.randint(1, len(labels))) for _ in range(rng.randrange(3))]
+        for labels in (nodes, cells)
+    ]
+    return Body(labelled, nodes, cells, list(parts.values()), *sets)
 
 
-def _some(rng: random.Random, labels: list[int]) -> tuple[int, ...]:
-    return tuple(rng.sample(labels, rng.randint(1, len(labels))))
+# ------------------------------------------------------------------ what both formats write
 
 
-def read(file: Path, part: str | None, called_for: tuple[str, ...]) -> ao.Mesh | str:
-    """Return the mesh in a deck, or a text if it is refused or warned of for no reason.
+@dataclass(frozen=True)
+class System:
+    """A coordinate system: its kind, "R", "C" or "S", origin, and axes in rows."""
 
-    `called_for` has words of the warnings that the deck calls for.
+    kind: str = "R"
+    origin: FloatArray = field(default_factory=lambda: np.zeros(3))
+    axes: FloatArray = field(default_factory=lambda: np.eye(3))
+
+    @classmethod
+    def drawn(cls, rng: random.Random, kind: str) -> System:
+        origin = np.array([rng.uniform(-3, 3) for _ in range(3)])
+        turn = Rotation.from_rotvec([rng.uniform(-3, 3) for _ in range(3)])
+        return cls(kind, origin, turn.as_matrix())
+
+    def local(self, places: FloatArray) -> FloatArray:
+        """Return the coordinates of places, angles in degrees: of "S" that from the pole second."""
+        x, y, z = self.axes @ (places - self.origin).T
+        across, turn = np.hypot(x, y), np.degrees(np.arctan2(y, x))
+        if self.kind == "S":
+            return np.stack([np.hypot(across, z), np.degrees(np.arctan2(across, z)), turn], 1)
+        return np.stack([across, turn, z] if self.kind == "C" else [x, y, z], 1)
+
+
+class Drawn:
+    """A deck drawn at random, and the groups that a reader should find in it, by labels."""
+
+    def __init__(self, rng: random.Random) -> None:
+        self.rng, self.pick = rng, rng.choice
+        self.node_sets, self.cell_sets = Groups(), Groups()
+
+    def chance(self, share: float) -> bool:
+        return self.rng.random() < share
+
+
+def shared_out(rng: random.Random, numbers: Iterable[int]) -> list[list[int]]:
+    """Return numbers in some parts, each in any order."""
+    shuffled = list(numbers)
+    rng.shuffle(shuffled)
+    cuts = sorted(rng.randint(0, len(shuffled)) for _ in range(rng.randint(0, 2)))
+    return [shuffled[a:b] for a, b in pairwise([0, *cuts, len(shuffled)]) if a < b]
+
+
+def runs(wanted: Iterable[int], every: Iterable[int]) -> list[list[int]]:
+    """Return labels in runs that follow each other; what nothing has is passed over."""
+    members, found = set(wanted), list[list[int]]([[]])
+    for label in sorted(every):
+        found += [[]] * (label not in members)
+        if label in members:
+            found[-1] = [*found[-1], label]
+    return [run for run in found if run]
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How text is stored: lines that are comments, and how a file is included, on some lines.
+
+    nested: whether a file is named from the folder of the one that includes it.
     """
+
+    comments: tuple[str, ...]
+    include: Callable[[random.Random, str], str]
+    nested: bool = False
+
+    def stored(
+        self, rng: random.Random, folder: Path, name: str, lines: list[str], depth: int = 0
+    ) -> Path:
+        """Write lines, with comments between, some of them into files that are included."""
+        rare, names = rng.choice((0.0, 0.06)), ["part", "a part", "sub/part"]
+        while depth < 3 and len(lines) > 3 and rng.random() < 0.3:
+            first, last = sorted(rng.sample(range(len(lines)), 2))
+            other = f"{rng.choice(names)}{rng.randrange(10**6)}.inc"
+            inner = (folder / other).parent if self.nested else folder
+            inner.mkdir(exist_ok=True)
+            file = other if inner == folder else Path(other).name
+            self.stored(rng, inner, file, lines[first:last], depth + 1)
+            lines = [*lines[:first], self.include(rng, other), *lines[last:]]
+            names = names[:2] if self.nested else names  # what is included stays in its folder
+        text = list[str]()
+        for line in lines:
+            text += [rng.choice(self.comments)] * (rng.random() < rare) + [line]
+        end = rng.choice(("\n", "\n", "\r\n"))
+        whole = "\n".join(text).replace("\n", end) + rng.choice(("", end))
+        encoding = rng.choice(("utf-8", "utf-8", "latin-1", "utf-8-sig", "utf-16"))
+        file = folder / name
+        file.parent.mkdir(exist_ok=True)
+        file.write_bytes(whole.encode(encoding))
+        return file
+
+
+# ---------------------------------------------------------------------------- the comparison
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What should be read of a part, or of the whole: the places of nodes, and groups of labels."""
+
+    places: FloatArray
+    node_sets: Groups
+    cell_sets: Groups
+    tolerance: float
+    part: str | None = None
+
+
+def trials(
+    name: str,
+    written: Callable[[random.Random, Body, Path], tuple[Path, list[Expected]]],
+    called_for: tuple[str, ...],
+) -> Callable[[Namespace, Path], Trial]:
+    """Return the `trial` of a format, whose decks are written into an empty folder.
+
+    `called_for` has words of the warnings that decks call for.
+    """
+
+    def trial(options: Namespace, folder: Path) -> Trial:
+        def one(number: int) -> Verdict:
+            place = folder / "deck"
+            shutil.rmtree(place, ignore_errors=True)
+            place.mkdir()
+            rng = random.Random(f"{options.seed} {name} {number}")
+            body = draw(rng)
+            file, expected = written(rng, body, place)
+            wrong = "; ".join(filter(None, (_wrong(body, file, of, called_for) for of in expected)))
+            wrong = wrong.replace(f"{place}/", "")
+            return Verdict(wrong[:60] or "ok", wrong)
+
+        return one
+
+    return trial
+
+
+def _wrong(body: Body, file: Path, expected: Expected, called_for: tuple[str, ...]) -> str:
+    """Return how a mesh that is read differs from what is expected, or why there is none."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         try:
-            mesh = ao.read_mesh(file, part=part)
+            read = ao.read_mesh(file, part=expected.part)
         except ao.AOImpactError as error:
             return f"refused: {error}"
     for one in said:
         if not any(words in str(one.message) for words in called_for):
             return f"warned: {one.message}"
-    return mesh
-
-
-def differences(
-    body: Body,
-    read: ao.Mesh,
-    node_sets: dict[str, set[int]],
-    cell_sets: dict[str, set[int]],
-    *,
-    tolerance: float,
-) -> str:
-    """Return how a mesh differs from the body, and its groups of labels from those wanted."""
-    wanted = body.mesh
-    found = []
-    assert wanted.node_labels is not None
     assert read.node_labels is not None
-    if set(wanted.node_labels) != set(read.node_labels):
+    assert read.cell_labels is not None
+    if set(body.nodes) != set(read.node_labels):
         return "labels of nodes"
-    order = _places(read.node_labels, wanted.node_labels)
-    if np.abs(read.nodes[order] - wanted.nodes).max() > tolerance:
-        found.append(f"nodes are off by {np.abs(read.nodes[order] - wanted.nodes).max():.2g}")
-    if _elements(wanted) != _elements(read):
+    if _elements(body.mesh) != _elements(read):
         return "elements"
+    row = {int(label): i for i, label in enumerate(read.node_labels)}
+    order, found = np.array([row[label] for label in body.nodes]), []
+    if (off := np.abs(read.nodes[order] - expected.places).max()) > expected.tolerance:
+        found.append(f"nodes are off by {off:.2g}")
     for what, sets, labels, names in (
-        ("nodes", read.node_sets, read.node_labels, node_sets),
-        ("elements", read.cell_sets, read.cell_labels, cell_sets),
+        ("nodes", read.node_sets, read.node_labels, expected.node_sets),
+        ("elements", read.cell_sets, read.cell_labels, expected.cell_sets),
     ):
-        assert labels is not None
-        groups = {name: set(labels[ids].tolist()) for name, ids in sets.items()}
-        if groups != names:
+        groups = {name.upper(): set(labels[ids].tolist()) for name, ids in sets.items()}
+        if groups != {name.upper(): members for name, members in names.items()}:
             found.append(f"groups of {what}: {groups} instead of {names}")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ao.AOImpactWarning)  # of a size that no body has
-        models = [ao.FEModel.from_mesh(mesh, _MATERIAL) for mesh in (wanted, read)]
-    rows = (3 * order[:, None] + np.arange(3)).ravel()
-    for name in ("K", "M"):
-        ours, theirs = (getattr(model, name) for model in models)
-        theirs = theirs[rows][:, rows]
-        if abs(ours - theirs).max() > (1e3 * tolerance + _ROUNDING) * abs(ours).max():
-            found.append(name)
-    masses = [model.M.sum() for model in models]
-    if abs(masses[1] - masses[0]) > (1e3 * tolerance + _ROUNDING) * masses[0]:
-        found.append("mass")
     return "; ".join(found)
-
-
-def _places(labels: IntArray, wanted: IntArray) -> IntArray:
-    """Return where each of `wanted` is in `labels`."""
-    order = np.argsort(labels)
-    places: IntArray = order[np.searchsorted(labels, wanted, sorter=order)]
-    return places
 
 
 def _elements(mesh: ao.Mesh) -> dict[int, tuple[str, list[int]]]:

@@ -6,10 +6,8 @@ beyond where it holds: whoever integrates stops there.
 
 from __future__ import annotations
 
-import bisect
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import scipy.interpolate
 
@@ -18,7 +16,6 @@ from .case import Law
 Value = tuple[float, float, float]  # elastic force, its slope, damper
 
 
-@dataclass
 class Formula:
     """A law at one contact, with that contact's memory.
 
@@ -28,125 +25,68 @@ class Formula:
         Whether the rate matters.
     pulls : bool
         Whether negative forces are meant, up to where the indentation ends.
-    straight : bool
-        Whether the elastic force goes on as a straight line below the touch.
     rest : float
         Indentation at which the contact begins, m.
     """
 
-    viscous: bool = False
-    pulls: bool = False
-    remembers: bool = False
-    rest: float = 0.0
+    viscous, pulls, rest = False, False, 0.0
 
     def at(self, d: float) -> Value:
         raise NotImplementedError
 
     def statically(self, d: float) -> tuple[float, float]:
         """Force and slope on the way in at no rate."""
-        if d <= 0.0:
-            return 0.0, 0.0
-        force, slope, _ = self.at(d)
-        return force, slope
+        return self.at(d)[:2] if d > 0.0 else (0.0, 0.0)
 
     def taken(self, d: float) -> float:
         """Work of that force up to d > 0, J."""
         raise NotImplementedError
 
 
-@dataclass
 class Power(Formula):
-    """k d^n (1 + chi rate)."""
+    """k d^n + g d^q rate; straight on below the touch where that has no kink."""
 
-    k: float = 0.0
-    n: float = 1.5
-    chi: float = 0.0
+    def __init__(
+        self, k: float, n: float = 1.5, g: float = 0.0, q: float = 0.0, *, pulls: bool = False
+    ) -> None:
+        self.k, self.n, self.g, self.q, self.pulls, self.viscous = k, n, g, q, pulls, g > 0.0
+        self.straight = n == 1.0 and (q == 0.0 or g == 0.0)
 
     def at(self, d: float) -> Value:
-        if self.n == 1.0 and self.chi == 0.0:
-            return self.k * d, self.k, 0.0
+        if self.straight:
+            return self.k * d, self.k, self.g
         if d <= 0.0:
             return 0.0, 0.0, 0.0
         slope = self.k * d ** (self.n - 1.0)
-        force = slope * d
-        return force, self.n * slope, self.chi * force
+        return slope * d, self.n * slope, self.g * d**self.q
 
     def taken(self, d: float) -> float:
         return self.k * d ** (self.n + 1.0) / (self.n + 1.0)
 
 
-@dataclass
-class Tsuji(Formula):
-    """k d^1.5 + g d^.25 rate."""
-
-    k: float = 0.0
-    g: float = 0.0
-
-    def at(self, d: float) -> Value:
-        if d <= 0.0:
-            return 0.0, 0.0, 0.0
-        root = math.sqrt(d)
-        return self.k * d * root, 1.5 * self.k * root, self.g * math.sqrt(root)
-
-    def taken(self, d: float) -> float:
-        return 0.4 * self.k * d**2.5
-
-
-@dataclass
-class Kuwabara(Formula):
-    """k (d^1.5 + 1.5 A d^.5 rate)."""
-
-    k: float = 0.0
-    lag: float = 0.0
-
-    def at(self, d: float) -> Value:
-        if d <= 0.0:
-            return 0.0, 0.0, 0.0
-        root = math.sqrt(d)
-        return self.k * d * root, 1.5 * self.k * root, 1.5 * self.k * self.lag * root
-
-    def taken(self, d: float) -> float:
-        return 0.4 * self.k * d**2.5
-
-
-@dataclass
-class Kelvin(Formula):
-    """k d + c rate."""
-
-    k: float = 0.0
-    c: float = 0.0
-
-    def at(self, d: float) -> Value:
-        return self.k * d, self.k, self.c
-
-    def taken(self, d: float) -> float:
-        return 0.5 * self.k * d * d
-
-
-@dataclass
 class Thornton(Formula):
     """Hertz up to the yield force, straight on from there, and Hertz on a flatter radius back."""
 
-    k: float = 0.0
-    yield_force: float = 0.0
-    deepest: float = 0.0
-    plastic: bool = False
+    def __init__(self, k: float, yield_force: float) -> None:
+        self.elastic, self.k, self.yield_force = Power(k), k, yield_force
+        self.start = (yield_force / k) ** (2.0 / 3.0)
+        self.deepest, self.plastic = 0.0, False
 
     @property
     def limit(self) -> float:
         """Indentation up to which it is elastic."""
-        return max(self.deepest, (self.yield_force / self.k) ** (2.0 / 3.0))
+        return max(self.deepest, self.start)
+
+    def _plastic(self, d: float) -> Value:
+        slope = 1.5 * self.k * math.sqrt(self.start)
+        return self.yield_force + slope * (d - self.start), slope, 0.0
 
     def at(self, d: float) -> Value:
-        start = (self.yield_force / self.k) ** (2.0 / 3.0)
-        slope = 1.5 * self.k * math.sqrt(start)
         if self.plastic:
-            return self.yield_force + slope * (d - start), slope, 0.0
-        if self.deepest <= start:
-            if d <= 0.0:
-                return 0.0, 0.0, 0.0
-            return self.k * d**1.5, 1.5 * self.k * math.sqrt(d), 0.0
-        top = self.yield_force + slope * (self.deepest - start)
+            return self._plastic(d)
+        if self.deepest <= self.start:
+            return self.elastic.at(d)
+        top = self._plastic(self.deepest)[0]
         reach = top / (self.k * math.sqrt(self.deepest))
         share = 1.0 - (self.deepest - d) / reach
         if share <= 0.0:
@@ -154,49 +94,35 @@ class Thornton(Formula):
         return top * share**1.5, 1.5 * top * math.sqrt(share) / reach, 0.0
 
     def statically(self, d: float) -> tuple[float, float]:
-        start = (self.yield_force / self.k) ** (2.0 / 3.0)
-        if d <= start:
-            return (self.k * d**1.5, 1.5 * self.k * math.sqrt(d)) if d > 0.0 else (0.0, 0.0)
-        slope = 1.5 * self.k * math.sqrt(start)
-        return self.yield_force + slope * (d - start), slope
+        return (self.elastic.at(d) if d <= self.start else self._plastic(d))[:2]
 
     def taken(self, d: float) -> float:
-        start = (self.yield_force / self.k) ** (2.0 / 3.0)
-        if d <= start:
-            return 0.4 * self.k * d**2.5
-        force, _ = self.statically(d)
-        return 0.4 * self.k * start**2.5 + 0.5 * (self.yield_force + force) * (d - start)
+        before, past = min(d, self.start), max(d - self.start, 0.0)
+        return self.elastic.taken(before) + 0.5 * (self.yield_force + self._plastic(d)[0]) * past
 
     def remember(self, d: float) -> None:
         """The contact turns back at `d`."""
-        start = (self.yield_force / self.k) ** (2.0 / 3.0)
-        if d > max(start, self.deepest):
+        if d > self.limit:
             self.deepest = d
-            top = self.yield_force + 1.5 * self.k * math.sqrt(start) * (d - start)
-            self.rest = d - top / (self.k * math.sqrt(d))
+            self.rest = d - self._plastic(d)[0] / (self.k * math.sqrt(d))
 
 
 class Table(Formula):
     """SciPy's PCHIP through points."""
 
     def __init__(self, indentation: list[float], force: list[float]) -> None:
-        super().__init__()
         knots, values = list(indentation), list(force)
         if knots[0] > 0.0:
             knots, values = [0.0, *knots], [0.0, *values]
-        self.knots = knots
-        curve = scipy.interpolate.PchipInterpolator(knots, values)
-        self.pieces, self.work = curve.c.T.tolist(), curve.antiderivative()
+        self.last, self.curve = knots[-1], scipy.interpolate.PchipInterpolator(knots, values)
+        self.slope, self.work = self.curve.derivative(), self.curve.antiderivative()
 
     def at(self, d: float) -> Value:
         if d <= 0.0:
             return 0.0, 0.0, 0.0
-        i = min(bisect.bisect_right(self.knots, d) - 1, len(self.pieces) - 1)
-        a, b, c, e = self.pieces[i]
-        x = min(d, self.knots[-1]) - self.knots[i]
-        slope = (3.0 * a * x + 2.0 * b) * x + c
-        past = max(d - self.knots[-1], 0.0)
-        return ((a * x + b) * x + c) * x + e + slope * past, slope, 0.0
+        x = min(d, self.last)
+        slope = float(self.slope(x))
+        return float(self.curve(x)) + slope * (d - x), slope, 0.0
 
     def taken(self, d: float) -> float:
         return float(self.work(d))
@@ -209,9 +135,9 @@ class Patched(Formula):
     Beyond where it holds, it goes on straight.
     """
 
-    k: float = 0.0
-    compliance: float = 0.0
-    deepest: float = 0.0
+    k: float
+    compliance: float
+    deepest: float
 
     @property
     def _reach(self) -> float:
@@ -244,31 +170,23 @@ class Patched(Formula):
         return within + (force + 0.5 * slope * past) * past
 
 
+_FORMULAS = {
+    "Hertz": Power,
+    "PowerLaw": Power,
+    "Linear": lambda k: Power(k, 1.0),
+    "UserLaw": lambda k, n, c: Power(k, n, c * k, n),
+    "HuntCrossley": lambda k, damping, n: Power(k, n, damping * k, n),
+    "Tsuji": lambda k, alpha, mass: Power(k, 1.5, alpha * math.sqrt(mass * k), 0.25),
+    "KuwabaraKono": lambda k, A: Power(k, 1.5, 1.5 * A * k, 0.5),
+    "KelvinVoigt": lambda k, c, end: Power(k, 1.0, c, pulls=end == "indentation"),
+    "Thornton": Thornton,
+    "Tabulated": Table,
+}
+
+
 def formula(law: Law) -> Formula:
     """Return the law as the oracle takes it; new for every contact, since some remember."""
-    of: dict[str, Any] = law.arguments
-    if law.kind == "Hertz" and law.removed is not None:
+    if law.removed is not None:
         # A little beyond the limit it is still the law: a peak there is found as it is.
-        return Patched(k=of["k"], compliance=law.removed, deepest=1.05 * law.deepest)
-    if law.kind == "Hertz":
-        return Power(k=of["k"])
-    if law.kind == "Linear":
-        return Power(k=of["k"], n=1.0)
-    if law.kind == "PowerLaw":
-        return Power(k=of["k"], n=of["n"])
-    if law.kind == "UserLaw":
-        return Power(viscous=of["c"] > 0.0, k=of["k"], n=of["n"], chi=of["c"])
-    if law.kind == "HuntCrossley":
-        return Power(viscous=of["damping"] > 0.0, k=of["k"], n=of["n"], chi=of["damping"])
-    if law.kind == "Tsuji":
-        g = of["alpha"] * math.sqrt(of["mass"] * of["k"])
-        return Tsuji(viscous=g > 0.0, k=of["k"], g=g)
-    if law.kind == "KuwabaraKono":
-        return Kuwabara(viscous=of["A"] > 0.0, k=of["k"], lag=of["A"])
-    if law.kind == "KelvinVoigt":
-        pulls = of["end"] == "indentation"
-        return Kelvin(viscous=of["c"] > 0.0, pulls=pulls, k=of["k"], c=of["c"])
-    if law.kind == "Thornton":
-        return Thornton(remembers=True, k=of["k"], yield_force=of["yield_force"])
-    assert law.kind == "Tabulated"
-    return Table(of["indentation"], of["force"])
+        return Patched(law.arguments["k"], law.removed, 1.05 * law.deepest)
+    return _FORMULAS[law.kind](**law.arguments)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import time as clock
-from dataclasses import dataclass, field, replace
+from argparse import Namespace
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 
@@ -15,8 +16,8 @@ from .compare import Apart, apart, from_newmark, largest_apart
 from .generate import case_of
 from .motion import LAG
 from .oracle import GaveUpError, Oracle
-from .outcome import Outcome
-from .package import Answer, as_settled, newmark, run
+from .outcome import Outcome, Trial, Verdict
+from .package import Answer, in_time, run
 from .rest import NoRestError
 
 TIMES = cures.TIMES
@@ -31,34 +32,9 @@ _LESS_LAG = 0.1
 # Relative nudge of all coordinates and velocities at the start.
 _NUDGE = 1e-12
 
-# s for Newmark's rule where answer and oracle agree, and the difference from both that is noted: if
-# its own estimate is that many times smaller.
+# s for Newmark's rule where answer and oracle agree, and the difference from the oracle that is
+# noted, of a run to a tolerance that many times smaller.
 _CHEAP, _FAR, _SURE = 0.5, 1e-3, 30.0
-
-CLASSES = (
-    "ok", "warned", "refused", "apart", "wrong", "faulty", "helpless", "chaotic", "undecided",
-    "bare", "hangs",
-)  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What came of a scene.
-
-    kind: one of CLASSES; "apart": Newmark's rule is far from answer and oracle, which agree;
-    "helpless": refused, and no cure that the message names works. why: what was off, or the
-    message. off: the largest relative error.
-    """
-
-    kind: str
-    why: str = ""
-    off: float = 0.0
-    seconds: float = 0.0
-    details: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def failed(self) -> bool:
-        return self.kind in ("wrong", "faulty", "helpless", "bare", "hangs")
 
 
 def oracle_tolerance(case: Case) -> float:
@@ -68,14 +44,10 @@ def oracle_tolerance(case: Case) -> float:
 
 def judge(case: Case, *, longest: float = 20.0, way: str = "adaptive") -> Verdict:
     """Judge the package's answer to a scene."""
-    begin = clock.perf_counter()
     if way == "newmark":
         case = case.with_tolerance(max(case.rtol, 1e-5))
     answer = run(case, ao.Newmark(rtol=case.rtol) if way == "newmark" else None)
-    verdict = _judged(case, answer, longest, way)
-    return Verdict(
-        verdict.kind, verdict.why, verdict.off, clock.perf_counter() - begin, verdict.details
-    )
+    return _judged(case, answer, longest, way)
 
 
 def _judged(case: Case, answer: Answer, longest: float, way: str) -> Verdict:
@@ -87,15 +59,23 @@ def _judged(case: Case, answer: Answer, longest: float, way: str) -> Verdict:
     try:
         true = Oracle(case, rtol=tolerance, longest=longest).run()
     except (GaveUpError, NoRestError) as error:
-        return _by_newmark(case, answer.outcome, f"oracle: {error}")
+        second = _newmark(case, TIMES * case.rtol)
+        off = np.inf if second is None else from_newmark(case, answer.outcome, second)
+        kind = "ok" if off <= TIMES * case.rtol else "undecided"
+        return Verdict(kind, f"oracle: {error}; {off:.2g} from Newmark", off)
     limit = TIMES * case.rtol
     if (over := _beyond_patch(case, true)) > limit:
         return Verdict("wrong", f"patch: the force exceeds it by {over:.2g}", over)
     found = _worst(case, answer.outcome, true, way)
     if found.off <= limit:
-        return _third(case, true, Verdict("ok", str(found), found.off))
-    if answer.warned:
-        return _warned(case, answer, true, found, longest, way)
+        # Newmark's rule beside an answer and an oracle that agree, where it settles at once.
+        second = _newmark(case, _FAR / _SURE, _CHEAP)
+        off = 0.0 if second is None else from_newmark(case, second, true)
+        agree = Verdict("ok", str(found), found.off)
+        return Verdict("apart", f"Newmark by {off:.2g}") if off > _FAR else agree
+    # What a warning says of the error has to be true: of first contacts it says nothing.
+    if answer.warned and not found.off > TIMES * max(answer.claimed, case.rtol):
+        return Verdict("warned", f"{found}; {answer.warned[0]}", found.off)
     return _suspected(case, answer.outcome, true, longest, way)
 
 
@@ -115,7 +95,7 @@ def _refused(case: Case, answer: Answer, longest: float) -> Verdict:
     failing = cures.tried(case, said, true)
     works = [name for name, failure in failing.items() if not failure]
     details = {f"cure: {name}": failure or "works" for name, failure in failing.items()}
-    return Verdict("refused" if works else "helpless", said, 0.0, 0.0, details)
+    return Verdict("refused" if works else "helpless", said, 0.0, details)
 
 
 def _beyond_patch(case: Case, true: Outcome) -> float:
@@ -125,98 +105,53 @@ def _beyond_patch(case: Case, true: Outcome) -> float:
     return float(np.nanmax(true.peaks / np.array(most), initial=0.0)) - 1.0
 
 
-def _warned(
-    case: Case, answer: Answer, true: Outcome, found: Apart, longest: float, way: str
-) -> Verdict:
-    """Whether what a warning says of the error is true: of first contacts it says nothing."""
-    said = answer.warned[0]
-    if answer.claimed is not None and found.off > TIMES * max(answer.claimed, case.rtol):
-        return _suspected(case, answer.outcome, true, longest, way)
-    return Verdict("warned", f"{found}; {said}", found.off)
+def _newmark(case: Case, wanted: float, longest: float = 2.0) -> Outcome | None:
+    """The scene by Newmark's rule to a tolerance, where it takes it in time."""
+    rule = ao.Newmark(rtol=min(max(wanted, 1e-9), 0.1))
+    answer = in_time(partial(run, case, rule), longest)
+    return None if answer is None or answer.warned else answer.outcome
 
 
-def _third(case: Case, true: Outcome, verdict: Verdict) -> Verdict:
-    """Newmark's rule beside an answer and an oracle that agree, where it settles at once."""
-    second = newmark(case, _FAR / _SURE, _CHEAP)
-    if second is None or not second.error < _FAR / _SURE:
-        return verdict
-    # As small as its lesser contacts may be off, or what moves where nothing does.
-    off = min(as_settled(second, true), from_newmark(case, second, true))
-    return replace(verdict, kind="apart", why=f"Newmark by {off:.2g}") if off > _FAR else verdict
-
-
-def _worst(case: Case, outcome: Outcome, true: Outcome, way: str):
+def _worst(case: Case, outcome: Outcome, true: Outcome, way: str) -> Apart:
     every = apart(case, outcome, true, TIMES * case.rtol)
     if way == "newmark":  # which promises these
         every = [one for one in every if one.what.startswith(("peak force", "impulse"))]
     return largest_apart(every)
 
 
-def _by_newmark(case: Case, outcome: Outcome, why: str) -> Verdict:
-    """Where there is no oracle, two ways have to do."""
-    second = newmark(case, TIMES * case.rtol)
-    if second is not None:
-        off = from_newmark(case, outcome, second)
-        if off <= TIMES * case.rtol:
-            return Verdict("ok", f"by Newmark alone; {why}", off)
-        why += f"; {off:.2g} from Newmark, which settled to {second.error:.2g}"
-    return Verdict("undecided", why)
-
-
-def _newmark_is_elsewhere(
-    case: Case, outcome: Outcome, true: Outcome, settled: float, details: dict[str, str]
-) -> bool:
-    """Whether the second method contradicts the oracle; what it finds goes into the details."""
-    second = newmark(case, settled)
-    if second is None:
-        details["newmark"] = "none"
-        return False
-    ours, its = from_newmark(case, outcome, second), from_newmark(case, true, second)
-    details["newmark"] = (
-        f"{ours:.2g} from the answer, {its:.2g} from the oracle, settled to {second.error:.2g}"
-    )
-    between = from_newmark(case, outcome, true)
-    return between > TIMES * case.rtol and its > 0.5 * between and its > 3.0 * second.error
-
-
 def _suspected(case: Case, outcome: Outcome, true: Outcome, longest: float, way: str) -> Verdict:
     """Whether a difference is the package's fault."""
     found = _worst(case, outcome, true, way)
-    details: dict[str, str] = {}
-    tolerance = oracle_tolerance(case)
-    rng = np.random.default_rng(1)
+    tolerance, longest = oracle_tolerance(case), 3.0 * longest
+    nudge = _NUDGE * np.random.default_rng(1).uniform(-1.0, 1.0, 1000)
     try:
-        tight = Oracle(
-            case, rtol=0.03 * tolerance, longest=3.0 * longest, lag=_LESS_LAG * LAG
-        ).run()
-        nudge = _NUDGE * rng.uniform(-1.0, 1.0, 1000)
-        nudged = Oracle(case, rtol=tolerance, longest=3.0 * longest, nudge=nudge).run()
+        tight = Oracle(case, rtol=0.03 * tolerance, longest=longest, lag=_LESS_LAG * LAG).run()
+        nudged = Oracle(case, rtol=tolerance, longest=longest, nudge=nudge).run()
     except (GaveUpError, NoRestError) as error:
         return Verdict("undecided", f"{found}; oracle again: {error}", found.off)
     found = _worst(case, outcome, tight, way)
     if found.off <= TIMES * case.rtol:
         return Verdict("ok", str(found), found.off)
-    own = _worst(case, true, tight, way).off
-    moved = _worst(case, nudged, true, way).off
-    details["oracle moves by"] = f"{own:.2g} (tighter), {moved:.2g} (nudged)"
+    own, moved = _worst(case, true, tight, way).off, _worst(case, nudged, true, way).off
+    details = {"oracle moves by": f"{own:.2g} (tighter), {moved:.2g} (nudged)"}
+    second = _newmark(case, 0.1 * found.off)
+    its = 0.0 if second is None else from_newmark(case, tight, second)
+    if second is not None:
+        ours = from_newmark(case, outcome, second)
+        details["newmark"] = f"{ours:.2g} from the answer, {its:.2g} from the oracle"
     if moved > _SHARE * found.off:
-        return Verdict(
-            "chaotic", f"{found}; nudged by {_NUDGE:g}: {moved:.2g}", found.off, 0, details
-        )
-    if own > _SHARE * found.off:
-        return Verdict("undecided", f"{found}; oracle tighter: {own:.2g}", found.off, 0, details)
-    if _newmark_is_elsewhere(case, outcome, tight, 0.1 * found.off, details):
-        return Verdict(
-            "undecided", f"{found}; Newmark is not with the oracle", found.off, 0, details
-        )
-    tighter = run(case.with_tolerance(max(1e-12, 1e-3 * case.rtol)))
-    if way == "adaptive" and tighter.outcome is not None:
-        off = _worst(case, tighter.outcome, tight, way).off
-        details["package at 1e-3 rtol"] = f"off by {off:.2g}"
-    return Verdict("wrong", str(found), found.off, 0, details)
+        return Verdict("chaotic", str(found), found.off, details)
+    # Neither with an oracle that has not settled, nor one that Newmark's rule contradicts.
+    sure = own <= _SHARE * found.off and its <= 0.5 * found.off
+    return Verdict("wrong" if sure else "undecided", str(found), found.off, details)
 
 
-def judged(seed: int, way: str = "adaptive", rtol: float | None = None) -> Verdict:
-    """Judge the scene of a seed."""
-    case = case_of(seed)
-    return judge(case if rtol is None else case.with_tolerance(rtol), way=way)
+def trial(options: Namespace, folder: Path) -> Trial:
+    """Return what judges the scene of a number, whose script it leaves in the folder."""
+
+    def one(number: int) -> Verdict:
+        case = case_of(number)
+        (folder / "scene.py").write_text(case.script())
+        return judge(case, way=options.way)
+
+    return one

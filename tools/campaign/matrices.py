@@ -16,79 +16,36 @@ import scipy.sparse as sp
 
 import aoimpact as ao
 
+from .inputs import trials
+
 _FORMATS = ("csr", "csc", "coo", "bsr", "dia", "lil", "dok")
 
 _ARGUMENT = re.compile(
     r"\b(K|M|nodes?|free|dof|damping|body|functional|n|k0|m0|m|k|mass|stiffness|contact_time)\b"
 )
 
-_NUMBERS = (0.0, -0.0, -1.0, 1e308, -1e308, 1e-308, 5e-324, 1e200, 1e-200, np.nan, np.inf, -np.inf)
+_WORDS = """
+    -1 -2 0 1 5 255 1000000
+    -0x80000000 0x40000000 0x7ffffffe 0x7fffffff
+    -0x8000000000000000 0x4000000000000000 0x7fffffffffffffff
+"""
+_INDICES = [int(word, 0) for word in _WORDS.split()]
+_FLOATS = "0 -0 -1 1e308 -1e308 1e-308 5e-324 1e200 1e-200 nan inf -inf"
+_NUMBERS = [float(word) for word in _FLOATS.split()]
 
-_INDICES = (
-    -1,
-    -2,
-    -(2**31),
-    2**31 - 1,
-    2**31 - 2,
-    2**30,
-    10**6,
-    255,
-    0,
-    1,
-    5,
-    -(2**63),
-    2**63 - 1,
-    2**62,
-)
+_KINDS = """
+    f2 f4 g c16
+    i1 i8 u8 ?
+    >f8 >i4
+    O U8 S8 M8[s]
+"""
+_TYPES = [*_KINDS.split(), [("a", "f8")]]
 
-_TYPES = (
-    np.float32,
-    np.float16,
-    np.longdouble,
-    np.int8,
-    np.uint64,
-    np.int64,
-    np.bool_,
-    np.complex128,
-    ">f8",
-    ">i4",
-    object,
-    "U8",
-    "S8",
-    "M8[s]",
-    [("a", "f8")],
-)
-
-_ODD: tuple[Any, ...] = (
-    None,
-    0,
-    1.5,
-    "K",
-    b"K",
-    True,
-    1j,
-    [],
-    {},
-    (),
-    [[]],
-    [[1.0, 2.0], [3.0]],
-    [[1.0, None], [0.0, 1.0]],
-    np.zeros((0, 0)),
-    np.zeros((2, 3)),
-    np.zeros(4),
-    np.zeros((2, 2, 2)),
-    np.array(1.0),
-    object(),
-    len,
-    [["1", "0"], ["0", "1"]],
-    10**400,
-    [[10**400]],
-    set(),
-    np.ma.masked_array(np.eye(2), np.eye(2) > 0),
-    np.datetime64("2026-01-01"),
-    range(4),
-    float("nan"),
-)
+_ODD = [None, 0, 1.5, "K", b"K", True, 1j, [], {}, (), [[]], object(), len, set()]
+_ODD += [10**400, [[10**400]], float("nan"), range(4), np.datetime64("2026-01-01")]
+_ODD += [[[1.0, 2.0], [3.0]], [[1.0, None], [0.0, 1.0]], [["1", "0"], ["0", "1"]], np.array(1.0)]
+_ODD += [np.zeros(shape) for shape in ((0, 0), (2, 3), 4, (2, 2, 2))]
+_ODD += [np.ma.masked_array(np.eye(2), np.eye(2) > 0)]
 
 
 def _of_star(star: ao.AOModel) -> list[float]:
@@ -96,7 +53,7 @@ def _of_star(star: ao.AOModel) -> list[float]:
 
 
 # What a body is reduced to, and the numbers of that.
-_MODELS: dict[str, Callable[[ao.ContactPoint], Any]] = {
+_MODELS = {
     "eigen": lambda tip: _of_star(ao.antioscillators(tip, n=1)),
     "krylov": lambda tip: _of_star(ao.antioscillators(tip, n=1, method="krylov")),
     "modal": lambda tip: _of_star(ao.modal(tip, 1).star),
@@ -106,20 +63,10 @@ _MODELS: dict[str, Callable[[ao.ContactPoint], Any]] = {
 
 @dataclass(frozen=True)
 class Given:
-    """K and M and what goes with them, in a file that pickles them."""
+    """K and M and what goes with them."""
 
     arguments: dict[str, Any]
-    folder: Path
     reduced: str
-
-    @property
-    def saved(self) -> Path:
-        file = self.folder / "matrices.pickle"
-        try:
-            file.write_bytes(pickle.dumps(self.arguments))
-        except Exception:  # not all that is odd can be pickled
-            file.write_text(repr(self.arguments))
-        return file
 
     def run(self) -> None:
         body = ao.FEModel(**self.arguments)
@@ -133,9 +80,9 @@ class Given:
         return bool(_ARGUMENT.search(message))
 
 
-def seeds(folder: Path) -> list[tuple[Any, Any, Any]]:
+def seeds(folder: Path) -> list[Any]:
     """Return sound K, M and nodes or None."""
-    found: list[tuple[Any, Any, Any]] = []
+    found = list[Any]()
     for n in (1, 2, 3, 8, 40):
         K = sp.diags_array([-1e6, 2e6, -1e6], offsets=[-1, 0, 1], shape=(n, n)).toarray()
         found.append((K, np.diag(np.linspace(1.0, 2.0, n)), None))
@@ -151,10 +98,10 @@ def seeds(folder: Path) -> list[tuple[Any, Any, Any]]:
     return found
 
 
-def make(rng: random.Random, sound: list[tuple[Any, Any, Any]], folder: Path) -> Given:
-    """Return damaged matrices."""
+def make(rng: random.Random, sound: list[Any], folder: Path) -> Given:
+    """Return damaged matrices, in a file that pickles them."""
     K, M, nodes = sound[-1] if rng.random() < 0.02 else rng.choice(sound[:-1])
-    given: dict[str, Any] = {"K": K.copy(), "M": M.copy()}
+    given = {"K": K.copy(), "M": M.copy()}
     if nodes is not None and rng.random() < 0.7:
         given["nodes"] = nodes.copy()
     names = ["K", "M"]
@@ -166,31 +113,20 @@ def make(rng: random.Random, sound: list[tuple[Any, Any, Any]], folder: Path) ->
     # Once each: SciPy itself does not survive what is done to a broken one.
     for name in rng.sample(names, rng.choice((0, 1, 1, 1, 2))):
         given[name] = _broken(rng, given[name])
+    n = K.shape[0]
+    numbers = [np.arange(n), np.arange(n)[::-1], np.zeros(n, int), np.arange(n) - 1]
+    numbers += [np.arange(n) * 1.0, np.full(n, 2**62)]
     way = rng.randrange(30)
     if way == 0:
         given["K"], given["M"] = given["M"], given["K"]
     elif way == 1:
-        given[rng.choice(names)] = rng.choice(_ODD)
-    elif way == 2:
         given["nodes"] = _broken_dense(rng, nodes if nodes is not None else np.zeros((2, 3)))
-    elif way == 3:
-        n = K.shape[0]
-        given["free"] = rng.choice(
-            (
-                np.arange(n),
-                np.arange(n)[::-1],
-                np.zeros(n, int),
-                np.arange(n) - 1,
-                np.arange(n) * 1.0,
-                np.full(n, 2**62),
-                *_ODD,
-            )
-        )
-    elif way == 4:
-        given["nodes"] = rng.choice(_ODD)
-    elif way == 5:
-        given["damping"] = rng.choice(_ODD)
-    return Given(given, folder, rng.choice(("eigen", *_MODELS)))
+    elif way <= 5:
+        name = (rng.choice(names), "free", "nodes", "damping")[way - 2]
+        given[name] = rng.choice([*_ODD, *(numbers if name == "free" else ())])
+    with suppress(Exception):  # not all that is odd can be pickled
+        (folder / "matrices.pickle").write_bytes(pickle.dumps(given))
+    return Given(given, rng.choice(("eigen", *_MODELS)))
 
 
 def _values(rng: random.Random, dense: Any) -> Any:
@@ -198,20 +134,16 @@ def _values(rng: random.Random, dense: Any) -> Any:
     n = min(dense.shape)
     if n == 0 or n < max(dense.shape):
         return dense
-    i, j = rng.randrange(n), rng.randrange(n)
-    way = rng.randrange(9)
-    if way == 0:
+    i, j, way = rng.randrange(n), rng.randrange(n), rng.randrange(9)
+    if way <= 1:
         dense[i, j] = rng.choice(_NUMBERS)
-    elif way == 1:
-        dense[i, j] = dense[j, i] = rng.choice(_NUMBERS)
+        dense[j, i] = dense[i, j] if way else dense[j, i]
     elif way == 2:
         dense *= rng.choice((1e-300, 1e300, -1.0, 0.0, 1e-160, 1e160))
     elif way == 3:
         dense[i, j] += rng.choice((1.0, 1e9, -1e9, 1e-3))
-    elif way == 4:
-        dense[i] = dense[:, i] = 0.0
-    elif way == 5:
-        dense[i] *= rng.choice((1e200, 1e-200, -1.0))
+    elif way <= 5:
+        dense[i] *= rng.choice((1e200, 1e-200, -1.0)) if way == 4 else 0.0
         dense[:, i] = dense[i]
     elif way == 6:
         dense = dense[: rng.randrange(n + 1), : rng.randrange(n + 1)]
@@ -232,19 +164,16 @@ def _stored(rng: random.Random, dense: Any) -> Any:
 
 
 def _broken_dense(rng: random.Random, dense: Any) -> Any:
-    way = rng.randrange(6)
+    ways: tuple[Callable[[], Any], ...] = (
+        lambda: dense.astype(rng.choice(_TYPES)),
+        lambda: dense.tolist(),
+        lambda: np.ma.masked_array(dense, dense > 0.0),
+        lambda: np.asfortranarray(dense)[::-1],
+        lambda: dense.reshape(-1),
+        lambda: np.asmatrix(dense),
+    )
     try:
-        if way == 0:
-            return dense.astype(rng.choice(_TYPES))
-        if way == 1:
-            return dense.tolist()
-        if way == 2:
-            return np.ma.masked_array(dense, dense > 0.0)
-        if way == 3:
-            return np.asfortranarray(dense)[::-1]
-        if way == 4:
-            return dense.reshape(-1)
-        return np.asmatrix(dense)
+        return rng.choice(ways)()
     except (TypeError, ValueError):
         return dense
 
@@ -258,17 +187,8 @@ _INDEX = {
     "dia": ("offsets",),
 }
 
-_SHAPES = (
-    (0, 0),
-    (5, 5),
-    (2, 40),
-    (40, 40),
-    (41, 41),
-    (10**9, 10**9),
-    (3, -1),
-    (1,),
-    (2**40, 2**40),
-)
+_SHAPES = [(0, 0), (5, 5), (2, 40), (40, 40), (41, 41), (10**9, 10**9), (3, -1), (1,)]
+_SHAPES += [(2**40, 2**40)]
 
 
 def _broken(rng: random.Random, matrix: Any) -> Any:
@@ -312,14 +232,11 @@ def _broken_array(rng: random.Random, way: int, array: Any, *, is_index: bool) -
         return array[: rng.randrange(len(array) + 1)]
     if way == 4:
         return np.concatenate([array, array[: rng.choice((1, 2, 3))]])
-    kinds = (
-        array.astype(float),
-        array.reshape(-1, 1),
-        array[::-1],
-        array.astype(object),
-        array.astype(np.uint8),
-        array.tolist(),
-        None,
-        np.zeros(0, array.dtype),
-    )
-    return rng.choice(kinds) if way == 5 else array
+    if way != 5:
+        return array
+    made = [array.astype(kind) for kind in (float, object, np.uint8)]
+    made += [array.reshape(-1, 1), array[::-1], array.tolist(), None, np.zeros(0, array.dtype)]
+    return rng.choice(made)
+
+
+trial = trials(seeds, make)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import random
 import re
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from runpy import run_path
 from types import SimpleNamespace
-from typing import Any
 
 import meshio
 import numpy as np
 
 import aoimpact as ao
 
+from .inputs import trials
 from .mutate import damaged
 
 _WRITERS = Path(__file__).parents[2] / "tests" / "io" / "writers.py"
@@ -26,15 +27,9 @@ _NAMED = re.compile(
 _MATERIAL = ao.Material(E=70e9, nu=0.3, rho=2700.0)
 
 # The beginnings of other programs' files.
-_OTHERS = (
-    b"MATLAB 5.0 MAT-file, Platform: GLNXA64",
-    b"\x89HDF\r\n\x1a\n",
-    b"\x93NUMPY\x01\x00",
-    b"*MATRIX,TYPE=STIFFNESS\n",
-    b"\x0c\x00\x00\x00NASTRAN FORT TAPE ID CODE - ",
-    b"**\n** ELEMENT NUMBER 1\n",
-    b"",
-)
+_OTHERS = [b"MATLAB 5.0 MAT-file, Platform: GLNXA64", b"\x89HDF\r\n\x1a\n", b"\x93NUMPY\x01\x00"]
+_OTHERS += [b"*MATRIX,TYPE=STIFFNESS\n", b"\x0c\x00\x00\x00NASTRAN FORT TAPE ID CODE - "]
+_OTHERS += [b"**\n** ELEMENT NUMBER 1\n", b""]
 
 
 @dataclass(frozen=True)
@@ -49,12 +44,7 @@ class Seed:
 class Given:
     """Files, some of them damaged, and the keywords that they are given for."""
 
-    folder: Path
     keywords: dict[str, Path]
-
-    @property
-    def saved(self) -> Path:
-        return self.folder / "damaged"
 
     def run(self) -> None:
         material = _MATERIAL if "mesh" in self.keywords else None
@@ -80,36 +70,32 @@ def seeds(folder: Path) -> list[Seed]:
         labels = np.stack([1 + body.free // 3, 1 + body.free % 3], axis=1)
         nodes = "".join(f"{i + 1}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(body.nodes))
         for kind in writers.WRITERS:
-            place = folder / "seed"
-            place.mkdir()
-            stiffness, inertia = writers.written(
-                kind, place, body.K.tocoo(), body.M.tocoo(), labels
-            )
-            keywords = {"K": stiffness.name, "M": inertia.name, "nodes": "nodes.inp"}
-            (place / "nodes.inp").write_text("*NODE\n" + nodes)
-            if rng.random() < 0.3:
-                solid.write(place / "box.vtu")
-                keywords["mesh"] = "box.vtu"
-            if kind not in writers.LABELLED:
-                (place / "rows.txt").write_text("".join(f"{n}.{c}\n" for n, c in labels))
-                keywords["dofs"] = "rows.txt"
-            found.append(Seed({one.name: one.read_bytes() for one in place.iterdir()}, keywords))
-            for one in place.iterdir():
-                one.unlink()
-            place.rmdir()
+            with tempfile.TemporaryDirectory() as name:
+                place = Path(name)
+                stiffness, inertia = writers.written(
+                    kind, place, body.K.tocoo(), body.M.tocoo(), labels
+                )
+                keywords = {"K": stiffness.name, "M": inertia.name, "nodes": "nodes.inp"}
+                (place / "nodes.inp").write_text("*NODE\n" + nodes)
+                if rng.random() < 0.3:
+                    solid.write(place / "box.vtu")
+                    keywords["mesh"] = "box.vtu"
+                if kind not in writers.LABELLED:
+                    (place / "rows.txt").write_text("".join(f"{n}.{c}\n" for n, c in labels))
+                    keywords["dofs"] = "rows.txt"
+                found.append(
+                    Seed({one.name: one.read_bytes() for one in place.iterdir()}, keywords)
+                )
     return found
 
 
 def make(rng: random.Random, sound: list[Seed], folder: Path) -> Given:
     """Write the files of one model, one or two of them damaged."""
-    for old in folder.iterdir():
-        old.unlink()
     seed, other = rng.choice(sound), rng.choice(sound)
     files = dict(seed.files)
     wrong = [seed.keywords["K" if rng.random() < 0.6 else rng.choice(sorted(seed.keywords))]]
     if rng.random() < 0.2:
         wrong.append(rng.choice(sorted(files)))
-    content: Any = b""
     for name in wrong:
         content = damaged(rng, files[name], other.files[rng.choice(sorted(other.files))])
         if rng.random() < 0.02:
@@ -120,5 +106,7 @@ def make(rng: random.Random, sound: list[Seed], folder: Path) -> Given:
     keywords = {key: folder / name for key, name in seed.keywords.items()}
     if rng.random() < 0.2:
         keywords.pop(rng.choice(sorted(set(keywords) - {"K"})))
-    (folder / "damaged").write_bytes(content)
-    return Given(folder, keywords)
+    return Given(keywords)
+
+
+trial = trials(seeds, make)

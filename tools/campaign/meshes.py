@@ -8,6 +8,7 @@ import random
 import re
 import tempfile
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from runpy import run_path
 from typing import Any
@@ -18,41 +19,27 @@ import numpy as np
 import aoimpact as ao
 from aoimpact.mesh import KINDS, meshio_of_all_kinds
 
+from .inputs import trials
 from .mutate import damaged
 
 _TESTS = Path(__file__).parents[2] / "tests"
 
-# Formats, the end of their files' names, and what their writers are told.
-_FORMATS: tuple[tuple[str, str, dict[str, Any]], ...] = (
-    ("gmsh22", ".msh", {"binary": False}),
-    ("gmsh22", ".msh", {"binary": True}),
-    ("gmsh40", ".msh", {"binary": False}),
-    ("gmsh40", ".msh", {"binary": True}),
-    ("gmsh", ".msh", {"binary": False}),
-    ("gmsh", ".msh", {"binary": True}),
-    ("abaqus", ".inp", {}),
-    ("avsucd", ".avs", {}),
-    ("dolfin-xml", ".xml", {}),
-    ("exodus", ".e", {}),
-    ("med", ".med", {}),
-    ("medit", ".mesh", {}),
-    ("medit", ".meshb", {}),
-    ("nastran", ".bdf", {}),
-    ("nastran", ".fem", {"point_format": "fixed-small", "cell_format": "fixed-large"}),
-    ("permas", ".dato", {}),
-    ("su2", ".su2", {}),
-    ("ugrid", ".ugrid", {}),
-    ("ugrid", ".b8.ugrid", {}),
-    ("vtk42", ".vtk", {"binary": False}),
-    ("vtk42", ".vtk", {"binary": True}),
-    ("vtk51", ".vtk", {"binary": False}),
-    ("vtk51", ".vtk", {"binary": True}),
-    ("vtu", ".vtu", {"binary": False}),
-    ("vtu", ".vtu", {"binary": True}),
-    ("vtu", ".vtu", {"binary": True, "compression": None}),
-    ("xdmf", ".xdmf", {"data_format": "XML"}),
-    ("xdmf", ".xdmf", {"data_format": "Binary"}),
-)
+# Formats, the end of their files' names, and what their writers are told: all of these.
+_BINARY = ({"binary": False}, {"binary": True})
+_PLAIN = """
+    abaqus.inp nastran.bdf permas.dato
+    exodus.e med.med medit.mesh medit.meshb
+    avsucd.avs dolfin-xml.xml su2.su2
+    ugrid.ugrid ugrid.b8.ugrid
+"""
+_FORMATS = {
+    **{(name, ".msh"): _BINARY for name in ("gmsh22", "gmsh40", "gmsh")},
+    **{(name, ".vtk"): _BINARY for name in ("vtk42", "vtk51")},
+    ("vtu", ".vtu"): (*_BINARY, {"binary": True, "compression": None}),
+    ("xdmf", ".xdmf"): ({"data_format": "XML"}, {"data_format": "Binary"}),
+    ("nastran", ".fem"): ({"point_format": "fixed-small", "cell_format": "fixed-large"},),
+    **{(name, f".{end}"): ({},) for name, _, end in (of.partition(".") for of in _PLAIN.split())},
+}
 
 
 @dataclass(frozen=True)
@@ -68,7 +55,7 @@ _MATERIAL = ao.Material(E=1e9, nu=0.3, rho=1e3)
 _PLY = ao.Orthotropic(E=(3e9, 1e9, 1e9), G=(4e8, 4e8, 3e8), nu=(0.3, 0.3, 0.4), rho=1e3)
 
 # What a user says of a mesh by the names of its groups.
-_OPTIONS: tuple[dict[str, Any], ...] = (
+_OPTIONS = (
     {"part": "all"},
     {"part": ["low", "wedges"]},
     {"part": "first"},
@@ -87,12 +74,12 @@ _ARGUMENT = re.compile(r"\b(mesh|part|material|fixed|masses|springs|point|radius
 class Given:
     """An input: its file, and what a user would do with it."""
 
-    saved: Path
+    file: Path
     options: dict[str, Any]
     touched: bool
 
     def run(self) -> None:
-        mesh = ao.read_mesh(self.saved)
+        mesh = ao.read_mesh(self.file)
         body = ao.FEModel.from_mesh(mesh, **({"material": _MATERIAL} | self.options))
         assert body.surface is not None
         if self.touched:
@@ -102,7 +89,7 @@ class Given:
             assert np.isfinite(tip.b).all()
 
     def named(self, message: str) -> bool:
-        return self.saved.name in message or bool(_ARGUMENT.search(message))
+        return self.file.name in message or bool(_ARGUMENT.search(message))
 
 
 def _boxes() -> list[meshio.Mesh]:
@@ -166,26 +153,19 @@ def grouped(name: str, end: str) -> bytes:
 def seeds(folder: Path) -> list[Seed]:
     """Return sound files of every format and element, as far as meshio writes them."""
     found = [Seed(path.suffix, path.read_bytes()) for path in sorted((_TESTS / "meshes").iterdir())]
-    for name, end, how in _FORMATS:
-        for box in _boxes():
-            place = folder / "seed"
-            place.mkdir()
-            file = place / f"a{end}"
-            quiet = contextlib.redirect_stdout(io.StringIO())
+    for (name, end), every in _FORMATS.items():
+        for how, box in product(every, _boxes()):
             # Formats differ in what they can hold, and some need packages that are not there.
             with (
-                quiet,
+                tempfile.TemporaryDirectory() as place,
                 contextlib.redirect_stderr(io.StringIO()),
                 contextlib.suppress(BaseException),
             ):
+                file = Path(place) / f"a{end}"
                 box.write(file, file_format=name, **how)
-                beside = [
-                    (one.name, one.read_bytes()) for one in sorted(place.iterdir()) if one != file
-                ]
-                found.append(Seed(end, _plain(file.read_bytes()), tuple(beside)))
-            for one in place.iterdir():
-                one.unlink()
-            place.rmdir()
+                others = sorted(one for one in file.parent.iterdir() if one != file)
+                beside = tuple((one.name, one.read_bytes()) for one in others)
+                found.append(Seed(end, _plain(file.read_bytes()), beside))
     return found
 
 
@@ -196,8 +176,6 @@ def _plain(content: bytes) -> bytes:
 
 def make(rng: random.Random, sound: list[Seed], folder: Path) -> Given:
     """Write a damaged file."""
-    for old in folder.iterdir():
-        old.unlink()
     ends = sorted({seed.end for seed in sound})
     end = rng.choice(ends)
     seed = rng.choice([one for one in sound if one.end == end])
@@ -215,3 +193,6 @@ def make(rng: random.Random, sound: list[Seed], folder: Path) -> Given:
     file.write_bytes(content)
     options = rng.choice(_OPTIONS) if rng.random() < 0.4 else {}
     return Given(file, options, touched=rng.random() < 0.5)
+
+
+trial = trials(seeds, make)

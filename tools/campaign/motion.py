@@ -1,5 +1,8 @@
 """The right-hand side of a scene: where its contacts are, what forces they have, and what these
 do.
+
+A contact coordinate without mass has a deflection w = u - u_free, what the forces of contacts bend
+the residual compliance by: w / R + the sum of the contact forces on the coordinate = 0.
 """
 
 from __future__ import annotations
@@ -9,18 +12,22 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
+from scipy.optimize import bisect
 
-from . import massless
 from .case import Case
 from .formulas import Formula, Thornton, formula
-from .system import System, system_of
-
-FloatArray = npt.NDArray[np.float64]
+from .outcome import FloatArray
+from .system import system_of
 
 # Relaxation of the dashpot that keeps the equation of a massless coordinate regular, as a share of
 # the record.
 LAG = 1e-12
+
+# Steps of Newton's method for a massless coordinate's balance, and the least share of one.
+_MOST, _SHORTEST = 200, 1e-6
+
+
+Memory = tuple[bool, float, float]
 
 
 @dataclass(frozen=True)
@@ -40,7 +47,7 @@ class Phase:
     """
 
     closed: tuple[bool, ...]
-    plastic: tuple[tuple[bool, float, float], ...]
+    plastic: tuple[Memory, ...]
     own: tuple[int, ...]
     solved: tuple[int, ...]
 
@@ -71,24 +78,21 @@ class Motion:
         What is usual in the scene, m/s, m and N: the scales of tolerances.
     warm : ndarray
         Deflections found last, by which the search for the next begins.
-    piece : float
-        When the loads bent last, s.
+    piece : (float, float)
+        Times, s, between which no load bends.
     lag : float
         Of the dashpot on what has no mass, as a share of the record.
     """
 
     def __init__(self, case: Case, lag: float = LAG) -> None:
         self.case, self.lag = case, lag
-        self.laws: list[Formula] = [formula(contact.law) for contact in case.contacts]
-        self.system: System = system_of(case)
+        self.laws = [formula(contact.law) for contact in case.contacts]
+        self.system = system_of(case)
         self.count = len(case.contacts)
         self.ports = len(self.system.residual)
         residual = self.system.residual
         self.spring = np.where(residual > 0.0, 1.0 / np.where(residual > 0.0, residual, 1.0), 0.0)
-        self.ends = [
-            (int(side.argmax()), int(side.argmin())) for side in self.system.sides
-        ]  # the ports of a and b
-        self.warm, self.piece = np.zeros(self.ports), 0.0
+        self.warm, self.piece = np.zeros(self.ports), (0.0, case.duration)
         self._still = np.zeros(self.ports)
         self.speed, self.length, self.push = self._scales()
 
@@ -105,21 +109,12 @@ class Motion:
 
     def loads(self, t: float) -> tuple[FloatArray, FloatArray]:
         """Return forces on the ports, N, and their rates, within the current piece."""
-        if not self.case.loads:
-            return self._still, self._still
         force, rate = np.zeros(self.ports), np.zeros(self.ports)
         for load in self.case.loads:
             port = self.system.first_port[load.body] + load.at
-            times, values = load.times, load.forces
-            if self.piece >= times[-1]:
-                force[port] += values[-1]
-            elif self.piece < times[0]:
-                force[port] += values[0]
-            else:
-                i = int(np.searchsorted(times, self.piece, side="right")) - 1
-                slope = (values[i + 1] - values[i]) / (times[i + 1] - times[i])
-                force[port] += values[i] + slope * (t - times[i])
-                rate[port] += slope
+            now, first, last = np.interp([t, *self.piece], load.times, load.forces)
+            force[port] += now
+            rate[port] += (last - first) / (self.piece[1] - self.piece[0])
         return force, rate
 
     def look(self, t: float, y: FloatArray, phase: Phase, *, rates: bool = True) -> At:
@@ -129,44 +124,79 @@ class Motion:
         port = system.port @ y[: 2 * system.n]
         place = port[:ports] + system.residual * load + system.port_speed * t
         speed = port[ports:] + system.residual * load_rate + system.port_speed
-        w = np.zeros(ports)
-        if phase.own:
-            w[list(phase.own)] = y[2 * system.n + self.count :]
+        w, own, solved = np.zeros(ports), list(phase.own), list(phase.solved)
+        w[own] = y[2 * system.n + self.count :]
         closed = [c for c in range(self.count) if phase.closed[c]]
         for c in closed:
             law = self.laws[c]
             if isinstance(law, Thornton):
                 law.plastic, law.deepest, law.rest = phase.plastic[c]
-        if phase.solved:
-            self._balance(place, w, phase.solved, closed)
+        if solved:
+            w[solved] = self.warm[solved]
+            self.balance(place, w, solved, closed)
+            self.warm[solved] = w[solved]
         depth = system.sides @ (place + w) - system.gaps
-        values = {c: self.laws[c].at(float(depth[c])) for c in closed}
-        flow = self._still[:0]
-        if phase.own:
+        elastic, stiffness, damper = self._values(depth, closed)
+        sides, flow = system.sides[closed], self._still[:0]
+        if own:
+            here, spring = sides[:, own], self.spring[own]
+            over = -spring * w[own] - here.T @ (elastic + damper * (sides @ speed))
             lag = self.lag * self.case.duration
-            flow = massless.flow(speed, w, phase.own, values, self.ends, self.spring, lag)
-            speed[list(phase.own)] += flow
-        if phase.solved and rates:
-            found = massless.follow(speed, phase.solved, values, self.ends, self.spring)
-            speed[list(phase.solved)] += found
-        rate = system.sides @ speed
-        force = np.zeros(self.count)
-        for c, (elastic, _, damper) in values.items():
-            force[c] = elastic + damper * rate[c]
+            flow = np.linalg.solve(np.diag(lag * spring) + (here.T * damper) @ here, over)
+            speed[own] += flow
+        if solved and rates:
+            here = sides[:, solved]
+            over = -here.T @ (stiffness * (sides @ speed))
+            tangent = np.diag(self.spring[solved]) + (here.T * stiffness) @ here
+            speed[solved] += np.linalg.solve(tangent, over)
+        rate, force = system.sides @ speed, np.zeros(self.count)
+        force[closed] = elastic + damper * rate[closed]
         return At(depth, rate, force, load - force @ system.sides, flow, w)
 
-    def _balance(
-        self, place: FloatArray, w: FloatArray, ports: tuple[int, ...], closed: list[int]
+    def _values(self, depth: FloatArray, contacts: list[int]) -> FloatArray:
+        """Return elastic forces, their slopes and dampers of contacts, in rows."""
+        return np.array([self.laws[c].at(float(depth[c])) for c in contacts]).reshape(-1, 3).T
+
+    def balance(
+        self, place: FloatArray, w: FloatArray, ports: list[int], contacts: list[int]
     ) -> None:
-        w[list(ports)] = self.warm[list(ports)]
-        touching = {
-            c: (self.laws[c], self.case.contacts[c].gap)
-            for c in closed
-            if self.ends[c][0] in ports or self.ends[c][1] in ports
-        }
-        sizes = self.length, self.push
-        massless.balance(place, w, ports, touching, self.ends, self.spring, sizes)
-        self.warm[list(ports)] = w[list(ports)]
+        """Find the deflections of `ports` in balance with elastic forces: a convex problem.
+
+        Parameters
+        ----------
+        place : ndarray
+            Of all ports without their deflections, m.
+        w : ndarray
+            A guess, overwritten by the solution, m.
+        ports : list of int
+        contacts : list of int
+            Those that may press on them.
+        """
+        sides, spring = self.system.sides[contacts][:, ports], self.spring[ports]
+
+        def left() -> tuple[FloatArray, FloatArray]:
+            depth = self.system.sides @ (place + w) - self.system.gaps
+            push, stiffness, _ = self._values(depth, contacts)
+            tangent = np.diag(spring) + (sides.T * stiffness) @ sides
+            return -spring * w[ports] - sides.T @ push, tangent
+
+        over, tangent = left()
+        error = np.abs(over).max()
+        for _ in range(_MOST):
+            if error <= 1e-15 * self.push:
+                return
+            step, before, share = np.linalg.solve(tangent, over), w[ports], 1.0
+            while True:
+                w[ports] = before + share * step
+                over, tangent = left()
+                new = np.abs(over).max()
+                if new < error or share < _SHORTEST:
+                    break
+                share *= 0.5
+            size = np.abs(w[ports]).max() + self.length
+            if new >= error and np.abs(step).max() <= 1e-15 * size:
+                return
+            error = new
 
     def slope(self, y: FloatArray, at: At) -> FloatArray:
         """Return the rates of the state."""
@@ -203,15 +233,12 @@ def share(law: Formula, depth: float, rate: float) -> float:
 
 def _stroke(law: Formula, energy: float, load: float) -> float:
     """About how deep an energy and a load on the way bring a contact."""
-    low, high = -60.0, 10.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        d = math.exp(middle)
-        if 0.4 * law.statically(d)[0] * d < energy + 1e-300 + load * d:
-            low = middle
-        else:
-            high = middle
-    return math.exp(low)
+
+    def over(x: float) -> float:
+        d = math.exp(x)
+        return 0.4 * law.statically(d)[0] * d - energy - 1e-300 - load * d
+
+    return math.exp(bisect(over, -60.0, 10.0)) if over(10.0) > 0.0 else math.exp(10.0)
 
 
 Dense = Callable[[float], FloatArray]

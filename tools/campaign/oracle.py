@@ -10,8 +10,7 @@ lost when a contact closes on it, or when it lets go at no force. A law that pul
 force: then the coordinate springs back at once, and what its springs had stored is lost.
 
 Pieces end where a contact closes, lets go, yields or turns back, and where a load bends. An event
-is found on the dense output of a step, from samples no farther apart than a sixth of it, and the
-step is then made again up to there.
+is found on the dense output of a step.
 """
 
 from __future__ import annotations
@@ -20,25 +19,20 @@ import math
 import time as clock
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.integrate import DOP853, Radau
 from scipy.optimize import brentq
 
-from . import massless
 from .case import Case
-from .formulas import Formula, Thornton
-from .motion import LAG, At, Dense, Motion, Phase, share
-from .outcome import Outcome
+from .formulas import Thornton
+from .motion import LAG, At, Motion, Phase, share
+from .outcome import FloatArray, Outcome
 from .readout import Mark, Readout, Step
 from .rest import rest
 
-FloatArray = npt.NDArray[np.float64]
-
-# Samples within a step for events.
-_SAMPLES = 6
+# The longest step, as a share of the record: events are looked for at the ends of steps.
+_LONGEST = 0.01
 
 # Contacts close, and open, by this share of the depth that is usual after the touch: no rounding
 # does it for them.
@@ -87,11 +81,11 @@ class Oracle:
         self.case, self.rtol, self.longest, self.nudge = case, rtol, longest, nudge
         self.motion = Motion(case, lag)
         self.laws = self.motion.laws
-        self._deadline, self._end = math.inf, case.duration
-        self.steps: list[Step] = []
-        self.marks: list[Mark] = []
-        self._quiet_until: dict[int, float] = {}
-        self._flips: dict[int, tuple[float, int]] = {}
+        self._deadline = math.inf
+        self.steps = list[Step]()
+        self.marks = list[Mark]()
+        self._quiet_until = np.full(len(case.contacts), -1.0)
+        self._flips = {}
         self._held = np.zeros(len(case.contacts))  # by dashpots when a load sets in
 
     def run(self) -> Outcome:
@@ -111,7 +105,7 @@ class Oracle:
             bends = {t for load in case.loads for t in load.times if 0.0 < t < case.duration}
             t = 0.0
             for end in [*sorted(bends), case.duration]:
-                motion.piece, self._end = t, end
+                motion.piece = t, end
                 t, y = self._piece(t, y, closed, end)
             found = Readout(motion, self.steps, self.marks).outcome(y)
         more = self._held > found.peaks
@@ -138,7 +132,7 @@ class Oracle:
             self._set_in(y, closed)
         if self.nudge is not None:
             y[: 2 * n] *= 1.0 + self.nudge[: 2 * n]
-        self.marks += [Mark(0.0, c, True, 0.0, 0.0) for c in range(motion.count) if closed[c]]
+        self.marks += [Mark(0.0, c, 0.0, 0.0) for c in range(motion.count) if closed[c]]
         return y, closed
 
     def _rest(self, y: FloatArray, closed: list[bool]) -> None:
@@ -166,43 +160,37 @@ class Oracle:
         """Loads that set in move what has no mass at once, up to the first dashpot in its way."""
         motion, system = self.motion, self.motion.system
         load = motion.loads(0.0)[0]
-        ports = tuple(int(p) for p in np.flatnonzero(system.residual * load))
+        ports = np.flatnonzero(system.residual * load).tolist()
         if not ports:
             return
         place = system.port[: motion.ports] @ y[: 2 * system.n] + system.residual * load
-        w = motion.warm
-        elastic = {
-            c: (law, self.case.contacts[c].gap)
-            for c, law in enumerate(self.laws)
-            if not law.viscous and set(motion.ends[c]) & set(ports)
-        }
-        sizes = motion.length, motion.push
-        massless.balance(place, w, ports, elastic, motion.ends, motion.spring, sizes)
+        w, met = motion.warm, system.sides[:, ports].any(axis=1)
+        elastic = [c for c, law in enumerate(self.laws) if met[c] and not law.viscous]
+        motion.balance(place, w, ports, elastic)
+        hit = {}  # contacts by the ports that they take hold of, the last met
         for c, law in enumerate(self.laws):
-            met = [end for end in zip(motion.ends[c], (1.0, -1.0), strict=True) if end[0] in ports]
             over = float((system.sides @ (place + w) - system.gaps)[c])
-            if law.viscous and met and over > 0.0:
-                port, sign = met[0]
-                w[port] -= sign * over
-                for other in range(motion.count):  # met later
-                    closed[other] = closed[other] and port not in motion.ends[other]
-                closed[c] = True
+            if law.viscous and met[c] and over > 0.0:
+                port = max(ports, key=lambda p: system.sides[c, p] or -2.0)  # of its first body
+                w[port] -= system.sides[c, port] * over
+                hit = {p: e for p, e in hit.items() if not system.sides[e, port]}
+                hit[int(port)] = c
         depth = system.sides @ (place + w) - system.gaps
-        for c in np.flatnonzero(closed):
-            port, sign = next(
-                end for end in zip(motion.ends[c], (1.0, -1.0), strict=True) if end[0] in ports
-            )
-            pushes = np.zeros(motion.count)
-            for e, (law, _) in elastic.items():
-                pushes[e] = law.at(float(depth[e]))[0]
-            self._held[c] = -sign * (motion.spring[port] * w[port] + system.sides[:, port] @ pushes)
+        pushes = np.zeros(motion.count)
+        for c in elastic:
+            pushes[c] = self.laws[c].at(float(depth[c]))[0]
+        for port, c in hit.items():
+            closed[c] = True
+            held = motion.spring[port] * w[port] + system.sides[:, port] @ pushes
+            self._held[c] = -system.sides[c, port] * held
 
     # --------------------------------------------------------------- phases and events
 
     def _phase(self, closed: list[bool]) -> Phase:
         own, touched = set(), set()
         for c in np.flatnonzero(closed):
-            ends = [p for p in self.motion.ends[c] if self.motion.system.residual[p] > 0.0]
+            system = self.motion.system
+            ends = np.flatnonzero(system.sides[c] * system.residual).tolist()
             touched.update(ends)
             if self.laws[c].viscous:
                 own.update(ends)
@@ -212,35 +200,24 @@ class Oracle:
         )
         return Phase(tuple(closed), plastic, tuple(sorted(own)), tuple(sorted(touched - own)))
 
-    def _events(self, at: At, phase: Phase) -> FloatArray:
+    def _events(self, t: float, at: At, phase: Phase) -> FloatArray:
         """Of each contact a number that turns negative where its phase ends."""
         left = np.ones(self.motion.count)
-        for c, law in enumerate(self.laws):
-            depth, rate = float(at.depth[c]), float(at.rate[c])
-            left[c] = (
-                self._opening(c, law, depth, rate, phase)
-                if phase.closed[c]
-                else (self._closing(law, depth, rate))
-            )
+        for c in np.flatnonzero(self._quiet_until < t):
+            law, closed, rate = self.laws[c], phase.closed[c], float(at.rate[c])
+            if isinstance(law, Thornton) and closed:
+                law.plastic, law.deepest, law.rest = phase.plastic[c]
+            depth, length = float(at.depth[c]), self.motion.length
+            sense = 1.0 if closed else -1.0
+            left[c] = sense * (depth - law.rest) / length + _HYSTERESIS
+            if law.viscous and not law.pulls and (closed or left[c] < 0.0):
+                pushes = sense * share(law, depth, rate) + _HYSTERESIS
+                left[c] = min(left[c], pushes) if closed else max(left[c], pushes)
+            if isinstance(law, Thornton) and closed:  # it also yields or turns back
+                left[c] = min(left[c], (law.limit - depth) / length + _HYSTERESIS)
+                if law.plastic:
+                    left[c] = rate / self.motion.speed + _HYSTERESIS
         return left
-
-    def _closing(self, law: Formula, depth: float, rate: float) -> float:
-        above = _HYSTERESIS - (depth - law.rest) / self.motion.length
-        if law.viscous and not law.pulls and above < 0.0:
-            return max(above, _HYSTERESIS - share(law, depth, rate))
-        return above
-
-    def _opening(self, c: int, law: Formula, depth: float, rate: float, phase: Phase) -> float:
-        """For a plastic contact also where it yields or turns back."""
-        above = (depth - law.rest) / self.motion.length + _HYSTERESIS
-        if isinstance(law, Thornton):
-            law.plastic, law.deepest, law.rest = phase.plastic[c]
-            if law.plastic:
-                return rate / self.motion.speed + _HYSTERESIS
-            return min(above, (law.limit - depth) / self.motion.length + _HYSTERESIS)
-        if law.viscous and not law.pulls:
-            return min(above, share(law, depth, rate) + _HYSTERESIS)
-        return above
 
     def _switch(self, c: int, at: At, closed: list[bool]) -> None:
         """Contact c goes into its next phase."""
@@ -254,25 +231,6 @@ class Oracle:
                 law.plastic = True
                 return
         closed[c] = not closed[c]
-
-    def _quiet(self, one: At, other: At, h: float, phase: Phase) -> bool:
-        """Whether no contact can have had an event between two states a step apart."""
-        for c, law in enumerate(self.laws):
-            depths = one.depth[c] - law.rest, other.depth[c] - law.rest
-            rates = float(one.rate[c]), float(other.rate[c])
-            if isinstance(law, Thornton) and phase.closed[c]:
-                return False
-            reach = 2.0 * h * max(map(abs, rates))
-            inside = depths[0] > 0.0
-            if inside != (depths[1] > 0.0) or min(map(abs, depths)) <= reach:
-                return False
-            if inside != phase.closed[c]:  # by less than the hysteresis, until now
-                return False
-            if law.viscous and not law.pulls and inside:
-                shares = [share(law, d, v) for d, v in zip(depths, rates, strict=True)]
-                if not phase.closed[c] or min(shares) < 0.5:
-                    return False
-        return True
 
     # --------------------------------------------------------------- pieces
 
@@ -294,7 +252,7 @@ class Oracle:
                 self._switch(c, at, closed)
                 if closed[c] != before:
                     impulse = float(y[2 * motion.system.n + c])
-                    self.marks.append(Mark(t, c, closed[c], impulse, float(at.rate[c])))
+                    self.marks.append(Mark(t, c, impulse, float(at.rate[c])))
                 self._count_flip(c, t)
             phase = self._phase(closed)
             y = self._widened(y, phase, at.deflection)
@@ -312,7 +270,10 @@ class Oracle:
         if many > _MOST_FLIPS:
             self._quiet_until[c] = t + _MOMENT * self.case.duration
 
-    def _rhs(self, phase: Phase) -> Callable[[float, FloatArray], FloatArray]:
+    def _advance(
+        self, t: float, y: FloatArray, phase: Phase, end: float
+    ) -> tuple[float, FloatArray, list[int]]:
+        """Go on to the next event, or to `end`."""
         motion = self.motion
 
         def rhs(t: float, y: FloatArray) -> FloatArray:
@@ -320,112 +281,46 @@ class Oracle:
                 raise GaveUpError("too slow")
             return motion.slope(y, motion.look(t, y, phase, rates=False))
 
-        return rhs
+        def left(t: float, y: FloatArray) -> FloatArray:
+            return self._events(t, motion.look(t, y, phase), phase)
 
-    def _integrator(self, t: float, y: FloatArray, phase: Phase, end: float) -> Any:
-        motion = self.motion
+        if (before := left(t, y)).min() < 0.0:
+            return t, y, np.flatnonzero(before < 0.0).tolist()
         # A force that begins like t^1.5 is no polynomial: a long first step would not notice.
         fast = 1e-2 / (motion.system.fastest + 1e-99)
         first = min(end - t, 1e-4 * motion.length / motion.speed, fast)
-        rhs, sizes = self._rhs(phase), motion.sizes(phase)
-        if phase.own:
-            rtol = max(self.rtol, _TIGHTEST_IMPLICIT)
-            atol = rtol * sizes
-            return Radau(rhs, t, y, end, rtol=rtol, atol=atol, first_step=_RELAXING * first)
-        rtol = max(self.rtol, 3e-14)
-        return DOP853(rhs, t, y, end, rtol=rtol, atol=rtol * sizes, first_step=first)
-
-    def _advance(
-        self, t: float, y: FloatArray, phase: Phase, end: float
-    ) -> tuple[float, FloatArray, list[int]]:
-        """Go on to the next event, or to `end`."""
+        rtol = max(self.rtol, _TIGHTEST_IMPLICIT if phase.own else 3e-14)
         try:
-            solver = self._integrator(t, y, phase, end)
-            at = self.motion.look(t, y, phase)
-            soon = self._happened(self._events(at, phase), t)
-            if soon:
-                return t, y, soon
-            while True:
-                start, y_start = solver.t, solver.y.copy()
-                message = solver.step()
+            solver = (Radau if phase.own else DOP853)(
+                rhs,
+                t,
+                y,
+                end,
+                rtol=rtol,
+                atol=rtol * motion.sizes(phase),
+                first_step=_RELAXING * first if phase.own else first,
+                max_step=_LONGEST * self.case.duration,
+            )
+            while solver.status == "running":
+                start, message = solver.t, solver.step()
                 if solver.status == "failed":
                     raise GaveUpError(f"integrator: {message}")
                 if phase.own:  # its differences by what moves nothing grow until they overflow
                     np.minimum(solver.jac_factor, 1.0, out=solver.jac_factor)
                 dense = solver.dense_output()
-                before, at = at, self.motion.look(solver.t, solver.y, phase)
-                if not self._quiet(before, at, solver.t - start, phase):
-                    found = self._first_event(start, solver.t, dense, phase)
-                    if found is not None:
-                        when, y, which = self._refined(start, y_start, found, dense, phase)
-                        self.steps.append(Step(start, when, dense, phase))
-                        return when, y, which
                 self.steps.append(Step(start, solver.t, dense, phase))
-                if solver.status == "finished":
-                    return solver.t, solver.y, []
+                if left(solver.t, solver.y).min() < 0.0:
+                    when = self._root(
+                        lambda t, at=dense: float(left(t, at(t)).min()), start, solver.t
+                    )
+                    self.steps[-1].end, y = when, dense(when)
+                    over = left(when, y)
+                    return when, y, np.flatnonzero(over <= max(over.min(), 0.0)).tolist()
         except (ValueError, np.linalg.LinAlgError, OverflowError) as error:
             raise GaveUpError(f"integrator: {error}") from error
+        return solver.t, solver.y, []
 
-    def _happened(self, left: FloatArray, t: float) -> list[int]:
-        return [
-            int(c) for c in np.flatnonzero(left < 0.0) if self._quiet_until.get(int(c), -1.0) < t
-        ]
-
-    def _first_event(
-        self, start: float, end: float, dense: Dense, phase: Phase
-    ) -> tuple[float, list[int]] | None:
-        """Time of the first event within a step and the contacts that have it."""
-        last = start
-        for t in np.linspace(start, end, _SAMPLES + 1)[1:]:
-            changed = self._happened(self._left(t, dense, phase), float(t))
-            if changed:
-                times = {c: self._root(c, last, float(t), dense, phase) for c in changed}
-                first = min(times.values())
-                same = 1e-14 * self.case.duration
-                return first, [c for c in changed if times[c] <= first + same]
-            last = float(t)
-        return None
-
-    def _left(self, t: float, dense: Dense, phase: Phase) -> FloatArray:
-        return self._events(self.motion.look(t, dense(t), phase), phase)
-
-    def _root(self, c: int, low: float, high: float, dense: Dense, phase: Phase) -> float:
-        def value(t: float) -> float:
-            return float(self._left(t, dense, phase)[c])
-
+    def _root(self, value: Callable[[float], float], low: float, high: float) -> float:
         if value(low) <= 0.0:
             return low
         return float(brentq(value, low, high, xtol=1e-15 * self.case.duration, rtol=1e-15))
-
-    def _refined(
-        self,
-        start: float,
-        y: FloatArray,
-        found: tuple[float, list[int]],
-        dense: Dense,
-        phase: Phase,
-    ) -> tuple[float, FloatArray, list[int]]:
-        """The event on the solution itself: the step is made again up to it."""
-        (when, which), state, reached = found, y, start
-        c, least = which[0], 1e-15 * self.case.duration
-        for _ in range(6):
-            if when <= start:
-                return start, y, which
-            solver = self._integrator(start, y, phase, when)
-            while solver.status == "running":
-                solver.step()
-            state, reached = solver.y.copy(), when
-            here = float(self._events(self.motion.look(when, state, phase), phase)[c])
-            if -1e-12 <= here <= 0.0:
-                break
-            eta = 1e-4 * (when - start)
-            slope = float(
-                self._left(when, dense, phase)[c] - self._left(when - eta, dense, phase)[c]
-            )
-            if not slope < 0.0:
-                break
-            moved = here * eta / -slope + least
-            if abs(moved) <= least:
-                break
-            when = min(max(when + moved, start), start + 2.0 * (when - start), self._end)
-        return reached, state, which

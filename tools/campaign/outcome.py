@@ -1,4 +1,4 @@
-"""What ways are compared by."""
+"""What ways are compared by, and the verdict on what was drawn."""
 
 from __future__ import annotations
 
@@ -38,6 +38,36 @@ class Outcome:
     impulses: FloatArray
     touches: tuple[tuple[Touch, ...], ...]
     velocities: FloatArray
-    accelerations: FloatArray = field(default_factory=lambda: np.zeros(0))
+    accelerations: FloatArray | tuple[()] = ()
     force_at: Callable[[int, float], float] | None = None
-    fastest: float = 0.0
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of a scene, a deck or an input.
+
+    kind: "ok", "warned" or "named" (refused by name) pass. "refused" (with a cure that works),
+    "apart" (Newmark's rule is far from answer and oracle, which agree), "chaotic", "undecided" and
+    "none" are no failures. All others fail. why: what was off, or the message. off: the largest
+    relative error.
+    """
+
+    kind: str
+    why: str = ""
+    off: float = 0.0
+    details: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def passed(self) -> bool:
+        return self.kind in ("ok", "warned", "named", "none")
+
+    @property
+    def failed(self) -> bool:
+        return not self.passed and self.kind not in ("refused", "apart", "chaotic", "undecided")
+
+    def __str__(self) -> str:
+        told = [f"{self.kind:9} {self.why[:400]}"]
+        return "\n".join(told + [f"{'':18}{name}: {of}" for name, of in self.details.items()])
+
+
+Trial = Callable[[int], Verdict]  # of a number

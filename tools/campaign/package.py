@@ -1,31 +1,28 @@
-"""The package's own ways through a scene: a run at a tolerance, and Newmark's rule extrapolated."""
+"""The package's own ways through a scene."""
 
 from __future__ import annotations
 
 import math
-import time as clock
+import signal
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
 import aoimpact as ao
 
 from .case import Case
-from .outcome import Outcome, Touch
+from .outcome import FloatArray, Outcome, Touch
 
-FloatArray = npt.NDArray[np.float64]
+T = TypeVar("T")
 
-# Warnings that say nothing of how right an answer is.
-_NEUTRAL = ("gravity has no effect",)
+# A warning that says nothing of how right an answer is.
+_NEUTRAL = "gravity has no effect"
 
 # How far beside its time a peak's force is looked for, as a share of the record.
 _BESIDE = 1e-12
-
-# Newmark's steps over the record: at first, and at most.
-_FIRST_STEPS, _MOST_STEPS = 1000, 2_000_000
 
 
 @dataclass(frozen=True)
@@ -41,36 +38,25 @@ class Answer:
     error: str = ""
     bare: bool = False
     faults: tuple[str, ...] = ()
-    claimed: float | None = None
-    seconds: float = 0.0
+    claimed: float = math.nan
 
 
 def run(case: Case, solver: Any = None) -> Answer:
     """Run a scene by public API."""
-    begin = clock.perf_counter()
+    solver = solver or ao.Adaptive(rtol=case.rtol)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            scene = case.build()
-            done = scene.simulate(
-                duration=case.duration,
-                preload=case.preload,
-                solver=solver or ao.Adaptive(rtol=case.rtol),
+            done = case.build().simulate(
+                duration=case.duration, preload=case.preload, solver=solver
             )
             outcome, faults = _outcome(case, done), faults_of(case, done)
             claimed = done.error.time
-        except ao.AOImpactError as error:
-            return Answer(
-                None, error=f"{type(error).__name__}: {error}", seconds=clock.perf_counter() - begin
-            )
         except Exception as error:
-            return Answer(None, error=f"{type(error).__name__}: {error}", bare=True)
-    told = tuple(
-        str(one.message) for one in caught if not any(word in str(one.message) for word in _NEUTRAL)
-    )
-    return Answer(
-        outcome, told, faults=faults, claimed=claimed, seconds=clock.perf_counter() - begin
-    )
+            bare = not isinstance(error, ao.AOImpactError)
+            return Answer(None, error=f"{type(error).__name__}: {error}", bare=bare)
+    told = tuple(str(one.message) for one in caught if _NEUTRAL not in str(one.message))
+    return Answer(outcome, told, faults=faults, claimed=math.nan if claimed is None else claimed)
 
 
 def _outcome(case: Case, done: Any) -> Outcome:
@@ -98,26 +84,17 @@ def faults_of(case: Case, done: Any) -> tuple[str, ...]:
     largest = max((contact.peak_force for contact in done.contacts), default=0.0)
     for c, (contact, joint) in enumerate(zip(done.contacts, case.contacts, strict=True)):
         pulls = joint.law.arguments.get("end") == "indentation"
-        least = float(contact.force.min(initial=0.0))
+        least, most = contact.force.min(initial=0.0), contact.force.max(initial=0.0)
+        there, peak = _force_about(case, done, c), contact.peak_force
         if not pulls and least < -limit * largest:
             faults.append(f"sign: contact {c} pulls with {least:.2g} N")
-        if float(contact.force.max(initial=0.0)) > contact.peak_force + limit * largest:
+        if most > peak + limit * largest or peak > there + limit * largest:
             faults.append(
-                f"peak: contact {c} has {float(contact.force.max()):.6g} N on its curve and "
-                f"{contact.peak_force:.6g} N as its peak"
+                f"peak: contact {c} has {peak:.6g} N as its peak, {there:.6g} N on its curve "
+                f"there, and {most:.6g} N at most"
             )
-        there = _force_about(case, done, c)
-        if contact.peak_force > there + limit * largest:
-            faults.append(
-                f"peak: contact {c} has {contact.peak_force:.6g} N as its peak and {there:.6g} N "
-                "on its curve there"
-            )
-        ends = np.array(contact.intervals).ravel()
-        if (
-            (np.diff(ends) < -1e-14 * done.duration).any()
-            or (ends < 0.0).any()
-            or (ends > done.duration).any()
-        ):
+        ends = np.array([0.0, *np.ravel(contact.intervals), done.duration])
+        if (np.diff(ends) < -1e-14 * done.duration).any():
             faults.append(f"order: contact {c} has intervals {contact.intervals[:3]}")
     return tuple(faults)
 
@@ -146,9 +123,7 @@ def _momentum(case: Case, done: Any, i: int, impulses: FloatArray) -> float | No
         sizes.append(abs(share * impulse))
     for load in case.loads:
         if load.body == i:
-            times = np.unique(
-                [0.0, case.duration, *(t for t in load.times if 0 < t < case.duration)]
-            )
+            times = np.unique(np.clip([0.0, *load.times, case.duration], 0.0, case.duration))
             amount = float(np.trapezoid(np.interp(times, load.times, load.forces), times))
             given += amount
             sizes.append(abs(amount))
@@ -159,66 +134,14 @@ def _momentum(case: Case, done: Any, i: int, impulses: FloatArray) -> float | No
     return abs(changed - given) / largest if largest > 0.0 else None
 
 
-@dataclass(frozen=True)
-class Extrapolated:
-    """Newmark's rule with its error taken off: peaks, impulses and velocities, and what is left of
-    it.
-    """
-
-    peaks: FloatArray
-    impulses: FloatArray
-    velocities: FloatArray
-    error: float
-
-
-def newmark(case: Case, wanted: float, longest: float = 2.0) -> Extrapolated | None:
-    """Halve the step until Richardson's extrapolation settles to `wanted`, or time is up."""
-    end = clock.perf_counter() + longest
-    rows: list[FloatArray] = []
-    tables: list[FloatArray] = []
-    error, steps = math.inf, _FIRST_STEPS
-    contacts, bodies = len(case.contacts), len(case.bodies)
-    while steps <= _MOST_STEPS:
-        begin = clock.perf_counter()
-        answer = run(case, ao.Newmark(dt=case.duration / steps, estimate=False))
-        if answer.outcome is None:
-            return None
-        of = answer.outcome
-        rows.append(_row(of))
-        if len(rows) > 1:
-            tables.append(rows[-1] + (rows[-1] - rows[-2]) / 3.0)
-        if len(tables) > 1:
-            error = _apart(tables[-1], tables[-2], contacts)
-            if error < wanted:
-                break
-        spent = clock.perf_counter() - begin
-        if clock.perf_counter() + 2.5 * spent > end:
-            break
-        steps *= 2
-    if not tables:
+def in_time(work: Callable[[], T], longest: float) -> T | None:
+    """What work returns, unless it takes longer than so many s."""
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.setitimer(signal.ITIMER_REAL, longest)
+    try:
+        return work()
+    except KeyboardInterrupt:
         return None
-    last = tables[-1]
-    return Extrapolated(
-        last[:contacts],
-        last[contacts : 2 * contacts],
-        last[2 * contacts : 2 * contacts + bodies],
-        error,
-    )
-
-
-def as_settled(found: Extrapolated, true: Outcome) -> float:
-    """How far Newmark's rule is off, as it says how far it has settled: relative to the largest."""
-    return _apart(_row(found), _row(true), len(found.peaks))
-
-
-def _row(of: Outcome | Extrapolated) -> FloatArray:
-    return np.concatenate([of.peaks, of.impulses, of.velocities])
-
-
-def _apart(one: FloatArray, other: FloatArray, contacts: int) -> float:
-    found = 0.0
-    for part in (slice(0, contacts), slice(contacts, 2 * contacts), slice(2 * contacts, None)):
-        size = float(np.abs(one[part]).max(initial=0.0))
-        if size > 0.0:
-            found = max(found, float(np.abs(one[part] - other[part]).max()) / size)
-    return found
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

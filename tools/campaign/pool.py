@@ -1,87 +1,95 @@
-"""Work in child processes with a time limit for each piece: what hangs is ended, and noted."""
+"""Numbers tried in child processes: one that crashes, or takes too long, is replaced."""
 
 from __future__ import annotations
 
-import multiprocessing as mp
+import argparse
+import faulthandler
+import os
+import re
+import resource
+import shutil
 import signal
+import tempfile
 import threading
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from multiprocessing.connection import Connection
-from typing import Any
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from importlib import import_module
+from multiprocessing import get_context
+from pathlib import Path
 
-# s that a child may take to start. Others may have the processor for long: so many times the limit
-# of its time may pass on the clock.
-_STARTING, _PATIENCE = 60.0, 10.0
+import aoimpact
+
+from .outcome import Trial, Verdict
+
+# Modules with a function `trial(options, folder)`, which returns what tries a number.
+KINDS = {
+    "scene": "judge",
+    "oblique": "oblique",
+    "abaqus": "abaqusdecks",
+    "nastran": "nastrandecks",
+    "mesh": "meshes",
+    "matrix": "matrices",
+    "matrixfile": "matrixfiles",
+    "scenefile": "scenefiles",
+}
+
+# s of the processor for one, and how many times as long it may take on the clock; bytes.
+LIMIT, PATIENCE, MEMORY = 60.0, 10.0, 2**31
+
+_trial: Trial
+_folder: Path
 
 
-def _serve(
-    connection: Connection, work: Callable[[Any], Any], begin: Callable[[], Any], limit: float
-) -> None:
-    begin()
-    while True:
-        try:
-            item = connection.recv()
-        except EOFError:
-            return
-        signal.setitimer(signal.ITIMER_PROF, limit)  # ends the process, whatever it is at
-        try:
-            answer = "done", work(item)
-        except Exception as error:
-            answer = "failed", f"{type(error).__name__}: {error}"
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        connection.send(answer)
+def _begin(options: argparse.Namespace, root: str) -> None:
+    """Prepare a child process: what it imports counts neither as time nor as memory."""
+    global _trial, _folder
+    faulthandler.enable()
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # readers may print
+    _folder = Path(tempfile.mkdtemp(dir=root))
+    _trial = import_module(f".{KINDS[options.kind]}", __package__).trial(options, _folder)
+    for name in dir(aoimpact):
+        getattr(aoimpact, name)
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    resource.setrlimit(resource.RLIMIT_AS, 2 * (pages * resource.getpagesize() + MEMORY,))
 
 
-def each(
-    work: Callable[[Any], Any],
-    items: Iterable[Any],
-    *,
-    workers: int,
-    limit: float,
-    begin: Callable[[], Any] = int,
-) -> Iterator[tuple[Any, str, Any]]:
-    """Yield (item, "done" | "failed" | "hangs" | "died", result) in the order of the items.
+def _tried(number: int, out: Path | None) -> tuple[Verdict, float]:
+    """The verdict on a number, and the s that it took."""
+    signal.setitimer(signal.ITIMER_PROF, LIMIT)  # either ends the process, whatever it is at
+    faulthandler.dump_traceback_later(PATIENCE * LIMIT, exit=True)
+    begin = time.process_time()
+    verdict = _trial(number)
+    signal.setitimer(signal.ITIMER_PROF, 0.0)
+    faulthandler.cancel_dump_traceback_later()
+    if verdict.failed and out is not None:
+        name = re.sub(r"\W+", "_", verdict.kind)[:60]
+        if not any(out.glob(f"{name}-*")):
+            shutil.copytree(_folder, out / f"{name}-{number}")
+    return verdict, time.process_time() - begin
 
-    Parameters
-    ----------
-    work : callable
-        A function of a module, called in child processes.
-    items : iterable
-    workers : int
-    limit : float
-        s of the processor for one item.
-    begin : callable, optional
-        Called once in each child process, outside the limit.
-    """
-    context, mine, running = mp.get_context("spawn"), threading.local(), list[Any]()
 
-    def one(item: Any) -> tuple[Any, str, Any]:
+def each(options: argparse.Namespace, root: str) -> Iterator[tuple[int, Verdict, float]]:
+    """Yield each number with its verdict and the s that it took."""
+    mine = threading.local()
+    numbers = range(options.first, options.first + options.count)
+
+    def one(number: int) -> tuple[Verdict, float]:
         if not hasattr(mine, "child"):
-            connection, theirs = context.Pipe()
-            process = context.Process(target=_serve, args=(theirs, work, begin, limit), daemon=True)
-            process.start()
-            theirs.close()
-            running.append(connection)
-            mine.child = process, connection
-        process, connection = mine.child
-        connection.send(item)
-        if connection.poll(_STARTING + _PATIENCE * limit):
-            try:
-                return item, *connection.recv()
-            except (EOFError, OSError):
-                pass
-        else:
-            process.kill()
-        process.join()
-        del mine.child
-        late = process.exitcode in (-signal.SIGPROF, -signal.SIGKILL)
-        return item, "hangs" if late else "died", process.exitcode
+            begin = options, root
+            mine.child = ProcessPoolExecutor(1, get_context("spawn"), _begin, begin)
+        try:
+            return mine.child.submit(_tried, number, options.out).result()
+        except BrokenProcessPool:
+            del mine.child
+            return Verdict("hangs", f"or crashes: its process ended within {LIMIT:g} s"), LIMIT
+        except Exception as error:
+            return Verdict("failed", f"the campaign itself: {type(error).__name__}: {error}"), 0.0
 
-    team = ThreadPoolExecutor(workers)
+    team = ThreadPoolExecutor(options.workers)
     try:
-        yield from team.map(one, items)
+        for number, found in zip(numbers, team.map(one, numbers), strict=True):
+            yield number, *found
     finally:
-        team.shutdown(wait=False, cancel_futures=True)
-        for connection in running:  # at whose end the children end
-            connection.close()
+        team.shutdown(cancel_futures=True)

@@ -8,20 +8,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
-from numpy.polynomial import chebyshev
+from numpy.polynomial import Chebyshev
 
 from .motion import At, Dense, Motion, Phase
-from .outcome import Outcome, Touch
-
-FloatArray = npt.NDArray[np.float64]
+from .outcome import FloatArray, Outcome, Touch
 
 # A step is looked into if its start, middle or end has this share of the largest force.
 _LOOKED_INTO = 0.5
 
-# Within a step nothing begins or ends, so the force is smooth: its polynomial of one of these
-# degrees is it but for this share, or that of a part of the step of at least that share.
-_DEGREES, _EXACT, _SHORTEST = (8, 16), 1e-9, 1.0 / 64.0
+# Within a step nothing begins or ends, so the force is smooth: its polynomial of this degree is it
+# but for this share, or that of a part of the step of at least that share.
+_DEGREE, _EXACT, _SHORTEST = 12, 1e-9, 1.0 / 64.0
 
 
 # When a touch's rate is looked at again, as a share of its length: at its start the rate of a
@@ -41,11 +38,10 @@ class Step:
 
 @dataclass(frozen=True)
 class Mark:
-    """A contact closes or opens: when, which, the impulse so far and the rate."""
+    """A contact closes, or opens again: when, which, the impulse so far and the rate."""
 
     time: float
     contact: int
-    closes: bool
     impulse: float
     rate: float
 
@@ -55,14 +51,16 @@ class Readout:
 
     def __init__(self, motion: Motion, steps: Sequence[Step], marks: Sequence[Mark]) -> None:
         self.motion, self.steps, self.marks = motion, steps, marks
-        self.bends = sorted({0.0, *(t for load in motion.case.loads for t in load.times)})
+        bends = {t for load in motion.case.loads for t in load.times}
+        self.bends = np.array(sorted({0.0, motion.case.duration, *bends}))
         self.starts = np.array([step.start for step in steps])
         self.middles = [self.look(step, 0.5 * (step.start + step.end)) for step in steps]
 
     def look(self, step: Step, t: float) -> At:
         """The contacts at a time within a step."""
-        self.motion.piece = max(bend for bend in self.bends if bend <= step.start)
-        return self.motion.look(t, step.dense(t), step.phase, rates=bool(step.phase.own) or True)
+        i = min(np.searchsorted(self.bends, step.start, side="right"), len(self.bends) - 1)
+        self.motion.piece = self.bends[i - 1], self.bends[i]
+        return self.motion.look(t, step.dense(t), step.phase)
 
     def force_at(self, c: int, t: float) -> float:
         """Force of a contact at a time, N."""
@@ -85,11 +83,13 @@ class Readout:
             peaks,
             times,
             y[2 * n : 2 * n + motion.count].copy(),
-            self._touches(y),
+            tuple(
+                self._touches(c, Mark(motion.case.duration, c, float(y[2 * n + c]), 0.0))
+                for c in range(motion.count)
+            ),
             system.centre @ y[n : 2 * n] + system.wall_speed,
             np.zeros(len(system.wall_speed)) if rates is None else system.centre @ rates,
             self.force_at,
-            system.fastest,
         )
 
     def _peaks(self) -> tuple[FloatArray, FloatArray]:
@@ -104,7 +104,7 @@ class Readout:
                 for c in range(count)
                 if step.phase.closed[c] and (rough[i, c] >= least[c] or self._at_edge(i, c))
             ]
-            for t in self._tops(step, looked) if looked else ():
+            for t in self._tops(step, looked) if looked and step.end > step.start else ():
                 force = self.look(step, t).force
                 for c in np.flatnonzero(force > peaks):
                     peaks[c], times[c] = force[c], t
@@ -120,22 +120,18 @@ class Readout:
         times, parts = [step.start, step.end], [(step.start, step.end)]
         while parts:
             low, high = parts.pop()
-            middle, half = 0.5 * (low + high), 0.5 * (high - low)
-            for degree in _DEGREES:
-                x = np.cos(np.pi * np.arange(degree + 1) / degree)
-                force = np.array([self.look(step, middle + half * one).force[looked] for one in x])
-                of = chebyshev.chebfit(x, force, degree)
-                smooth = np.abs(of[-2:]).max(axis=0) <= _EXACT * np.abs(force).max(axis=0)
-                if smooth.all():
+            for c in looked:
+                of = Chebyshev.interpolate(
+                    lambda x, c=c: [self.look(step, float(t)).force[c] for t in x],
+                    _DEGREE,
+                    domain=[low, high],
+                )
+                smooth = np.abs(of.coef[-2:]).max() <= _EXACT * np.abs(of.coef).max()
+                if not smooth and high - low > _SHORTEST * (step.end - step.start):
+                    parts += [(low, 0.5 * (low + high)), (0.5 * (low + high), high)]
                     break
-            else:
-                if high - low > _SHORTEST * (step.end - step.start):
-                    parts += [(low, middle), (middle, high)]
-                    continue
-            for column in of.T:
-                roots = chebyshev.chebroots(chebyshev.chebder(column))
-                inside = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) < 1.0)]
-                times += list(middle + half * inside)
+                tops = of.deriv().roots()
+                times += [t.real for t in tops if t.imag == 0.0 and low < t.real < high]
             times.append(high)
         return times
 
@@ -144,40 +140,21 @@ class Readout:
         neighbours = [j for j in (i - 1, i + 1) if 0 <= j < len(self.steps)]
         return len(neighbours) < 2 or any(not self.steps[j].phase.closed[c] for j in neighbours)
 
-    def _touches(self, y: FloatArray) -> tuple[tuple[Touch, ...], ...]:
-        motion = self.motion
-        found: list[list[Touch]] = [[] for _ in range(motion.count)]
-        open_: dict[int, Mark] = {}
-        first = 2 * motion.system.n
-        ends = [
-            Mark(motion.case.duration, c, False, float(y[first + c]), 0.0)
-            for c in range(motion.count)
-        ]
-        for mark in [*self.marks, *ends]:
-            if mark.closes:
-                open_[mark.contact] = mark
-            elif mark.contact in open_:
-                found[mark.contact].append(self._touch(open_.pop(mark.contact), mark))
-        return tuple(self._parted(c, of) for c, of in enumerate(found))
+    def _touches(self, c: int, end: Mark) -> tuple[Touch, ...]:
+        """Of a contact, whose marks close and open it by turns; `end`: of the record."""
+        marks = [*(mark for mark in self.marks if mark.contact == c), end, end]
+        return tuple(self._touch(*marks[i : i + 3]) for i in range(0, len(marks) - 2, 2))
 
-    def _touch(self, start: Mark, end: Mark) -> Touch:
-        deep = max(self._depths(start.contact, start.time, end.time), default=0.0)
-        length = end.time - start.time
+    def _touch(self, start: Mark, end: Mark, following: Mark) -> Touch:
+        """A touch, with how far the bodies part after it."""
+        c, length = start.contact, end.time - start.time
+        deep = max(self._depths(c, start.time, end.time), default=0.0)
+        apart = -min(self._depths(c, end.time, following.time), default=0.0)
         soon = min(start.time + _SOON * length, end.time)
         i = max(int(np.searchsorted(self.starts, soon, side="right")) - 1, 0)
-        after = float(self.look(self.steps[i], soon).depth[start.contact])
+        after = float(self.look(self.steps[i], soon).depth[c])
         pace = min(abs(start.rate) * length, abs(after) / _SOON) / deep if deep > 0.0 else 0.0
-        return Touch(start.time, end.time, end.impulse - start.impulse, pace, deep)
-
-    def _parted(self, c: int, touches: list[Touch]) -> tuple[Touch, ...]:
-        """The touches with how far the bodies part after each."""
-        starts = [*(touch.start for touch in touches[1:]), self.motion.case.duration]
-        parted = []
-        for touch, start in zip(touches, starts, strict=False):
-            apart = -min(self._depths(c, touch.end, start), default=0.0)
-            of = (touch.start, touch.end, touch.impulse, touch.pace, touch.deep)
-            parted.append(Touch(*of, apart))
-        return tuple(parted)
+        return Touch(start.time, end.time, end.impulse - start.impulse, pace, deep, apart)
 
     def _depths(self, c: int, start: float, end: float) -> list[float]:
         """Indentations in the middles of the steps between two times."""

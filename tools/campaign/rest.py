@@ -8,13 +8,11 @@ springs, and contacts that only push.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-from .case import Body, Case, Frame
+from .case import Body, Case
 from .formulas import Formula
-from .system import star_of
-
-FloatArray = npt.NDArray[np.float64]
+from .outcome import FloatArray
+from .system import sides_of, starts, stiffness_of
 
 _MOST = 3000
 
@@ -25,46 +23,23 @@ class NoRestError(Exception):
 
 def rest(case: Case, laws: list[Formula], loads: FloatArray) -> tuple[list[FloatArray], FloatArray]:
     """Return each body's coordinates, contact first, and the contacts' indentations, m."""
-    first = np.concatenate([[0], np.cumsum([_size(body) for body in case.bodies])])
-    ports = np.concatenate([[0], np.cumsum([body.ports for body in case.bodies])])
+    first = starts(len(body.masses) for body in case.bodies)
+    ports = starts(body.ports for body in case.bodies)
     n = int(first[-1])
     stiffness, force = np.zeros((n, n)), np.zeros(n)
     free = np.ones(n, dtype=bool)
     for i, body in enumerate(case.bodies):
-        at = int(first[i])
-        force[at : at + body.ports] += loads[ports[i] : ports[i + 1]]
-        if isinstance(body, Frame):
-            own = slice(at, at + body.ports)
-            stiffness[own, own] += star_of(body).stiffness
-            force[own] += np.array(body.m) * case.gravity
-        elif body.wall:
-            free[at] = False
-        else:
-            _add_star(body, at, case.gravity, stiffness, force)
-    sides = np.zeros((len(case.contacts), n))
-    for c, contact in enumerate(case.contacts):
-        sides[c, first[contact.a] + contact.at[0]] = 1.0
-        sides[c, first[contact.b] + contact.at[1]] = -1.0
+        own = slice(first[i], first[i + 1])
+        free[own] = not body.wall
+        stiffness[own, own] = stiffness_of(body)
+        # What holds a star given by numbers is not known, nor what its weight does to it.
+        if not body.wall and not (body.held and isinstance(body, Body)):
+            force[own] = np.array(body.masses) * case.gravity
+        force[first[i] : first[i] + body.ports] += loads[ports[i] : ports[i + 1]]
+    sides = sides_of(case, first, n)
     gaps = np.array([contact.gap for contact in case.contacts])
     x = _balance(stiffness, force, sides, gaps, laws, free)
     return [x[first[i] : first[i + 1]] for i in range(len(case.bodies))], sides @ x - gaps
-
-
-def _size(body: Body | Frame) -> int:
-    return body.ports if isinstance(body, Frame) else 1 + len(body.m)
-
-
-def _add_star(
-    body: Body, at: int, gravity: float, stiffness: FloatArray, force: FloatArray
-) -> None:
-    """A star's springs and weight, its contact coordinate first."""
-    pull = 0.0 if body.held else gravity
-    stiffness[at, at] += body.k0
-    force[at] += body.m0 * pull
-    for j, (m, k) in enumerate(zip(body.m, body.k, strict=True), start=at + 1):
-        ends = np.ix_([at, j], [at, j])
-        stiffness[ends] += k * np.array([[1.0, -1.0], [-1.0, 1.0]])
-        force[j] += m * pull
 
 
 def _balance(

@@ -1,14 +1,15 @@
 """The equations of motion of a scene in its own coordinates, from the stars' numbers alone.
 
-Every star is M q'' + C q' + K q = b f + g, u = b'q + R f with f the force at its contact
-coordinate. With m0 > 0 the coordinates are the contact's and the oscillators', and R = 0. With
-m0 = 0 the contact coordinate is where its springs hold it, u = (sum k_i q_i + f)/s with
-s = k0 + sum k_i: so b = k/s, R = 1/s and K = diag(k) - k k'/s. Damping is that of the natural modes
-of (K, M); R has none. A frame is a row of masses, with a contact coordinate at each.
+Every body is M q'' + C q' + K q = b f + g, u = b'q + R f with f the forces at its contact
+coordinates. With masses there the coordinates are all of the body's, and R = 0. A contact
+coordinate of no mass is where its springs hold it, u = (sum k_i q_i + f)/s with s = k0 + sum k_i:
+so b = k/s, R = 1/s and K = diag(k) - k k'/s. Damping is that of the natural modes of (K, M); R has
+none. A frame is a row of masses, with a contact coordinate at each.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,51 +17,32 @@ import numpy.typing as npt
 import scipy.linalg
 
 from .case import Body, Case, Frame
-
-FloatArray = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Star:
-    """One body's matrices; push: b of each port, shape (ports, n). A wall has no coordinates."""
-
-    mass: FloatArray
-    stiffness: FloatArray
-    damping: FloatArray
-    push: FloatArray
-    residual: float
-    centre: FloatArray
+from .outcome import FloatArray
 
 
-def star_of(body: Body | Frame) -> Star:
-    """Return the matrices of a body."""
-    if isinstance(body, Frame):
-        return _row(body)
-    if body.wall:
-        none = np.zeros(0)
-        return Star(none, np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((1, 0)), 0.0, none)
-    m, k = np.array(body.m), np.array(body.k)
-    total = body.k0 + k.sum()
-    if body.massless:
-        push = k / total
-        mass, stiffness = m, np.diag(k) - np.outer(k, push)
-        residual, centre = 1.0 / total, m / m.sum()
-    else:
-        mass = np.concatenate([[body.m0], m])
-        stiffness = np.diag(np.concatenate([[total], k]))
-        stiffness[0, 1:] = stiffness[1:, 0] = -k
-        push = np.zeros(len(mass))
-        push[0] = 1.0
-        residual, centre = 0.0, mass / mass.sum()
-    return Star(mass, stiffness, _damping(body, mass, stiffness), push[None], residual, centre)
+def stiffness_of(body: Body | Frame) -> FloatArray:
+    """Return K of all coordinates of a body, the contact's among them whatever its mass."""
+    stiffness = np.zeros((len(body.masses), len(body.masses)))
+    for i, j, k in body.springs:
+        stiffness[i, i] += k
+        if j != i:
+            stiffness[j, j] += k
+            stiffness[i, j] = stiffness[j, i] = -k
+    return stiffness
 
 
-def _row(body: Frame) -> Star:
-    mass, stiffness = np.array(body.m), np.diag(np.array(body.k0))
-    for i, k in enumerate(body.k):
-        stiffness[i : i + 2, i : i + 2] += k * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    damping = _damping(body, mass, stiffness)
-    return Star(mass, stiffness, damping, np.eye(len(mass)), 0.0, mass / mass.sum())
+def starts(sizes: Iterable[int]) -> npt.NDArray[np.intp]:
+    """Return where parts of these sizes start, and the end of the last."""
+    return np.cumsum([0, *sizes])
+
+
+def sides_of(case: Case, first: npt.NDArray[np.intp], count: int) -> FloatArray:
+    """Return of each contact +1 for a and -1 for b, at the bodies' first coordinates and ports."""
+    sides = np.zeros((len(case.contacts), count))
+    for c, contact in enumerate(case.contacts):
+        sides[c, first[contact.a] + contact.at[0]] = 1.0
+        sides[c, first[contact.b] + contact.at[1]] = -1.0
+    return sides
 
 
 def _damping(body: Body | Frame, mass: FloatArray, stiffness: FloatArray) -> FloatArray:
@@ -101,6 +83,8 @@ class System:
     port_speed : ndarray, shape (ports,)
         Of walls.
     first_port : ndarray, shape (bodies + 1,)
+    fastest : float
+        Largest eigenvalue of the free motion, 1/s.
     """
 
     n: int
@@ -116,43 +100,37 @@ class System:
     wall_speed: FloatArray
     port_speed: FloatArray
     first_port: npt.NDArray[np.intp]
-
-    @property
-    def fastest(self) -> float:
-        """Largest eigenvalue of the free motion, 1/s."""
-        if self.n == 0:
-            return 0.0
-        lower = np.hstack([np.zeros((self.n, self.n)), np.eye(self.n)])
-        return float(np.abs(np.linalg.eigvals(np.vstack([lower, self.matrix]))).max())
+    fastest: float
 
 
 def system_of(case: Case) -> System:
-    """Return the equations of a scene."""
-    stars = [star_of(body) for body in case.bodies]
-    sizes = [len(star.mass) for star in stars]
-    first = np.concatenate([[0], np.cumsum(sizes)])
-    ports = np.concatenate([[0], np.cumsum([body.ports for body in case.bodies])])
-    n, count, bodies = int(first[-1]), int(ports[-1]), len(stars)
+    """Return the equations of a scene; a wall has no coordinates."""
+    first = starts(0 if of.wall else len(of.masses) - of.massless for of in case.bodies)
+    ports = starts(body.ports for body in case.bodies)
+    n, count, bodies = int(first[-1]), int(ports[-1]), len(case.bodies)
     matrix, push, pull = np.zeros((n, 2 * n)), np.zeros((n, count)), np.zeros(n)
     port, centre = np.zeros((2 * count, 2 * n)), np.zeros((bodies, n))
     start, residual, speed = np.zeros(2 * n), np.zeros(count), np.zeros(count)
-    for i, (body, star) in enumerate(zip(case.bodies, stars, strict=True)):
+    for i, body in enumerate(case.bodies):
         own, its = slice(first[i], first[i + 1]), slice(ports[i], ports[i + 1])
         rates = slice(n + first[i], n + first[i + 1])
-        matrix[own, own] = -star.stiffness / star.mass[:, None]
-        matrix[own, rates] = -star.damping / star.mass[:, None]
-        push[own, its] = (star.push / star.mass).T
+        if body.wall:
+            speed[its] = body.velocity
+            continue
+        mass, stiffness = np.array(body.masses), stiffness_of(body)
+        unit = np.eye(body.ports, len(mass))
+        if body.massless:
+            unit, residual[its] = -stiffness[:1, 1:] / stiffness[0, 0], 1.0 / stiffness[0, 0]
+            mass, stiffness = mass[1:], stiffness[1:, 1:] + stiffness[1:, :1] @ unit
+        matrix[own, own] = -stiffness / mass[:, None]
+        matrix[own, rates] = -_damping(body, mass, stiffness) / mass[:, None]
+        push[own, its] = (unit / mass).T
         # What holds a star given by numbers is not known, nor what its weight does to it.
         pull[own] = 0.0 if body.held and isinstance(body, Body) else case.gravity
-        port[its, own] = port[count + ports[i] : count + ports[i + 1], rates] = star.push
-        residual[its] = star.residual
-        centre[i, own] = star.centre
+        port[its, own] = port[count + ports[i] : count + ports[i + 1], rates] = unit
+        centre[i, own] = mass / mass.sum()
         start[rates] = body.velocity
-        speed[its] = body.velocity if body.wall else 0.0
-    sides = np.zeros((len(case.contacts), count))
-    for j, contact in enumerate(case.contacts):
-        sides[j, ports[contact.a] + contact.at[0]] = 1.0
-        sides[j, ports[contact.b] + contact.at[1]] = -1.0
+    whole = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), matrix])
     return System(
         n,
         matrix,
@@ -162,9 +140,10 @@ def system_of(case: Case) -> System:
         residual,
         centre,
         start,
-        sides,
+        sides_of(case, ports, count),
         np.array([contact.gap for contact in case.contacts]),
         np.array([body.velocity if body.wall else 0.0 for body in case.bodies]),
         speed,
         ports,
+        float(np.abs(np.linalg.eigvals(whole)).max(initial=0.0)),
     )
