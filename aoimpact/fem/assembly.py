@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, IntArray, at_once, bar, require, sp
-from ..linalg import ENTRIES_AT_ONCE
+from ..linalg import ENTRIES_AT_ONCE, rows_of
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, taken
 from .beams import Beam
 from .composition import AnyMaterial, Piece, pieces, taken_material
@@ -261,6 +261,25 @@ def _over_dofs(
     K = sp.csr_array((stiffness, columns.reshape(-1), 3 * indptr), shape=(n, n))
     M = sp.csr_array((masses, column, indptr), shape=(n, n))
     return with_int32(K), with_int32(M)
+
+
+def kept_rows_columns(matrix: Any, kept: IntArray) -> sp.csr_array:
+    """Return some rows and columns, ascending, of a CSR matrix, whose arrays are used up.
+
+    Copies would take longer: of a plate of 224 000 dofs 2.3 s in place of 0.5 s, most of it for
+    memory that is touched for the first time.
+    """
+    n, end, lengths = matrix.shape[0], 0, [np.zeros(1, dtype=matrix.indptr.dtype)]
+    is_kept = np.isin(np.arange(n), kept, assume_unique=True)
+    cuts = np.linspace(0, n, 2 + matrix.nnz // ENTRIES_AT_ONCE, dtype=int).tolist()
+    for first, last in pairwise(cuts):
+        part = rows_of(matrix, first, last)[is_kept[first:last]][:, kept]
+        to = slice(end, end := end + part.nnz)
+        matrix.indices[to], matrix.data[to] = part.indices, part.data
+        lengths.append(np.diff(part.indptr))
+    indptr = np.cumsum(np.concatenate(lengths), dtype=matrix.indptr.dtype)
+    parts = matrix.data[:end], matrix.indices[:end], indptr
+    return with_int32(sp.csr_array(parts, shape=(len(kept), len(kept))))
 
 
 def with_int32(matrix: Any) -> sp.csr_array:

@@ -56,7 +56,7 @@ from ..mesh import (
     boundary,
     rigid_motions,
 )
-from .assembly import stiffness_mass, with_int32
+from .assembly import kept_rows_columns, stiffness_mass, with_int32
 from .composition import AnyMaterial, Materials, OneMaterial, materials_of, pieces, thin_groups
 from .damping import Damping, damping_or_none
 from .doubts import (
@@ -808,7 +808,7 @@ def _completed(
     """K and M of a mesh with added masses and springs, on the dofs that no support holds."""
     M = M if masses is None else _sum(M, masses)
     if len(free) < K.shape[0]:
-        K, M = (with_int32(matrix[free][:, free]) for matrix in (K, M))
+        K, M = (kept_rows_columns(matrix, free) for matrix in (K, M))
     return K if springs is None else _sum(K, sp.diags_array(springs, format="csr")), M
 
 

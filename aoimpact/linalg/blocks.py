@@ -104,27 +104,15 @@ def diagonal_places(A: Any) -> IntArray:
     return np.flatnonzero(A.indices == row)
 
 
-class Rows:
-    """A x by parts of A's rows, with the bits of the product that is not divided.
+def product(A: Any, x: FloatArray) -> FloatArray:
+    """Return A x of a CSR matrix by parts of its rows, with the bits of what is not divided."""
+    result = np.empty((A.shape[0], *x.shape[1:]))
 
-    Parameters
-    ----------
-    A : scipy.sparse.csr_array
-        Its arrays are shared.
-    """
+    def call(begin: int, end: int) -> None:
+        result[begin:end] = rows_of(A, begin, end) @ x
 
-    def __init__(self, A: Any) -> None:
-        self._n = A.shape[0]
-        self._parts = [(slice(*part), rows_of(A, *part)) for part in _parts(A)]
-
-    def __matmul__(self, x: FloatArray) -> FloatArray:
-        result = np.empty((self._n, *x.shape[1:]))
-
-        def call(rows: slice, of: Any) -> None:
-            result[rows] = of @ x
-
-        at_once([partial(call, rows, of) for rows, of in self._parts])
-        return result
+    at_once([partial(call, *part) for part in _parts(A)])
+    return result
 
 
 def congruent(A: Any, P: Any) -> Any:

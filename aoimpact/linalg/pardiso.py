@@ -39,7 +39,7 @@ class _Factors:
 
     def __init__(self, pencil: Pencil) -> None:
         self._pencil, self._s2 = pencil, math.nan
-        self._pattern: tuple[Any, ...] = ()
+        self._indices: Any = None
         self._solver = _pardiso(pencil.what)
         for place, value in _OPTIONS.items():
             self._solver.set_iparm(place, value)
@@ -64,16 +64,8 @@ class _Factors:
                 f"counted from 0, is {diagonal[without[0]]:g})"
             )
         matrix, by = pencil.matrix(), self._solver.refactor_values
-        matrix.sort_indices()
-        pattern = matrix.indptr, matrix.indices
-        if not (self._pattern and all(map(np.array_equal, pattern, self._pattern))):
-            n = pencil.n
-            row = np.repeat(np.arange(n, dtype=matrix.indices.dtype), np.diff(matrix.indptr))
-            self._pattern, self._upper = pattern, matrix.indices >= row
-            starts = np.zeros(n + 1, dtype=np.int64)
-            np.cumsum(np.bincount(row[self._upper], minlength=n), out=starts[1:])
-            columns = matrix.indices[self._upper].astype(np.int64)
-            self._solver.set_pattern(ia=starts, ja=columns, n=n)
+        if matrix.indices is not self._indices:
+            self._take_pattern(matrix)
             by = self._solver.factor
         self._s2 = math.nan  # until the new factors are there
         try:
@@ -84,6 +76,13 @@ class _Factors:
             raise SingularError(f"{what} is singular or not positive definite ({error})") from None
         check_condition(matrix, self._solver.solve, what, diagonal=diagonal)
         self._s2 = pencil.s2
+
+    def _take_pattern(self, matrix: Any) -> None:
+        row = np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))
+        self._indices, self._upper = matrix.indices, matrix.indices >= row
+        counts = np.add.reduceat(self._upper, matrix.indptr[:-1], dtype=np.int64)
+        starts, columns = np.concatenate([[0], np.cumsum(counts)]), matrix.indices[self._upper]
+        self._solver.set_pattern(ia=starts, ja=columns.astype(np.int64), n=len(counts))
 
 
 def _pardiso(what: str) -> Any:

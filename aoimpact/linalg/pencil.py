@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, IntArray, sp
-from .blocks import Rows
+from ..base import ArrayPair, FloatArray, IntArray
+from .blocks import ENTRIES_AT_ONCE, product, rows_of
 from .dissection import Fill, fill, nested_dissection
 
 # Negligible, but non-zero so that the sparse entry is kept.
@@ -69,8 +71,7 @@ class Pencil:
     @cached_property
     def diagonal(self) -> FloatArray:
         """Diagonal of K + s²M, shape (n,)."""
-        found: FloatArray = self.K.diagonal() + self.s2 * self.M.diagonal()
-        return found
+        return np.asarray(self.K.diagonal() + self.s2 * self.M.diagonal())
 
     @property
     def rotates(self) -> bool:
@@ -91,28 +92,34 @@ class Pencil:
     def matrix(self) -> Any:
         """Return K + s²M as one matrix; K itself where s is zero.
 
-        It has the pattern of K if M couples no more: what is found out of one serves the other.
+        It has the pattern of K, and its arrays, if M couples no more: what is found out of one
+        serves the other.
         """
+        for each in (self.K, self.M):
+            each.sum_duplicates()  # and sort them
         if not self.s2:
             return self.K
-        K = self.K
-        if not K.data.all():  # SciPy leaves sums out that are zero
-            data = np.where(K.data == 0.0, _ALMOST_ZERO, K.data)
-            K = sp.csr_array((data, K.indices, K.indptr), shape=K.shape)
-        return K + self.s2 * self.M
+        K, data = self.K, np.empty_like(self.K.data)
+        cuts = np.linspace(0, self.n, 2 + K.nnz // ENTRIES_AT_ONCE, dtype=int).tolist()
+        for first, last in pairwise(cuts):
+            rows = rows_of(K, first, last)
+            # SciPy leaves sums out that are zero.
+            rows.data = np.where(rows.data == 0.0, _ALMOST_ZERO, rows.data)
+            total = rows + self.s2 * rows_of(self.M, first, last)
+            if total.nnz != rows.nnz:
+                return K + self.s2 * self.M
+            data[K.indptr[first] : K.indptr[last]] = total.data
+        found = copy(K)  # SciPy's constructors may copy the other arrays
+        found.data = data
+        return found
 
     def products(self, x: FloatArray) -> ArrayPair:
         """Return K x and M x."""
-        K, M = self._rows
-        return K @ x, M @ x
+        return product(self.K, x), product(self.M, x)
 
     def momentum(self, x: FloatArray) -> FloatArray:
         """Return M x."""
-        return self._rows[1] @ x
-
-    @cached_property
-    def _rows(self) -> tuple[Rows, Rows]:
-        return Rows(self.K), Rows(self.M)
+        return product(self.M, x)
 
     @cached_property
     def scale(self) -> float:

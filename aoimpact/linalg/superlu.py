@@ -48,11 +48,8 @@ class Factorization:
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return A⁻¹ `rhs`; `rhs` of shape (n,) or (n, m)."""
-        if self.order is None:
-            solution: FloatArray = self._lu.solve(rhs)
-        else:
-            solution = np.empty_like(rhs)
-            solution[self.order] = self._lu.solve(rhs[self.order])
+        solution, order = np.empty(rhs.shape), slice(None) if self.order is None else self.order
+        solution[order] = self._lu.solve(rhs[order])
         return solution
 
     def of_bytes(self, rhs: bytes) -> FloatArray:
