@@ -39,23 +39,21 @@ KINDS = {
 LIMIT, PATIENCE, MEMORY = 60.0, 10.0, 2**31
 
 _trial: Trial
-_folder: Path
 
 
-def _begin(options: argparse.Namespace, root: str) -> None:
+def _begin(options: argparse.Namespace, folder: Path) -> None:
     """Prepare a child process: what it imports counts neither as time nor as memory."""
-    global _trial, _folder
+    global _trial
     faulthandler.enable()
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # readers may print
-    _folder = Path(tempfile.mkdtemp(dir=root))
-    _trial = import_module(f".{KINDS[options.kind]}", __package__).trial(options, _folder)
+    _trial = import_module(f".{KINDS[options.kind]}", __package__).trial(options, folder)
     for name in dir(aoimpact):
         getattr(aoimpact, name)
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     resource.setrlimit(resource.RLIMIT_AS, 2 * (pages * resource.getpagesize() + MEMORY,))
 
 
-def _tried(number: int, out: Path | None) -> tuple[Verdict, float]:
+def _tried(number: int) -> tuple[Verdict, float]:
     """The verdict on a number, and the s that it took."""
     signal.setitimer(signal.ITIMER_PROF, LIMIT)  # either ends the process, whatever it is at
     faulthandler.dump_traceback_later(PATIENCE * LIMIT, exit=True)
@@ -63,10 +61,6 @@ def _tried(number: int, out: Path | None) -> tuple[Verdict, float]:
     verdict = _trial(number)
     signal.setitimer(signal.ITIMER_PROF, 0.0)
     faulthandler.cancel_dump_traceback_later()
-    if verdict.failed and out is not None:
-        name = re.sub(r"\W+", "_", verdict.kind)[:60]
-        if not any(out.glob(f"{name}-*")):
-            shutil.copytree(_folder, out / f"{name}-{number}")
     return verdict, time.process_time() - begin
 
 
@@ -77,15 +71,21 @@ def each(options: argparse.Namespace, root: str) -> Iterator[tuple[int, Verdict,
 
     def one(number: int) -> tuple[Verdict, float]:
         if not hasattr(mine, "child"):
-            begin = options, root
+            mine.folder = Path(tempfile.mkdtemp(dir=root))
+            begin = options, mine.folder
             mine.child = ProcessPoolExecutor(1, get_context("spawn"), _begin, begin)
         try:
-            return mine.child.submit(_tried, number, options.out).result()
+            verdict, seconds = mine.child.submit(_tried, number).result()
         except BrokenProcessPool:
             del mine.child
-            return Verdict("hangs", f"or crashes: its process ended within {LIMIT:g} s"), LIMIT
+            verdict, seconds = Verdict("hangs", "or crashes: its process ended"), LIMIT
         except Exception as error:
-            return Verdict("failed", f"the campaign itself: {type(error).__name__}: {error}"), 0.0
+            verdict, seconds = Verdict("failed", f"the campaign itself: {error!r}"), 0.0
+        if verdict.failed and options.out is not None:
+            name = re.sub(r"\W+", "_", verdict.kind)[:60]
+            if not any(options.out.glob(f"{name}-*")):
+                shutil.copytree(mine.folder, options.out / f"{name}-{number}")
+        return verdict, seconds
 
     team = ThreadPoolExecutor(options.workers)
     try:
