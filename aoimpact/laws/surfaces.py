@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from ..base import InputError, unit_vector
+from ..base import ROUNDING, InputError, unit_vector
 from ..contact import ContactSurface
 from .elastic import Hertz
 
@@ -95,13 +95,13 @@ def law_between(
 
 
 def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFromSurfaces:
-    slack = one.error + two.error
+    slack, largest = one.error + two.error, max(map(abs, (*one.curvatures, *two.curvatures)))
     try:
         law, apart = _hertz(one, two, angle), 0.0
-        for shift in (-slack, slack) if slack else ():
+        for shift in (-slack, slack) if slack > ROUNDING * largest else ():
             apart = max(apart, abs(_hertz(one, two, angle, shift).k / law.k - 1.0))
     except InputError as error:
-        if slack > _DOUBT * max(map(abs, (*one.curvatures, *two.curvatures))):
+        if slack > _DOUBT * largest:
             why = "a curvature below its error counts as flat: refine the mesh about it, or "
         else:
             why = "they do not touch in a point: "
