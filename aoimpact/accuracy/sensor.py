@@ -40,6 +40,12 @@ class Sensor(Frozen):
     unit: ClassVar[str]
     memory: float = 0.0
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "body", body_of(self.body))
+        if self.body is not None:
+            self.check(self.body)
+        super().__post_init__()
+
     def check(self, body: FEModel) -> None:
         """Refuse a body that has no such quantity."""
 

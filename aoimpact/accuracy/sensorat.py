@@ -14,7 +14,6 @@ from ..base import (
     ArrayPair,
     FloatArray,
     InputError,
-    InputTypeError,
     checked,
     choice,
     nonnegative,
@@ -33,7 +32,7 @@ from ..fields import (
     motion_rows,
     place_rows,
 )
-from .sensor import Sensor, body_of
+from .sensor import Sensor
 
 # Channel frequency class that is taken if none was given, Hz.
 _CLASS = 1000.0
@@ -44,8 +43,37 @@ _AFTER = 2.0
 _COMPONENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
 
 
+class _AtPoint(Sensor):
+    """Stress or strain at a point of a body that has a mesh."""
+
+    point: FloatArray
+    layer: Any
+    part: str | None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.body is None or self.body.mesh is None:
+            why = f"has no mesh, without which no {self.named} is known"
+            raise InputError(f"body {self.body!r} {why}")
+        self.measured(self.body)  # which checks the place
+
+    @property
+    def where(self) -> Layer:
+        """The place in a shell or beam.
+
+        :meta private:
+        """
+        return checked_layer(self.layer, self.part)
+
+    def _rows(self, body: FEModel) -> TensorAt:
+        strain = self.named == "strain"
+        found = TensorAt(body, place_rows(body, self.point[None]), self.where, strain=strain)
+        _ = found.rows  # which checks the place
+        return found
+
+
 @dataclass(frozen=True, eq=False)
-class StressAt(Sensor):
+class StressAt(_AtPoint):
     """The stress at a point over the record, for ``simulate(quantity=StressAt(...))``.
 
     ``error.mesh`` has what the elements leave out of the body's vibration and of the force, and by
@@ -84,27 +112,9 @@ class StressAt(Sensor):
     named, unit = "stress", "Pa"
 
     def __post_init__(self) -> None:
-        model = body_of(self.body)
-        if model is None:
-            raise InputTypeError(f"body must be an FEModel or a contact point, got {self.body!r}")
-        if model.mesh is None:
-            raise InputError(f"body {model!r} has no mesh, without which no stress is known")
-        object.__setattr__(self, "body", model)
         checked(self, point=place)
         choice("component", self.component, (*_COMPONENTS, "von_mises"))
-        _ = self._rows(model).rows  # which checks them
         super().__post_init__()
-
-    @property
-    def where(self) -> Layer:
-        """The place in a shell or beam.
-
-        :meta private:
-        """
-        return checked_layer(self.layer, self.part)
-
-    def _rows(self, body: FEModel) -> TensorAt:
-        return TensorAt(body, place_rows(body, self.point[None]), self.where)
 
     def measured(self, body: FEModel) -> Any:
         """See `Sensor`.
@@ -125,7 +135,7 @@ class StressAt(Sensor):
 
 
 @dataclass(frozen=True, eq=False)
-class StrainAt(Sensor):
+class StrainAt(_AtPoint):
     """The strain at a point, or of a gauge, for ``simulate(quantity=StrainAt(...))``.
 
     ``error.mesh`` has what the elements leave out of the body's vibration and of the force; of the
@@ -167,10 +177,6 @@ class StrainAt(Sensor):
     named, unit = "strain", ""
 
     def __post_init__(self) -> None:
-        model = body_of(self.body)
-        if model is None or model.mesh is None:
-            raise InputError(f"body {model!r} has no mesh, without which no strain is known")
-        object.__setattr__(self, "body", model)
         checked(self, point=place, length=lambda name, x: nonnegative(name, x, unit="m"))
         if isinstance(self.component, str):
             if self.component[::-1] in _COMPONENTS:  # of a symmetric tensor
@@ -178,7 +184,6 @@ class StrainAt(Sensor):
             choice("component", self.component, tuple(_COMPONENTS))
         else:
             checked(self, component=lambda name, x: tuple(unit_vector(name, x).tolist()))
-        self.measured(model)  # which checks them
         super().__post_init__()
 
     @cached_property
@@ -198,14 +203,6 @@ class StrainAt(Sensor):
             along = np.array(self.component)
         return gauge_ends(self.body, self.point, along, self.length, "component")
 
-    @property
-    def where(self) -> Layer:
-        """The place in a shell or beam.
-
-        :meta private:
-        """
-        return checked_layer(self.layer, self.part)
-
     def measured(self, body: FEModel) -> Any:
         """See `Sensor`.
 
@@ -214,7 +211,6 @@ class StrainAt(Sensor):
         if self.length:
             return gauge_strain(body, *self.ends, self.where)
         rows, weights = self._rows(body), self._weights
-        _ = rows.rows
         return lambda response, times: rows(response, times)[:, 0] @ weights
 
     def of_stress(self, body: FEModel) -> Callable[[Stress], FloatArray] | None:
@@ -226,9 +222,6 @@ class StrainAt(Sensor):
             return None
         by_stress = self._weights @ self._rows(body).compliance[0]
         return lambda stress: np.asarray(stress.components @ by_stress)
-
-    def _rows(self, body: FEModel) -> TensorAt:
-        return TensorAt(body, place_rows(body, self.point[None]), self.where, strain=True)
 
     @property
     def _weights(self) -> FloatArray:
@@ -293,13 +286,10 @@ class AccelerationAt(Sensor):
                 "corner"
             )
             object.__setattr__(self, "cfc", _CLASS)
-        object.__setattr__(self, "body", body_of(self.body))
         checked(self, point=place, direction=unit_vector)
         channel = self.channel
         object.__setattr__(self, "cfc", channel.cfc)
         object.__setattr__(self, "corner", channel.corner)
-        if self.body is not None:
-            self.check(self.body)
         super().__post_init__()
 
     @property
@@ -371,10 +361,7 @@ class ReactionAt(Sensor):
     named, unit = "reaction", "N"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "body", body_of(self.body))
         checked(self, direction=unit_vector)
-        if self.body is not None:
-            self.check(self.body)
         super().__post_init__()
 
     def check(self, body: FEModel) -> None:
