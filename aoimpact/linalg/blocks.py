@@ -106,12 +106,12 @@ def diagonal_places(A: Any) -> IntArray:
 
 def product(A: Any, x: FloatArray) -> FloatArray:
     """Return A x of a CSR matrix by parts of its rows, with the bits of what is not divided."""
-    result = np.empty((A.shape[0], *x.shape[1:]))
+    result, parts = np.empty((A.shape[0], *x.shape[1:])), _parts(A)
 
     def call(begin: int, end: int) -> None:
-        result[begin:end] = rows_of(A, begin, end) @ x
+        result[begin:end] = (rows_of(A, begin, end) if len(parts) > 1 else A) @ x
 
-    at_once([partial(call, *part) for part in _parts(A)])
+    at_once([partial(call, *part) for part in parts])
     return result
 
 
