@@ -165,7 +165,7 @@ class Dialect:
         self, rng: random.Random, folder: Path, name: str, lines: list[str], depth: int = 0
     ) -> Path:
         """Write lines, with comments between, some of them into files that are included."""
-        rare, names = rng.choice((0.0, 0.06)), ["part", "a part", "sub/part"]
+        names = ["part", "a part", *["sub/part"] * (depth == 0 or not self.nested)]
         while depth < 3 and len(lines) > 3 and rng.random() < 0.3:
             first, last = sorted(rng.sample(range(len(lines)), 2))
             other = f"{rng.choice(names)}{rng.randrange(10**6)}.inc"
@@ -177,7 +177,7 @@ class Dialect:
             names = names[:2] if self.nested else names  # what is included stays in its folder
         text = list[str]()
         for line in lines:
-            text += [rng.choice(self.comments)] * (rng.random() < rare) + [line]
+            text += [rng.choice(self.comments)] * (rng.random() < 0.04) + [line]
         end = rng.choice(("\n", "\n", "\r\n"))
         whole = "\n".join(text).replace("\n", end) + rng.choice(("", end))
         encoding = rng.choice(("utf-8", "utf-8", "latin-1", "utf-8-sig", "utf-16"))
