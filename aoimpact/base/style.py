@@ -132,15 +132,15 @@ def draw_curves(
     x, x_name, x_unit = across
     largest = max(float(np.nanmax(np.abs(y), initial=0.0)) for y, _ in curves)
     reach = float(np.max(np.abs(x), initial=0.0))
-    x_scale = scale_of(axes.get_xlabel(), x_unit) or scale_for(reach, x_unit)
-    y_scale = scale_of(axes.get_ylabel(), unit) or scale_for(largest, unit)
+    x_factor, x_shown = scale_of(axes.get_xlabel(), x_unit) or scale_for(reach, x_unit)
+    y_factor, y_shown = scale_of(axes.get_ylabel(), unit) or scale_for(largest, unit)
     for y, style in curves:
-        axes.plot(x_scale.factor * x, y_scale.factor * y, **style | (kwargs or {}))
-    axes.set_xlabel(label(x_name, x_scale.unit))
-    axes.set_ylabel(label(name, y_scale.unit))
+        axes.plot(x_factor * x, y_factor * y, **style | (kwargs or {}))
+    axes.set_xlabel(label(x_name, x_shown))
+    axes.set_ylabel(label(name, y_shown))
     axes.grid(True, alpha=0.3)
     if x_unit == "s":
-        span = x_scale.factor * x[[0, -1]]  # also where a curve has no values at an end
+        span = x_factor * x[[0, -1]]  # also where a curve has no values at an end
         axes.update_datalim(np.stack([span, np.zeros(2)], axis=1), updatey=False)
         axes.margins(x=0.0)
     legend(axes)

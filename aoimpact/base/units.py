@@ -7,17 +7,12 @@ to 10 000, because "1001.5 N" is read more easily than "1.0015 kN".
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 
-@dataclass(frozen=True)
-class Scale:
-    """A unit with its prefix: a value in SI units times `factor` is a number of `unit`."""
-
-    factor: float
-    unit: str
+# A factor and a unit with its prefix: a value in SI units times the factor is a number of the unit.
+Scale = tuple[float, str]
 
 
 def scale_for(largest: float, unit: str) -> Scale:
@@ -28,19 +23,19 @@ def scale_for(largest: float, unit: str) -> Scale:
     """
     size = abs(largest)
     if not math.isfinite(size) or size == 0.0 or not unit or unit.startswith("1/"):
-        return Scale(1.0, unit)
+        return 1.0, unit
     exponent = 3 * math.floor(math.log10(size) / 3.0 + 1e-9)
     if 1.0 <= size < 9999.5:
         exponent = 0
     exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
-    return Scale(10.0**-exponent, _PREFIXES[exponent] + unit)
+    return 10.0**-exponent, _PREFIXES[exponent] + unit
 
 
 def scale_of(label: str, unit: str) -> Scale | None:
     """Return the scale that an axis label such as "force (kN)" states, or None."""
     for exponent, prefix in _PREFIXES.items():
         if label.endswith(f"({prefix}{unit})"):
-            return Scale(10.0**-exponent, prefix + unit)
+            return 10.0**-exponent, prefix + unit
     return None
 
 
@@ -49,8 +44,8 @@ def with_unit(value: float, unit: str, digits: int = 4) -> str:
     if unit == "kg" and 0.0 < abs(value) < 1.0:
         value, unit = 1e3 * value, "g"
     rounded = float(f"{value:.{digits}g}")
-    scale = scale_for(rounded, unit)
-    scaled = rounded * scale.factor
+    factor, unit = scale_for(rounded, unit)
+    scaled = rounded * factor
     if 10.0**digits <= abs(scaled) < 1e6:  # rounded already: 870, not 8.7e+02
-        return f"{scaled:.0f} {scale.unit}".rstrip()
-    return f"{scaled:.{digits}g} {scale.unit}".rstrip()
+        return f"{scaled:.0f} {unit}".rstrip()
+    return f"{scaled:.{digits}g} {unit}".rstrip()

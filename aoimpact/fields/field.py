@@ -114,13 +114,13 @@ def picture(
         plotter.render()
     largest = [body.von_mises.max(axis=0) for body in bodies if body.von_mises is not None]
     most = float(np.percentile(np.concatenate(largest), _COLOURED)) if largest else 0.0
-    pressure, grids = scale_for(most, "Pa"), list[Any]()
+    (pressure, unit), grids = scale_for(most, "Pa"), list[Any]()
 
     def draw(which: int) -> None:
         for body, grid in zip(bodies, grids, strict=True):
             grid.points = body.points + factor * body.displacement[which]
             if body.von_mises is not None:
-                grid.point_data["stress"] = pressure.factor * body.von_mises[which]
+                grid.point_data["stress"] = pressure * body.von_mises[which]
         time = with_unit(float(times[which]), "s", 3)
         caption = f"t = {time}     displacement × {factor:g}"
         plotter.add_text(caption, font_size=12, color="black", name="caption")
@@ -130,11 +130,11 @@ def picture(
         grids.append(pyvista.from_meshio(meshio_of_all_kinds().Mesh(body.points, cells)))
         colours: dict[str, Any] = {"color": "lightgray"}
         if body.von_mises is not None:
-            grids[-1].point_data["stress"] = pressure.factor * body.von_mises[0]
+            grids[-1].point_data["stress"] = pressure * body.von_mises[0]
             colours = {
                 "scalars": "stress",
-                "clim": (0.0, pressure.factor * most or 1.0),
-                "scalar_bar_args": {"title": f"von Mises ({pressure.unit})"},
+                "clim": (0.0, pressure * most or 1.0),
+                "scalar_bar_args": {"title": f"von Mises ({unit})"},
                 "show_edges": True,
                 "edge_opacity": 0.35,
             }

@@ -37,8 +37,6 @@ _SECOND_HALF = 1.0 / 3.0
 # The confidence of the error by noise is 1 less this.
 _OUTSIDE = 0.05
 
-ComplexArray = ComplexArray
-
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class MeasuredResponse(FrequencyResponse):
