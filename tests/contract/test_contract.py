@@ -29,7 +29,7 @@ STORED = Path(__file__).with_name("numbers.json")
 # the time of a flat maximum; of errors, which are small differences of models and hang on rounding.
 # The last of some twenty Krylov vectors hang on it, too: where models are chosen that counts.
 DIGITS, OF_MESHES, OF_PEAK_TIMES, OF_ERRORS = 1e-9, 1e-7, 1e-5, 0.25
-CHOSEN = {"sphere on plate", "laminate", "friction on a block", "stress at a point"}
+CHOSEN = {"friction on a block", "stress at a point"}
 OF_CHOSEN, OF_CHOSEN_PEAK_TIMES = 1e-4, 1e-3
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -61,13 +61,14 @@ def plate() -> ao.FEModel:
 
 
 @cache
-def top() -> ao.ContactPoint:
-    return plate().contact(point=(0.05, 0.04, 0.01))
+def top(x: float = 0.05, y: float = 0.04) -> ao.ContactPoint:
+    """In the middle it is on planes of symmetry, and the last Krylov vectors hang on rounding."""
+    return plate().contact(point=(x, y, 0.01))
 
 
 def sheet(made: Any, kind: str = "quad") -> ao.ContactPoint:
     mesh = ao.sheet_mesh((0.1, 0.1), (16, 16), kind=kind)
-    return ao.FEModel.from_mesh(mesh, made, fixed=RIM).contact(point=(0.05, 0.05, 0))
+    return ao.FEModel.from_mesh(mesh, made, fixed=RIM).contact(point=(0.03, 0.04, 0))
 
 
 def block() -> ao.ContactPoint:
@@ -179,12 +180,12 @@ SCENES: dict[str, Callable[[], Mapping[str, Any]]] = {
     ),
     "balls of numbers": lambda: told(ao.simulate(BALL, BALL, 1.0)),
     "spheres of a mesh": lambda: told(ao.simulate(sphere(), sphere(), 1.0)),
-    "sphere on plate": lambda: told(ao.simulate(sphere(), top(), 1.0)),
+    "sphere on plate": lambda: told(ao.simulate(sphere(), top(0.04, 0.03), 1.0)),
     "modes of a plate": lambda: told(on_plate()),
     "all of a plate": lambda: told(
         ao.simulate(BALL, ao.full(top()), 1.0, law=ao.Hertz(1e10), duration=2e-4)
     ),
-    "shell": lambda: told(ao.simulate(BALL, sheet(ao.Shell(3e-3, STEEL)), 1.0)),
+    "shell": lambda: told(ao.simulate(BALL, few(sheet(ao.Shell(3e-3, STEEL))), 1.0)),
     "shell of triangles": lambda: told(
         ao.simulate(BALL, few(sheet(ao.Shell(3e-3, STEEL), "triangle")), 1.0, duration=1e-4)
     ),
