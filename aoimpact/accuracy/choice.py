@@ -106,7 +106,7 @@ def choose_models(
         How long the scene is recorded.
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
-    factors : dict of body to LinearSolver, optional
+    factors : dict of (body, shift) to LinearSolver, optional
         See `Search`.
 
     Returns

@@ -89,7 +89,7 @@ def _rigid(body: BodyModel, contact_time: float) -> Any:
     make = partial(model_hierarchy(body, contact_time, None).model, 0)
     if not isinstance(body, FullModel):
         return make()
-    return body.body.kept.get(("rigid", *(tip.key for tip in body.tips)), make)
+    return body.body.kept.get(("rigid", contact_time, *(tip.key for tip in body.tips)), make)
 
 
 def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:
@@ -119,7 +119,7 @@ class Search:
         The order beyond which no larger ones are tried.
     solver : str or callable
         The linear solver of the bodies; see `FEModel.inverse`.
-    factors : dict of body to LinearSolver
+    factors : dict of (body, shift) to LinearSolver
         Those that have been set up, and can be taken from here.
     orders : tuple of int
         Of each different body; 0 is rigid. Equal bodies with the same contact point, such as two
@@ -225,7 +225,8 @@ class Search:
             make = partial(model_hierarchy, body, time, slow, self.solver)
             if isinstance(body, FullModel):
                 # The factors are taken from those set up, so that their memory can be freed.
-                known = self.factors.pop(body.body, None) if self.solver == "auto" else None
+                at = body.body, body.tips[0].shift
+                known = self.factors.pop(at, None) if self.solver == "auto" else None
                 tips = tuple([tip.key for tip in body.tips])
                 key = tips, time, slow, self.solver, self._first
                 make = partial(body.body.kept.get, key, partial(make, known))

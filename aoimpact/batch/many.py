@@ -36,7 +36,7 @@ from ..contact import ContactPoint
 from ..impact import simulate
 from ..laws import Linear
 from ..reduction import rigid
-from ..results import look_up
+from ..results import QUANTITIES, look_up
 from .checkpoint import Checkpoint, Digests, Outcome, as_json
 from .plain import PLAIN_NUMBERS, plain_numbers
 
@@ -162,7 +162,7 @@ def run_cases(
         mass = rigid(mass=1.0)
         hit = simulate(mass, mass, 1.0, law=Linear(k=1.0), duration=5.0)
         for name in job.keep.names:
-            if not re.search(r"\.\d", name):  # of a body or contact, which the cases have
+            if name not in QUANTITIES and not re.search(r"\.\d", name):  # which the cases have
                 look_up(hit, name, "keep")
     if not callable(getattr(workers, "submit", None)):
         workers = min(integer("workers", workers, low=1), _MOST_THREADS)

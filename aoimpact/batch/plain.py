@@ -152,7 +152,7 @@ def _given(case: Any) -> tuple[float, ...] | None:
     """The numbers of a case; None where `simulate` has to look at it."""
     if not isinstance(case, Mapping) or not _REQUIRED <= case.keys() <= _KEYWORDS:
         return None
-    solver = case.get("solver") or _BY_DEFAULT
+    solver = _BY_DEFAULT if case.get("solver") is None else case["solver"]
     if not (isinstance(case["law"], ContactLaw) and isinstance(solver, Adaptive)):
         return None
     velocity, gap, duration = case["velocity"], case.get("gap", 0.0), case["duration"]

@@ -72,7 +72,7 @@ class Foreseen:
         names : sequence of str
             Of the bodies, for messages.
         factors : dict
-            Solvers that are set up are put here, by their finite-element body.
+            Solvers that are set up are put here, by their finite-element body and shift, rad/s.
         wider : bool, optional
             True for wider patches than two bodies alone would need.
         bounded : bool, optional
@@ -147,9 +147,11 @@ class Foreseen:
 
         def pressed() -> ContactPoint:
             wide = contact_within(tip, radius, wider=wider) if tip.automatic else tip
-            if tip.body not in factors:
-                factors[tip.body] = tip.body.inverse((SHIFT_TIMES_DURATION / time) ** 2)
-            return wide.at_impact(radius, factors[tip.body])
+            s2 = (SHIFT_TIMES_DURATION / time) ** 2
+            key = tip.body, math.sqrt(s2)
+            if key not in factors:
+                factors[key] = tip.body.inverse(s2)
+            return wide.at_impact(radius, factors[key])
 
         fit = tip.body.kept.get(("patch", tip.key, radius, time, wider), pressed)
         return replace(body, tips=(*body.tips[:port], fit, *body.tips[port + 1 :]))

@@ -5,7 +5,7 @@ matrices and where their rows lie in space, no bodies. For `fem`, `reduction` an
 with K and M.
 """
 
-from .blocks import ENTRIES_AT_ONCE, rows_of
+from .blocks import ENTRIES_AT_ONCE
 from .matrices import (
     LARGEST,
     LEAST,

@@ -394,7 +394,7 @@ def _friction_peaks(run: Run) -> FloatArray:
     Between the times of the record next to the largest there it is looked for again: where slip
     begins it has a corner.
     """
-    found: list[float] = []
+    found, run = list[float](), replace(run, asked=None)  # of the solver's own times
     for number, contact in enumerate(run.plan.contacts if run.plan.oblique is not None else ()):
         if contact.friction is None:
             found.append(0.0)

@@ -713,7 +713,7 @@ class Run:
         if self.recorder.dense and not (contact.friction or law.depends_on_rate or law.by_caller):
             times = np.array([self.events[number].peak_time])  # where it is deepest
         else:
-            times = self.t
+            times = self.recorder.times
         rows = self.plan.layout.contact(self.recorder.rows(times, energies=False), number)
         return float(contact.own_indentation(rows).max(initial=0.0))
 

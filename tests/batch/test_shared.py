@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import pickle
-from concurrent.futures import Future
+from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -61,7 +60,6 @@ def test_each_is_what_simulate_gives_within_their_errors() -> None:
         {"law": ao.HuntCrossley(k=1.5e10, damping=0.1, relative_radius=0.01)},
         {"quantity": "impulse", "rtol": 1e-3},
     ],
-    ids=["given law and duration", "gap and solver", "damped law", "tolerance"],
 )
 def test_so_it_is_for_other_arguments(changes: dict[str, Any]) -> None:
     cases = balls(2, **changes)
@@ -86,21 +84,24 @@ def test_kept_numbers_are_those_of_the_results() -> None:
             assert numbers[f"{name}_controlled"] == (hit.error[name].model <= hit.error.rtol)
 
 
-class Pickled:
-    """An executor that hands over tasks and outcomes as another process gets them."""
-
-    def submit(self, task: Any, items: Any) -> Future[Any]:
-        done: Future[Any] = Future()
-        here, given = pickle.loads(pickle.dumps((task, items)))
-        done.set_result(pickle.loads(pickle.dumps(here(given))))
-        return done
-
-
 def test_the_same_bits_in_any_order_from_any_worker(tmp_path: Path) -> None:
     cases, alone = balls(), kept_of_balls()
     assert ao.simulate_many(cases[::-1], keep=NAMES)[::-1] == alone
     assert ao.simulate_many(cases, 3, keep=NAMES) == alone
-    assert ao.simulate_many(cases, Pickled(), keep=NAMES) == alone
+    with ProcessPoolExecutor(1) as pool:
+        assert ao.simulate_many(cases, pool, keep=NAMES) == alone
     cases, alone = cases[:2], ao.simulate_many(cases[:2], keep=NAMES)
     for _ in range(2):  # computed, then read
         assert ao.simulate_many(cases, keep=NAMES, checkpoint=tmp_path / "cases") == alone
+
+
+def test_an_impact_is_the_same_after_others_on_its_body() -> None:
+    """Their patches lie elsewhere, and were fitted to another contact time."""
+    bodies = [ao.FEModel.from_mesh(tip().body.mesh, STEEL) for _ in range(2)]
+    tips = [[body.contact(point=(x, x, 0.01)) for x in (0.02, 0.04)] for body in bodies]
+    scene, small = ao.Scene(), ao.ball(0.006, STEEL)
+    target = scene.add(tips[0])
+    for at, ball in enumerate((ao.ball(0.03, STEEL), small)):
+        scene.connect(scene.add(ball, velocity=1.0), target.port(at))
+    scene.simulate(duration=3e-4, quantity="peak_force")
+    assert len({ao.simulate(small, own, 1.0).peak_force for _, own in tips}) == 1
