@@ -27,26 +27,23 @@ from __future__ import annotations
 
 import copy
 import math
-from functools import cached_property
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
-from ..base import ArrayPair, BoolArray, FloatArray, IntArray, RoomError
+from ..base import ArrayPair, FloatArray, IntArray, RoomError
 from ..fem import (
     Material,
     Solid,
     each_of,
-    energy_error,
     material_of,
-    missing_energy,
     pieces,
-    stiffness_mass,
-    taken_material,
+    some_elements,
 )
 from ..linalg import LinearSolver
-from ..mesh import plane_of, taken
-from .compliance import Compliance
+from ..mesh import plane_of
+from .compliance import SPAN, Compliance
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .subdivision import cells_towards, sides_towards
 from .touch import element_at, spread
@@ -65,19 +62,21 @@ _BEHIND, _FAR_BEHIND = 0.35, 0.8
 # inertia, of linear and quadratic elements: R changes by less than 1e-4 of itself.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
-# The mean of w under the pressure has an error of either sign, but a small one even where elements
-# are too large about a sharp inside corner for the energy of w's error to be estimated. It is taken
-# where it is off by more than this multiple of the estimate, and by more than this share of
-# 1/(E* a), which it is not right to on curved surfaces (0.003 on spheres). Hertz's contact has
-# 3/(4 E* a), and a force changes by 0.4 % for 0.006.
-_FAR_APART, _MATTERS = 2.5, 0.006
-
+# Residual of w over its load. R lacks the energy of its error: 0.007/(E* a) on elements 27 times as
+# long as wide, with a residual of 3e-2.
+_SOLVED = 1e-3
 
 # Step of a central difference over the distance from the contact: errors of 1e-8 and rounding.
 _DIFFERENCE = 1e-4
 
 
-def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver) -> Compliance:
+def extracted(
+    tip: Any,
+    normal: FloatArray,
+    radius: float,
+    solver: LinearSolver,
+    moved: FloatArray | None = None,
+) -> Compliance:
     """Return the compliances of a body at a contact point on its surface.
 
     Parameters
@@ -90,6 +89,9 @@ def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver)
         a, of the contact itself, m.
     solver : LinearSolver
         Factors of K + s²M.
+    moved : ndarray, shape (1 or 3, n_dofs), optional
+        A model's responses to unit forces along the direction and the tangents, m/N, at that s; the
+        body's own by the solver if left out.
 
     Notes
     -----
@@ -101,127 +103,91 @@ def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver)
     cosine = float(direction @ normal)
     straight = 1.0 - abs(cosine) < _ALONG
     along = b if straight else body.on_dofs(np.outer(tip.forces[0] @ direction, normal))
-    x = solver.solve(along)
+    x = moved[0] if straight and moved is not None else solver.solve_roughly(along, _SOLVED)[0]
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
-    missing, added = _missing(body, splitting.w, splitting, solver)
-    beyond, error = splitting.compliance + added, missing
-    mean, varying = _under_pressure(body, splitting, point, normal)
-    if mean is not None:
-        apart = abs(mean + splitting.bent - splitting.compliance)
-        unit = splitting.space.mean_displacement / 0.6
-        if apart > max(_FAR_APART * missing, _MATTERS * unit):
-            beyond, error = mean + splitting.bent, apart
+    beyond, varying = splitting.compliance, _over_width(body, splitting, point, normal)
     # A contact is wider than half its largest radius while the force is above an eighth.
     varying += abs(splitting.by_width) * math.log(2.0)
-    # c of a wide patch on a thin body depends on frequency: dc/d(log s) = 2 s² dc/d(s²).
-    varying += 2.0 * splitting.s2 * abs(splitting.inertia - inertia)
+    # c of a wide patch on a thin body depends on frequency, as log s: dc/d(log s) = 2 s² dc/d(s²).
+    # An impact has frequencies ω where s = iω. At ω = s/SPAN it is off by log(SPAN) of that in
+    # phase, and by π/2 of it out of phase, as a dashpot.
+    slope = 2.0 * splitting.s2 * abs(splitting.inertia - inertia)
+    varying += (math.log(SPAN) + 0.5 * math.pi) * slope
     removed = compliance - beyond
     if not straight:
         nu = splitting.space.nu
         removed *= cosine**2 + (1.0 - cosine**2) * (2.0 - nu) / (2.0 - 2.0 * nu)
-    moved = np.copysign(1.0, -cosine) * x if straight else -x
+    inward = np.copysign(1.0, -cosine) * x if straight else -x
     with_tangents: dict[str, Any] = {}
     if tip.tangents is not None:
-        with_tangents = _oblique(tip, splitting, beyond, solver)
+        with_tangents = _oblique(tip, splitting, beyond, solver, moved)
     return Compliance(
         removed=removed,
-        error=error,
         varying=varying,
         deflection=x if straight else solver.solve(b),
-        strain=strain,
         s=math.sqrt(splitting.s2),
         radius=radius,
         by_width=splitting.by_width,
         beyond=beyond,
         splitting=splitting,
-        mesh_field=body.at_nodes(moved, len(splitting.w)) - splitting.w,
+        mesh_field=body.at_nodes(inward, len(splitting.w)) - splitting.w,
         **with_tangents,
     )
 
 
-def _missing(
-    body: Any, w: FloatArray, splitting: Splitting, solver: LinearSolver
-) -> tuple[float, float]:
-    """Return the part of R that w lacks, m/N, and how much of it is away from supports.
-
-    At supports -u_B is interpolated between nodes, so that R has an error of either sign there.
-    """
-    false, own = energy_error(body, w, ~splitting.smooth, math.sqrt(solver.pencil.s2))
-    held = np.isin(body.mesh.cells, _supported(body)).any(axis=1)
-    return missing_energy(false, own), missing_energy(false[~held], own[~held])
-
-
-def _under_pressure(
-    body: Any, splitting: Splitting, point: FloatArray, normal: FloatArray
-) -> tuple[float | None, float]:
-    """Mean of w under Hertz's pressure, and how much it changes with the radius, m/N.
-
-    No mean where the surface ends within the pressure.
-    """
-    radius, sunk = splitting.space.radius, -splitting.w[0] @ normal
+def _over_width(body: Any, splitting: Splitting, point: FloatArray, normal: FloatArray) -> float:
+    """Return how much the mean of w under Hertz's pressure changes with the radius, m/N."""
+    radius, sunk = splitting.space.radius, -splitting.w[0, : body.mesh.n_nodes] @ normal
     try:
         mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
     except RoomError as edge:
         # The share of Hertz's pressure beyond a straight edge at x a is 1/2 - 3 x/4 + x³/4, from
         # none at x = 1 to a half, where a quarter-space is about twice as soft as a half-space.
         room = min(edge.room / radius, 1.0)
-        return None, (1.0 - 1.5 * room + 0.5 * room**3) * splitting.space.mean_displacement
+        return (1.0 - 1.5 * room + 0.5 * room**3) * splitting.space.mean_displacement
     here = body.surface.nearest(point)
     nodes = body.surface.nodes[here.face[0]]
     middle = float(body.surface.shape(here.face, here.uv)[0] @ sunk[nodes])
     # w is quadratic in the distance from the middle, and by reciprocity in the radius of the
     # pressure: under it, it has the mean g₀ + 0.8 g₁ a², and in the middle g₀ + 0.4 g₁ a².
-    return mean, 2.0 * abs(mean - middle)
+    return 2.0 * abs(mean - middle)
 
 
 def _oblique(
-    tip: Any, splitting: Splitting, straight: float, solver: LinearSolver
+    tip: Any,
+    splitting: Splitting,
+    straight: float,
+    solver: LinearSolver,
+    moved: FloatArray | None,
 ) -> dict[str, Any]:
-    """`oblique`, `sheared`, `sideways` and `crosswise` of a `Compliance`.
+    """`oblique` and `sheared` of a `Compliance`.
 
     R_ii is stationary in w_i. R_ij is the mean of w_j along i under the pressure, or over the
-    nodes' shares where the surface ends within it: of first order in w, and R_ji, by another error,
-    apart from it. Half of both lacks about the energy of the errors of w_i and w_j with each other,
-    a quarter of what w_i + w_j lacks more than w_i - w_j does. With it the error is a third to a
-    tenth.
+    nodes' shares where the surface ends within it: of first order in w, so that half of R_ij and
+    R_ji is taken.
     """
     body, direction = tip.body, tip.direction
     weights = tip.forces[0] @ direction
     axes, a = np.vstack([direction, tip.tangents]), splitting.space.radius
     loads = np.array([body.on_dofs(np.outer(weights, axis)) for axis in axes])
-    moved = np.array([solver.solve(load) for load in loads])
+    if moved is None:
+        moved = np.array([solver.solve_roughly(load, _SOLVED)[0] for load in loads])
     point, inward = splitting.point, splitting.frame[2]
     sheared = [Splitting(body, point, -inward, a, solver, tangent) for tangent in tip.tangents]
-    lacking = [_missing(body, of.w, of, solver) for of in sheared]
-    try:
-        under = spread(body.surface, point, -inward, a).weights
-    except RoomError:
-        under = weights
+    with suppress(RoomError):
+        weights = spread(body.surface, point, -inward, a).weights
     straight_on = float(direction @ inward) * splitting.w
-    means = np.array([under @ w[0] @ axes.T for w in (straight_on, *(of.w for of in sheared))])
-    beyond, crosswise = 0.5 * (means + means.T), 0.5 * np.abs(means - means.T)[0, 1:]
-    for j, of in enumerate(sheared):
-        both, apart = _missing(body, straight_on + of.w, splitting, solver)
-        less, of_apart = _missing(body, straight_on - of.w, splitting, solver)
-        beyond[0, 1 + j] += 0.25 * (apart - of_apart)
-        crosswise[j] += 0.25 * abs(both - less)
-    beyond[1:, 0] = beyond[0, 1:]
-    along = [of.compliance + apart for of, (_, apart) in zip(sheared, lacking, strict=True)]
-    np.fill_diagonal(beyond, [straight, *along])
+    under = weights[: len(body.mesh.nodes)]
+    means = np.array(
+        [under @ w[0, : len(under)] @ axes.T for w in (straight_on, *(of.w for of in sheared))]
+    )
+    beyond = 0.5 * (means + means.T)
+    np.fill_diagonal(beyond, [straight, *(of.compliance for of in sheared)])
     return {
         "oblique": loads @ moved.T - beyond,
         "sheared": body.at_nodes(moved[1:], len(splitting.w)) - [of.w for of in sheared],
-        "sideways": max(of for of, _ in lacking),
-        "crosswise": crosswise,
     }
-
-
-def _supported(body: Any) -> IntArray:
-    """Nodes with a constrained dof."""
-    held = (body.at_nodes(np.ones(body.n_dofs)) == 0.0).any(axis=2)
-    turns = np.isin(np.arange(body.mesh.n_nodes), body.mesh.thin_nodes)
-    return np.flatnonzero(held[0] | (turns & held[1]))
 
 
 class Splitting:
@@ -265,8 +231,6 @@ class Splitting:
         The part of R that a curved contact adds to the mean of w under the pressure, m/N.
     by_width : float
         dR/d(log a), m/N; 0 for a flat contact.
-    smooth : ndarray of bool, shape (n_nodes,)
-        Nodes in the tangent plane without supports: w has no traction there.
     """
 
     forces: FloatArray
@@ -303,8 +267,6 @@ class Splitting:
         w, parts = self._solved(moved_by, solver)
         self.w = w.reshape(moved_by.shape)
         self.compliance, self.inertia = float(parts[0] - s2 * parts[1]), float(parts[1])
-        self.smooth = np.abs(local[:, 2]) < _FLAT * mesh.size
-        self.smooth[_supported(body)] = False
         self.by_width = 0.0
         if self.curved:
             # From R for half the radius with the same w. R is stationary in w, and so right to the
@@ -350,18 +312,15 @@ class Splitting:
         And of R the parts that count once and -s² times.
         """
         body, forces = self.body, self.forces.reshape(2, -1)
-        fixed = np.ones(moved_by.size, dtype=bool)
-        fixed[body.free] = False
         w, parts = np.zeros(moved_by.size), self.self_term + np.array([self.bent, 0.0])
-        if len(_supported(body)):
-            w[fixed] = -moved_by.reshape(-1)[fixed]
-            dofs, K, M = self.supported
-            pulled = np.zeros(forces.shape)
-            pulled[0, dofs], pulled[1, dofs] = K @ w[dofs], -(M @ w[dofs])
-            parts += (2.0 * forces - pulled)[:, fixed] @ w[fixed]
+        held, K, M = body.held
+        if len(held):
+            w[held] = -moved_by.reshape(-1)[held]
+            pulled = np.stack([K @ w[held], -(M @ w[held])])
+            parts += (2.0 * forces - pulled)[:, held] @ w[held]
             forces = forces - pulled
         right = forces[:, body.free]
-        w[body.free] = moved = solver.solve(right[0] - self.s2 * right[1])
+        w[body.free] = moved = solver.solve_roughly(right[0] - self.s2 * right[1], _SOLVED)[0]
         parts += 2.0 * right @ moved - [moved @ (body.K @ moved), -(moved @ (body.M @ moved))]
         return w, parts
 
@@ -374,7 +333,7 @@ class Splitting:
         """χ u_B at the nodes, and its rotation at those of shells and beams, by differences."""
         nodes, some = self.mesh.nodes, self.mesh.thin_nodes
         found = np.zeros(self.forces.shape[1:])
-        found[0] = self.field(nodes)
+        found[0, : len(nodes)] = self.field(nodes)
         if self.mesh.thin:
             away = np.linalg.norm(nodes[some] - self.point, axis=1)
             step = _DIFFERENCE * np.maximum(away, self.space.radius)[:, None, None]
@@ -415,7 +374,7 @@ class Splitting:
 
     def _add_all(self, own: int | None) -> tuple[float, FloatArray]:
         """Add up all integrals; return what `add_sides` does, and χ u_B at the nodes."""
-        self.forces = np.zeros((2, 2 if self.mesh.thin else 1, self.mesh.n_nodes, 3))
+        self.forces = np.zeros((2, 2 if self.mesh.thin else 1, self.body.shapes.n_nodes, 3))
         self.self_term, self.curved = np.zeros(2), False
         moved_by = self.at_nodes()
         sunk = self.add_sides()
@@ -426,6 +385,7 @@ class Splitting:
     def add_sides(self) -> float:
         """∫ (p - χ σ_B n)·v dA over the surface; returns what ∫ p·u exceeds that of a plane."""
         surface, nodes, a = self.body.surface, self.mesh.nodes, self.space.radius
+        shapes = self.body.shapes
         axis = self.space.axis
         height = (nodes - self.point) @ self.frame[2]
         p0, pressed, sunk = 1.5 / (np.pi * a * a), 0.0, 0.0
@@ -438,7 +398,8 @@ class Splitting:
             size = np.ptp(nodes[on], axis=1).max(axis=1)
             rows = rows[np.abs(height[on]).max(axis=1) > _FLAT * size]  # on a plane σ_B n = p
             corners = block.element.nodes[face.nodes[: face.n_corners]]
-            for at in sides_towards(nodes, block, rows, corners, self.point, a):
+            block = shapes.blocks[number]
+            for at in sides_towards(shapes.nodes, block, rows, corners, self.point, a):
                 y, n = (at.x - self.point) @ self.frame.T, at.area @ self.frame.T
                 u, stress = self.space.displacement_stress(y)
                 chi = self._cutoff(y)[0][..., None]
@@ -461,7 +422,7 @@ class Splitting:
         Near the contact u_B is not interpolated well enough for its inertia: what `add_elements`
         takes for it there is replaced.
         """
-        nodes, mesh = self.mesh.nodes, self.mesh
+        nodes, mesh, shapes = self.mesh.nodes, self.mesh, self.body.shapes
         for piece in pieces(mesh, self.body.material):
             corners = (nodes[piece.cells] - self.point) @ self.frame.T
             size, away = np.ptp(corners, axis=1).max(axis=1), np.linalg.norm(corners, axis=2)
@@ -475,9 +436,9 @@ class Splitting:
             if piece.which != own:
                 wanted[:] = True
                 difference = _tensor(piece.of, self.frame) - self.space.stiffness
-            rows = piece.rows[wanted]
-            for at in cells_towards(nodes, piece.block, rows, self.point, self.space.radius):
-                cells, y = piece.block.cells[at.rows], (at.x - self.point) @ self.frame.T
+            rows, block = piece.rows[wanted], shapes.blocks[mesh.blocks.index(piece.block)]
+            for at in cells_towards(shapes.nodes, block, rows, self.point, self.space.radius):
+                cells, y = block.cells[at.rows], (at.x - self.point) @ self.frame.T
                 chi, slope = self._cutoff(y)
                 if self.behind or difference is not None:
                     u, stress = self.space.displacement_stress(y)
@@ -519,29 +480,15 @@ class Splitting:
         if self.mesh.thin:
             thin = [block.element.thin for block in self.mesh.blocks]
             sizes = [len(block.cells) for block in self.mesh.blocks]
-            dofs, K, _ = self._assembled(np.repeat(thin, sizes))
+            dofs, K, _ = some_elements(body, np.repeat(thin, sizes))
             held[0, dofs] -= K @ moved[dofs]
-        if len(_supported(body)):
-            dofs, _, M = self.supported
-            there = ~np.isin(dofs, body.free)
-            held[1, dofs] += np.where(there, M @ moved[dofs], M @ np.where(there, moved[dofs], 0.0))
+        ground, _, M = body.held
+        if len(ground):
+            by_ground = M @ moved[ground]
+            held[1, body.free] += by_ground[body.free]
+            held[1, ground] += M.T @ moved
         self.self_term += held @ moved
         self.forces += held.reshape(self.forces.shape)
-
-    @cached_property
-    def supported(self) -> tuple[IntArray, Any, Any]:
-        """Dofs, K and M of the elements that touch a support: K and M of the body leave it out."""
-        held = np.isin(self.mesh.cells, _supported(self.body))
-        return self._assembled(np.asarray(held.any(axis=1)))
-
-    def _assembled(self, chosen: BoolArray) -> tuple[IntArray, Any, Any]:
-        """Dofs, K and M of some elements."""
-        cells = np.flatnonzero(chosen)
-        K, M = stiffness_mass(taken(self.mesh, cells), taken_material(self.body.material, cells))
-        there = np.unique(self.mesh.cells[cells])
-        dofs = (3 * there[:, None] + np.arange(3)).reshape(-1)
-        rotations = dofs + 3 * self.mesh.n_nodes
-        return dofs if K.shape[0] == len(dofs) else np.concatenate([dofs, rotations]), K, M
 
 
 def _tensor(material: Solid, frame: FloatArray) -> FloatArray:

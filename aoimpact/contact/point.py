@@ -240,6 +240,36 @@ class ContactPoint(Frozen):
         return other
 
     @cached_property
+    def finer(self) -> ContactPoint | None:
+        """The same place of the body with finer elements; None where it has none.
+
+        :meta private:
+        """
+        if (body := self.body.finer) is None:
+            return None
+        return replace(self, body=body, b=self._on_finer(body))
+
+    def _on_finer(self, body: FEModel) -> FloatArray:
+        """The functional on the body with finer elements, by their own shape functions."""
+        point, along, surface = self.point, self.direction, body.surface
+        assert self.body.free is not None
+        assert body.free is not None
+        assert self.body.nodes is not None
+        assert body.nodes is not None
+        if self.body.mesh is body.mesh:
+            return np.pad(self.b, (0, body.n_dofs - len(self.b)))
+        if point is None or along is None or self.node is not None:
+            old, new = 3 * len(self.body.nodes), 3 * len(body.nodes)
+            b, free = np.zeros(body.n_dofs), self.body.free
+            b[np.searchsorted(body.free, free + np.where(free < old, 0, new - old))] = self.b
+            return b
+        with held_warnings():  # the point has had its warnings
+            if surface is None:
+                return body.on_dofs(_on_beam(body, point, along).forces)
+            radius = 0.0 if self.patch is None else self.patch.radius
+            return body.on_dofs(touched(surface, point, along, radius).forces)
+
+    @cached_property
     def functionals(self) -> tuple[ContactPoint, ...]:
         """The contact point itself and, with tangents, the displacements along them.
 
@@ -346,7 +376,7 @@ class ContactPoint(Frozen):
         pressed_on = self.forces[0].any(axis=1)
         return bool(np.isin(np.flatnonzero(pressed_on), both).all())
 
-    def _extracted(self, solver: LinearSolver) -> Compliance:
+    def _extracted(self, solver: LinearSolver, moved: FloatArray | None = None) -> Compliance:
         if isinstance(self.thin, Beam):
             return extracted_from_beam(self, self.thin, self.width, solver)
         surface: Any = self.body.surface
@@ -359,8 +389,8 @@ class ContactPoint(Frozen):
         if self.thin is not None:
             layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
             return extracted_from_shell(self, layers, self.width, solver)
-        found = extracted(self, normal, self.width, solver)
-        if self.patch is not None and not self.automatic and -found.removed > found.error:
+        found = extracted(self, normal, self.width, solver, moved)
+        if self.patch is not None and not self.automatic and found.removed < 0.0:
             raise InputError(  # more than the mesh explains
                 f"radius={self.patch.radius:g}: the patch is so wide that the body yields less to "
                 "its mean displacement than under the contact; give a smaller radius, or leave it "
@@ -368,7 +398,9 @@ class ContactPoint(Frozen):
             )
         return found
 
-    def at_impact(self, contact_radius: float, solver: LinearSolver) -> ContactPoint:
+    def at_impact(
+        self, contact_radius: float, solver: LinearSolver, moved: FloatArray | None = None
+    ) -> ContactPoint:
         """Return the contact point for a contact of that radius, its compliance computed.
 
         Parameters
@@ -377,12 +409,14 @@ class ContactPoint(Frozen):
             At the largest force, m.
         solver : LinearSolver
             Of K + s²M with s about 10 over the duration of the contact.
+        moved : ndarray, shape (1 or 3, n_dofs), optional
+            The responses to unit forces along the direction and the tangents, where they are known.
 
         :meta private:
         """
         tip = replace(self, contact_radius=contact_radius, shift=math.sqrt(solver.s2))
         if self.on_surface:
-            vars(tip)["extraction"] = tip._extracted(solver)
+            vars(tip)["extraction"] = tip._extracted(solver, moved)
         return tip
 
     @cached_property
@@ -466,34 +500,35 @@ class ContactPoint(Frozen):
         width = edge_length(surface, self.point)
         return height <= _FLAT * width and self.depth <= width
 
-    def edge_over_wave(self, s: float) -> float:
-        """Return the edge of elements at the contact over the length of a bending wave at i s.
-
-        That of a plate, (D/(m s²))^(1/4); 0 of beams, and where the body's thickness is not known.
-
-        :meta private:
-        """
-        surface, layers = self.body.surface, self._layers
-        if surface is None or self.point is None or layers is None:
-            return 0.0
-        return edge_length(surface, self.point) / bending_length(layers, s)
-
-    def bending_compliance(self, s: float) -> float:
-        """Return 1/(8 s √(D m)), m/N, of an infinite plate as thick as the body; 0 as above.
+    @property
+    def edge(self) -> float:
+        """Length of the elements at the contact, m.
 
         :meta private:
         """
-        if (layers := self._layers) is None:
-            return 0.0
-        return float(0.125 / (layers.inertia[0] * (s * bending_length(layers, s)) ** 2))
+        mesh, point = self.body.mesh, self.point
+        assert mesh is not None
+        assert point is not None
+        if self.body.surface is not None:
+            return edge_length(self.body.surface, point)
+        ends = mesh.cells[nearest_line(mesh, point)[0], :2]
+        return float(np.linalg.norm(np.diff(mesh.nodes[ends], axis=0)))
 
-    @cached_property
-    def _layers(self) -> Layers | None:
-        """The layers at the point, or of a solid body as thick as it is."""
-        layers = self.thin
-        if layers is None and self.material is not None and math.isfinite(self.depth):
-            layers = Shell(self.depth, self.material)
-        return layers if isinstance(layers, Layers) else None
+    def wave(self, s: float) -> float:
+        """Return the length of a wave at i s in a body as thick as at the contact, m.
+
+        That of bending, (D/(m s²))^(1/4), or of a beam struck along its axis √(E/ρ)/s.
+
+        :meta private:
+        """
+        assert self.material is not None
+        if not isinstance(self.thin, Beam):
+            if self.thin is None and not math.isfinite(self.depth):
+                return math.inf
+            return bending_length(self.thin or Shell(self.depth, self.material), s)
+        speed = math.sqrt(self.material.E / self.material.rho)
+        along = self._along_beam > _ALONG
+        return speed / s if along else math.sqrt(speed / s * self.depth / math.sqrt(12.0))
 
     @property
     def resultant(self) -> FloatArray:

@@ -18,7 +18,7 @@ from ..accuracy import (
     checked_rtol,
     choose_models,
     errors_left_out,
-    finer_run,
+    larger_run,
     quantity_of,
 )
 from ..base import (
@@ -37,7 +37,7 @@ from ..base import (
 from ..contact import ContactPoint
 from ..fem import Layers
 from ..laws import ContactLaw
-from ..linalg import LinearSolver, Solver
+from ..linalg import Solver
 from ..reduction import BodyModel, FullModel, body_model
 from ..results import (
     Handle,
@@ -520,8 +520,7 @@ class Scene:
             layered = any(isinstance(tip.thin, Layers) for tip in tips)
             ways += [*[(True, False)] * automatic, *[(True, True)] * layered]
         for wider, bounded in ways:
-            factors: dict[Any, LinearSolver] = {}
-            fitted = foreseen.fitted(names, factors, wider=wider, bounded=bounded)
+            fitted = foreseen.fitted(names, wider=wider, bounded=bounded)
             interest = partial(self._interest, quantity, fitted)
             try:
                 if not chosen:
@@ -537,7 +536,6 @@ class Scene:
                         truncated=controlled,
                         record=record,
                         linear_solver=linear_solver or "auto",
-                        factors=factors,
                     )
                 # The cost of the models: all but the run itself.
                 spent = perf_counter() - began - run.recorder.seconds
@@ -551,7 +549,7 @@ class Scene:
                 warn_of_misfit(run, names)
                 find = partial(errors_left_out, interest=interest, solver=solver)
                 run = replace(run, left_out=find) if run.plan.contacts else run
-            run = replace(run, finer=partial(finer_run, solver=solver))
+            run = replace(run, finer=partial(larger_run, solver=solver))
         for message in run.said:
             warn(message)
         if duration is None:

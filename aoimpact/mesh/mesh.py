@@ -52,11 +52,14 @@ class Block(Frozen):
     cells : ndarray of int, shape (n, nodes per cell)
     first : int
         Number of the first among all elements of the mesh.
+    signs : ndarray, shape (n, nodes per cell), or None
+        By which the shape functions of each element are multiplied; None: by 1.
     """
 
     kind: str
     cells: IntArray
     first: int
+    signs: FloatArray | None = None
 
     @property
     def element(self) -> ReferenceElement:

@@ -494,7 +494,11 @@ class Run:
     # The errors of meshes and contact laws, or the function that estimates them of the run. It is
     # called when an error is first read.
     left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
-    # Returns the run with finer models, with which histories are compared for their errors.
+    # The run with the bodies as they are meshed, where this one is that with finer elements.
+    beside: Run | None = None
+    # The run with smaller models of these, with which histories are compared.
+    smaller: Run | None = None
+    # Returns the run with larger models, with which histories are compared for their errors.
     finer: Callable[[Run], Run | None] | None = None
     modelled: float = 0.0
     said: tuple[str, ...] = ()  # warnings of the run, which `simulate` issues
@@ -649,7 +653,7 @@ class Run:
 
     @cached_property
     def larger(self) -> Run | None:
-        """The run with finer models; None where there is none.
+        """The run with which histories are compared; None where there is none.
 
         :meta private:
         """

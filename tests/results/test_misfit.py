@@ -35,7 +35,7 @@ def strike(target, **options):
     return ao.simulate(BALL, target, 1.0, law=LAW, duration=250e-6, **options)
 
 
-@pytest.mark.parametrize("contact_time", [45e-6, 180e-6, 260e-6])
+@pytest.mark.parametrize("contact_time", [45e-6, 180e-6, 250e-6])
 def test_within_a_factor_of_three_nothing_is_said(tip, contact_time):
     """And the force is right: six oscillators, half a percent at best."""
     force = strike(fitted(tip, contact_time)).peak_force
@@ -137,7 +137,7 @@ def test_displacement_after_the_contact_is_told_when_it_is_asked_for():
     cured = strike(target=fit(12, duration=6e-4))
     true = right.at(cured.t).target.displacement
     assert np.abs(cured.target.displacement - true).max() < 0.05 * np.abs(true).max()
-    chosen = strike(target=tip, quantity="target_displacement", rtol=0.05)
+    chosen = strike(target=tip, quantity="target_displacement", rtol=0.05).beside
     true = right.at(chosen.t).target.displacement
     assert np.abs(chosen.target.displacement - true).max() < 0.05 * np.abs(true).max()
 

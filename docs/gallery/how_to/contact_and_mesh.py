@@ -54,7 +54,7 @@ for ball in balls:
 
 tip = balls[1].contact(point=(0.01, 0, 0), radius=0.003)
 print(
-    f"removed {tip.extraction.removed:.4g} m/N, left {tip.extraction.beyond:.4g} ± {tip.extraction.error:.1g} m/N"
+    f"removed {tip.extraction.removed:.4g} m/N, left {tip.extraction.beyond:.4g} m/N"
 )
 
 # %%
