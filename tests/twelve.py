@@ -8,6 +8,12 @@ from typing import Any
 import aoimpact as ao
 from aoimpact import box_mesh
 
+
+def as_meshed(run: Any) -> Any:
+    """The run of the bodies as they are meshed, where the answer is that of finer elements."""
+    return run.beside or run
+
+
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 ALUMINIUM = ao.Material(E=70e9, nu=0.3, rho=2400)
 RUBBER = ao.Material(E=10e6, nu=0.45, rho=1100)

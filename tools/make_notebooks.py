@@ -85,8 +85,8 @@ def drawn(output: Any) -> bool:
 def kept(outputs: list[Any]) -> list[Any]:
     """Outputs without what a figure calls itself, and without bars of progress, which go again."""
     for each in outputs:
-        if each.output_type == "stream":
-            each.text = re.sub(r"\r[^\r\n]*", "", each.text)
+        if each.output_type == "stream" and each.name == "stderr":
+            each.text = "".join(re.findall(r"\w+Warning: .*\n", each.text))
     return [each for each in outputs if each.get("text", "-") and not drawn(each)]
 
 

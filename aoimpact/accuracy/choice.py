@@ -12,21 +12,21 @@ import numpy as np
 
 from ..base import ConvergenceError, InputError, positive, warn
 from ..integrate import TIGHTEST, Adaptive, Newmark
-from ..linalg import LinearSolver, Solver, checked_solver
+from ..linalg import Solver, checked_solver
 from ..reduction import Body
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors
 from ..scene import Scenario
 from .hierarchy import fixed_model, only_models
-from .leftout import errors_left_out
+from .leftout import errors_left_out, finer_plan
 from .order import Search
 
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
 _RTOL, _TIGHTEST = 2e-3, 1e-8
 
-# Where no tolerance was given, that of time and models is this share of the mesh's error of the
-# quantity, by which the total error grows, up to the loosest tolerance.
-_SHARE_OF_MESH, _LOOSEST = 0.2, 1e-2
+# Where no tolerance was given and the largest models miss the default, up to this error is taken
+# without a warning.
+_LOOSEST = 1e-2
 
 # The largest order where a tolerance was given; and where none was, with which the search ends with
 # the error that it has by then: a thin sheet that touches again and again would take hundreds of
@@ -87,7 +87,6 @@ def choose_models(
     truncated: bool,
     record: RecordLength,
     linear_solver: Solver = "auto",
-    factors: dict[Any, LinearSolver] | None = None,
 ) -> Run:
     """Run with models of small orders, and say in the run how they were chosen.
 
@@ -106,8 +105,6 @@ def choose_models(
         How long the scene is recorded.
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
-    factors : dict of (body, shift) to LinearSolver, optional
-        See `Search`.
 
     Returns
     -------
@@ -131,40 +128,37 @@ def choose_models(
         else fixed(body)
         for body in plan.bodies
     ]
-    left_out: Any = partial(errors_left_out, interest=interest, solver=rule)
+    left_out = partial(errors_left_out, interest=interest, solver=rule)
     in_models = tolerance - in_time
     if models := only_models(bodies):
         error, compared = 0.0, []
         run = record.run(plan.of_models(models, energies=plan.energies), rule)
     else:
-        how = rule, record, _MOST_ORDER[given], linear_solver, factors or {}
-        search, loose = Search(plan, bodies, quantity, in_models, *how), False
-        while True:
-            error, applies = search.error(), in_models
-            if in_models < error <= _LOOSEST and plan.meshed and not given:
-                applies = _LOOSEST
-                if not loose:
-                    left_out, loose = left_out(search.run), True
-                    share = _SHARE_OF_MESH * left_out.mesh.get(quantity.name, 0.0)
-                    applies = max(in_models, min(share, _LOOSEST) - in_time)
-            if error <= applies or not search.enlarge(applies):
-                break
-        if error > applies:
+        how = rule, record, _MOST_ORDER[given], linear_solver
+        search = Search(plan, bodies, quantity, in_models, *how)
+        while (error := search.error()) > in_models and search.enlarge(in_models):
+            pass
+        if error > in_models:
             if given or error >= 1.0:
                 raise search.failure(error)
-            applies = max(applies, _LOOSEST) if error <= _LOOSEST else applies
-        if applies > in_models:
-            tolerance = applies + in_time
-        if error > tolerance:
-            _warn_of_the_best(search, error, tolerance)
+            if error <= _LOOSEST:
+                tolerance = _LOOSEST + in_time
+            else:
+                _warn_of_the_best(search, error, tolerance)
         assert search.run is not None
         run, compared = search.run, search.compared
-        made = plan.of_models(search.models(), energies=plan.energies)
-        if run.recorder.dense or not plan.energies:  # steps record energies as they are made
+        with_finer = finer_plan(run.plan, linear_solver)
+        energies = plan.energies and with_finer is None
+        made = plan.of_models(search.models(), energies=energies)
+        if run.recorder.dense or not energies:  # steps record energies as they are made
             made = replace(made, duration=run.duration)
             run = replace(run, plan=made, recorder=replace(run.recorder, plan=made))
         else:
             run = record.run(made, rule)
+        if with_finer is not None:
+            record.settled = False
+            answer = record.run(replace(with_finer, energies=plan.energies), rule)
+            run = replace(answer, beside=run)
     in_steps = run.time_error
     if given and in_steps is not None and in_steps + error > tolerance:
         cure = f"take {type(rule).__name__}(rtol={in_time:.1g})"
@@ -176,7 +170,8 @@ def choose_models(
             f"{in_steps:.2g} of the peak force or the impulse, and that of the models, "
             f"{error:.2g}, are more; {cure}"
         )
-    numbers, largest = number_errors(run, compared, {quantity.name: error}), math.nan
+    numbers = number_errors(run.beside or run, compared, {quantity.name: error})
+    largest = math.nan
     if quantity.history is not None:
         largest = float(np.abs(quantity.history(run, run.t)).max(initial=0.0))
     run = replace(run, chosen=Chosen(quantity.name, tolerance, numbers, quantity.unit, largest))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..contact import ContactPoint, moves_rigidly, shortest_contact_time
-from ..linalg import LinearSolver, Solver
+from ..linalg import Solver
 from ..reduction import Body, BodyModel, FullModel, KrylovSpace, antioscillators, rigid
 
 Models = tuple[Body, ...]
@@ -148,7 +148,6 @@ def _of_elements(
     contact_time: float,
     duration: float | None,
     solver: Solver,
-    known: LinearSolver | None,
 ) -> Hierarchy:
     """The models of a finite-element body that are fitted to a scene, each made once.
 
@@ -157,13 +156,12 @@ def _of_elements(
     constrained.
     """
     tip, body, single = tips[0], tips[0].body, len(tips) == 1
-    dofs, left = body.n_dofs, [known]
+    dofs = body.n_dofs
 
     @cache
     def space() -> KrylovSpace:
         resolved = max(contact_time, *map(shortest_contact_time, tips))
-        set_up = left.pop()  # it is kept as long as it is needed
-        made = KrylovSpace(tips, contact_time=resolved, sharpened=True, solver=solver, known=set_up)
+        made = KrylovSpace(tips, contact_time=resolved, sharpened=True, solver=solver)
         if duration is not None:
             natural = made.of_vectors(_FEW).omega if single else np.zeros(0)
             # A second factorisation, where the body has any mode slower than the contact.
@@ -198,7 +196,6 @@ def model_hierarchy(
     contact_time: float,
     duration: float | None,
     solver: Solver = "auto",
-    known: LinearSolver | None = None,
 ) -> Hierarchy:
     """Return the models of what `simulate` or a scene takes for a body.
 
@@ -212,13 +209,11 @@ def model_hierarchy(
         How long their motion must be right after that, s.
     solver : str or callable, optional
         The linear solver.
-    known : LinearSolver, optional
-        One of a body touched in one place that has been set up; see `KrylovSpace`.
     """
     if isinstance(body, Hierarchy):
         return body
     if isinstance(body, FullModel):
-        return _of_elements(body.tips, contact_time, duration, solver, known)
+        return _of_elements(body.tips, contact_time, duration, solver)
     assert isinstance(body, Body)
     return truncations(body) if body.ports == 1 else fixed_model(body)
 

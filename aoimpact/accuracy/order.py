@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
 from ..contact import own_contact_time
-from ..linalg import LinearSolver, Solver
+from ..linalg import Solver
 from ..reduction import Body, BodyModel, FullModel
 from ..results import Quantity, RecordLength, Run, TimeSolver
 from ..scene import Scenario
@@ -119,8 +119,6 @@ class Search:
         The order beyond which no larger ones are tried.
     solver : str or callable
         The linear solver of the bodies; see `FEModel.inverse`.
-    factors : dict of (body, shift) to LinearSolver
-        Those that have been set up, and can be taken from here.
     orders : tuple of int
         Of each different body; 0 is rigid. Equal bodies with the same contact point, such as two
         equal spheres, share a hierarchy.
@@ -138,7 +136,6 @@ class Search:
     record: RecordLength
     most: int
     solver: Solver
-    factors: dict[Any, LinearSolver]
     orders: _Orders = field(init=False)
     run: Run | None = field(init=False, default=None)
     compared: list[tuple[Run, float]] = field(init=False, default_factory=list)
@@ -224,12 +221,9 @@ class Search:
         for body in self._unlike:  # with models that were made for an impact like this one, if any
             make = partial(model_hierarchy, body, time, slow, self.solver)
             if isinstance(body, FullModel):
-                # The factors are taken from those set up, so that their memory can be freed.
-                at = body.body, body.tips[0].shift
-                known = self.factors.pop(at, None) if self.solver == "auto" else None
                 tips = tuple([tip.key for tip in body.tips])
                 key = tips, time, slow, self.solver, self._first
-                make = partial(body.body.kept.get, key, partial(make, known))
+                make = partial(body.body.kept.get, key, make)
             self._made.append(make())
         self.orders = tuple([one.first + self._first for one in self._made])
         self._scales, self._fits, self._too_wide = scales, self._fits + 1, 0

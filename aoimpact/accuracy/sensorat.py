@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -25,7 +24,9 @@ from ..base import (
 from ..fem import FEModel, Layer, Strain, Stress, checked_layer
 from ..fields import (
     Channel,
+    Response,
     TensorAt,
+    Work,
     acceleration_of,
     gauge_ends,
     gauge_strain,
@@ -65,19 +66,14 @@ class _AtPoint(Sensor):
         """
         return checked_layer(self.layer, self.part)
 
-    def _rows(self, body: FEModel) -> TensorAt:
-        strain = self.named == "strain"
-        found = TensorAt(body, place_rows(body, self.point[None]), self.where, strain=strain)
-        _ = found.rows  # which checks the place
-        return found
+    @property
+    def _tensor(self) -> TensorAt:
+        return TensorAt(self.point[None], self.where, strain=self.named == "strain")
 
 
 @dataclass(frozen=True, eq=False)
 class StressAt(_AtPoint):
     """The stress at a point over the record, for ``simulate(quantity=StressAt(...))``.
-
-    ``error.mesh`` has what the elements leave out of the body's vibration and of the force, and by
-    how much their own stress differs from its average at the point.
 
     Parameters
     ----------
@@ -121,25 +117,20 @@ class StressAt(_AtPoint):
 
         :meta private:
         """
-        rows, seen = self._rows(body), self.of_stress(body)
-        return lambda response, times: seen(Stress(rows(response, times)[:, 0], self.point))
+        tensor = self._tensor
+        _ = tensor.of(body)  # which checks the place
 
-    def of_stress(self, body: FEModel) -> Callable[[Stress], FloatArray]:
-        """See `Sensor`.
+        def seen(response: Response, times: FloatArray) -> FloatArray:
+            stress = Stress(tensor(response, times)[:, 0], self.point)
+            whole = self.component == "von_mises"
+            return stress.von_mises if whole else stress[self.component]
 
-        :meta private:
-        """
-        if self.component == "von_mises":
-            return lambda stress: stress.von_mises
-        return lambda stress: stress[self.component]
+        return seen
 
 
 @dataclass(frozen=True, eq=False)
 class StrainAt(_AtPoint):
     """The strain at a point, or of a gauge, for ``simulate(quantity=StrainAt(...))``.
-
-    ``error.mesh`` has what the elements leave out of the body's vibration and of the force; of the
-    strain at a point also by how much theirs differs from its average there.
 
     Parameters
     ----------
@@ -210,18 +201,9 @@ class StrainAt(_AtPoint):
         """
         if self.length:
             return gauge_strain(body, *self.ends, self.where)
-        rows, weights = self._rows(body), self._weights
-        return lambda response, times: rows(response, times)[:, 0] @ weights
-
-    def of_stress(self, body: FEModel) -> Callable[[Stress], FloatArray] | None:
-        """See `Sensor`.
-
-        :meta private:
-        """
-        if self.length:
-            return None
-        by_stress = self._weights @ self._rows(body).compliance[0]
-        return lambda stress: np.asarray(stress.components @ by_stress)
+        tensor, weights = self._tensor, self._weights
+        _ = tensor.of(body)  # which checks the place
+        return lambda response, times: tensor(response, times)[:, 0] @ weights
 
     @property
     def _weights(self) -> FloatArray:
@@ -327,7 +309,7 @@ class AccelerationAt(Sensor):
 
         :meta private:
         """
-        seen = acceleration_of(body, self.point, self.direction, self.channel)
+        seen = acceleration_of(self.point, self.direction, self.channel)
         return lambda response, times: np.nan_to_num(seen(response, times))
 
 
@@ -377,6 +359,5 @@ class ReactionAt(Sensor):
         :meta private:
         """
         held = body.grounding.nodes("nodes", self.nodes)
-        motions = body.grounding.resultants(held, np.zeros(3))[:, :3]
-        moved = body.grounding.virtual((motions @ self.direction)[:, None])
-        return lambda response, times: response.work(times, moved).T
+        work = Work(held, np.zeros(3), np.pad(self.direction, (0, 3))[:, None])
+        return lambda response, times: work(response, times).T

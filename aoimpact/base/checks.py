@@ -343,7 +343,7 @@ def unit_vector(name: str, value: Any) -> FloatArray:
         raise InputError(f"{name} must not be the zero vector")
     # Scaled first: the square of 1e-200 would vanish.
     scaled = vector / scale
-    return np.asarray(scaled / np.linalg.norm(scaled))
+    return scaled / np.linalg.norm(scaled)
 
 
 def place(name: str, value: Any) -> FloatArray:

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..base import BoolArray, FloatArray
+from ..base import FloatArray
 
 # Frequencies that shape the force of an impact, over and below s = 10/T.
-_SPAN = 3.0
+SPAN = 3.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -17,34 +17,23 @@ class Compliance:
     """Compliances of a model of a body at a contact point under a unit force.
 
     Those of a shell or beam are what its elements have in place of an elastic layer. They hardly
-    depend on the radius of the contact; `error` is how much c changes over the frequencies of a
-    rising force.
+    depend on the radius of the contact.
 
     Attributes
     ----------
     removed : float
         c = G - R, m/N, of the model's own compliance G at the frequency s and that of the body
         beyond what a contact law contains, R. Negative where the model yields too little.
-    error : float
-        Estimated error of R, m/N.
     varying : float
         How much c changes while the contact grows to the radius a, and with frequency, m/N.
     deflection : ndarray, shape (n_dofs,)
         x, the model's displacement under the unit force at the frequency s, m/N.
-    strain : float
-        xᵀKx, m/N.
     s : float
         rad/s.
     radius : float
         a, m.
-    lagging : float
-        dc/d(ln s), m/N, where c keeps changing with the frequency. The displacement c F then lags
-        behind the force, as that of a dashpot does: where elements outgrow the bending wave.
     by_width : float
         dR/d(log a), m/N; 0 for a flat contact, and of shells and beams.
-    near : ndarray of bool, shape (n_cells,), or None
-        Elements of shells about the contact whose errors c makes good: none at a step of thickness,
-        where c is not that of the infinite plate. None of solids.
     beyond : float
         R of solids, m/N, at the frequency s.
     splitting : Splitting or None
@@ -56,29 +45,19 @@ class Compliance:
         c between the direction of the force and two tangents, m/N; None where these are not given.
     sheared : ndarray, shape (2, 1 or 2, n_nodes, 3), or None
         As `mesh_field`, under a unit force along either tangent.
-    sideways : float
-        As `error`, of R along the tangents.
-    crosswise : ndarray, shape (2,), or None
-        The same of R between the direction of the force and either tangent.
     """
 
     removed: float
-    error: float
     varying: float
     deflection: FloatArray
-    strain: float
     s: float
     radius: float
-    lagging: float = 0.0
     by_width: float = 0.0
-    near: BoolArray | None = None
     beyond: float = math.nan
     splitting: Any = None
     mesh_field: Any = None
     oblique: FloatArray | None = None
     sheared: FloatArray | None = None
-    sideways: float = 0.0
-    crosswise: FloatArray | None = None
 
     def removed_for(self, radius: float | None) -> float:
         """Return c for a contact of another radius, m; `removed` where it is not known."""
@@ -100,13 +79,13 @@ class Compliance:
         deflection : ndarray, shape (n_dofs,)
             x̃, the truncated model's displacement under the unit force at s, m/N.
         """
-        K, M, field = tip.body.K, tip.body.M, self.mesh_field
+        M, field = tip.body.M, self.mesh_field
         # By the direction of travel of the contact point, which may be turned.
         left_out = math.copysign(1.0, tip.b @ self.deflection) * self.deflection - deflection
         missing = float(tip.b @ left_out)
         inertia = float(self.deflection @ (M @ self.deflection) - deflection @ (M @ deflection))
         share = min(self.s**2 * inertia / missing, 1.0) if missing > 0.0 < inertia else 0.0
-        slow, fast = (missing / (1.0 + (f**2 - 1.0) * share) for f in (1.0 / _SPAN, _SPAN))
+        slow, fast = (missing / (1.0 + (f**2 - 1.0) * share) for f in (1.0 / SPAN, SPAN))
         if field is not None:
             inward = math.copysign(1.0, self.splitting.frame[2] @ tip.direction)
             field = field - tip.body.at_nodes(inward * left_out, len(field))
@@ -115,7 +94,6 @@ class Compliance:
             removed=self.removed - missing,
             varying=self.varying + slow - fast,
             deflection=deflection,
-            strain=float(deflection @ (K @ deflection)),
             mesh_field=field,
             sheared=None,
         )

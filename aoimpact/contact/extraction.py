@@ -9,15 +9,19 @@ that the mesh of the body resolves it. It satisfies a(w, v) = L(v) for all v, wh
     L(v) = ∫ (p - χ σ_B n)·v dA + ∫ σ_B ∇χ·v - C_B g:∇v dV - s² ∫ ρ χ u_B·v dV
            - ∫ (C - C_B) (χ ε_B + g):∇v dV,     g = sym(u_B ⊗ ∇χ).
 
-χ is 1 except in bodies that reach behind the contact, where u_B is singular on the axis. C_B is
-that of the element at the contact. The compliance of the body beyond the half-space's own,
+χ is 1 except in bodies that reach behind the contact, where u_B is singular on the axis, and under
+a layer: with the depth it falls to the modulus of the layer over that of what is below, if that is
+stiffer, so that the stress of χ u_B is nearly continuous. C_B is that of the element at the
+contact. The compliance of the body beyond the half-space's own,
 
     R = L(χ u_B) + 2 L(w) - a(w, w),
 
-is stationary in w: a discrete w gives R too small by the energy of its error. At supports
-w = -χ u_B. With any functional b of the contact, c = bᵀ(K + s²M)⁻¹b - R is the compliance that the
-mesh has in place of the half-space. The contact law of the real bodies contains the half-space's
-indentation, so c is taken out of it.
+is stationary in w: a discrete w gives R too small by the energy of its error. So is that between
+two forces, R_ij = L_i(χ u_Bj) + L_i(w_j) + L_j(w_i) - a(w_i, w_j). At supports w = -χ u_B.
+
+With any functional b of the contact, c = bᵀ(K + s²M)⁻¹b - R is the compliance that the mesh has in
+place of the half-space. The contact law of the real bodies contains the half-space's indentation,
+so c is taken out of it.
 
 Subtracting a known singular field is the method of G. J. Fix, S. Gulati and G. I. Wakoff, J.
 Comput. Phys. 13, 209 (1973).
@@ -27,26 +31,22 @@ from __future__ import annotations
 
 import copy
 import math
-from functools import cached_property
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ..base import ArrayPair, BoolArray, FloatArray, IntArray, RoomError
+from ..base import ArrayPair, FloatArray, IntArray, RoomError
 from ..fem import (
     Material,
-    Solid,
     each_of,
-    energy_error,
     material_of,
-    missing_energy,
     pieces,
     stiffness_mass,
-    taken_material,
 )
 from ..linalg import LinearSolver
-from ..mesh import plane_of, taken
-from .compliance import Compliance
+from ..mesh import plane_of
+from .compliance import SPAN, Compliance
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .subdivision import cells_towards, sides_towards
 from .touch import element_at, spread
@@ -65,19 +65,21 @@ _BEHIND, _FAR_BEHIND = 0.35, 0.8
 # inertia, of linear and quadratic elements: R changes by less than 1e-4 of itself.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
-# The mean of w under the pressure has an error of either sign, but a small one even where elements
-# are too large about a sharp inside corner for the energy of w's error to be estimated. It is taken
-# where it is off by more than this multiple of the estimate, and by more than this share of
-# 1/(E* a), which it is not right to on curved surfaces (0.003 on spheres). Hertz's contact has
-# 3/(4 E* a), and a force changes by 0.4 % for 0.006.
-_FAR_APART, _MATTERS = 2.5, 0.006
-
+# Residual of w over its load. R lacks the energy of its error: 0.007/(E* a) on elements 27 times as
+# long as wide, with a residual of 3e-2.
+_SOLVED = 1e-3
 
 # Step of a central difference over the distance from the contact: errors of 1e-8 and rounding.
 _DIFFERENCE = 1e-4
 
 
-def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver) -> Compliance:
+def extracted(
+    tip: Any,
+    normal: FloatArray,
+    radius: float,
+    solver: LinearSolver,
+    moved: FloatArray | None = None,
+) -> Compliance:
     """Return the compliances of a body at a contact point on its surface.
 
     Parameters
@@ -90,6 +92,9 @@ def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver)
         a, of the contact itself, m.
     solver : LinearSolver
         Factors of K + s²M.
+    moved : ndarray, shape (1 or 3, n_dofs), optional
+        A model's responses to unit forces along the direction and the tangents, m/N, at that s; the
+        body's own by the solver if left out.
 
     Notes
     -----
@@ -97,137 +102,74 @@ def extracted(tip: Any, normal: FloatArray, radius: float, solver: LinearSolver)
     along the normal, and by sin²θ (2 - ν)/(2 - 2ν) of it, Mindlin's ratio of the compliances.
     """
     body, b, point, direction = tip.body, tip.b, tip.point, tip.direction
-    splitting = Splitting(body, point, normal, radius, solver)
+    tangents: Any = () if tip.tangents is None else tip.tangents
+    splitting = Splitting(body, point, normal, radius, solver, tangents)
+    w = splitting.w
     cosine = float(direction @ normal)
     straight = 1.0 - abs(cosine) < _ALONG
     along = b if straight else body.on_dofs(np.outer(tip.forces[0] @ direction, normal))
-    x = solver.solve(along)
+    x = moved[0] if straight and moved is not None else solver.solve_roughly(along, _SOLVED)[0]
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
-    missing, added = _missing(body, splitting.w, splitting, solver)
-    beyond, error = splitting.compliance + added, missing
-    mean, varying = _under_pressure(body, splitting, point, normal)
-    if mean is not None:
-        apart = abs(mean + splitting.bent - splitting.compliance)
-        unit = splitting.space.mean_displacement / 0.6
-        if apart > max(_FAR_APART * missing, _MATTERS * unit):
-            beyond, error = mean + splitting.bent, apart
+    beyond, varying = float(splitting.compliance[0, 0]), _over_width(body, splitting, point, normal)
     # A contact is wider than half its largest radius while the force is above an eighth.
     varying += abs(splitting.by_width) * math.log(2.0)
-    # c of a wide patch on a thin body depends on frequency: dc/d(log s) = 2 s² dc/d(s²).
-    varying += 2.0 * splitting.s2 * abs(splitting.inertia - inertia)
+    # c of a wide patch on a thin body depends on frequency, as log s: dc/d(log s) = 2 s² dc/d(s²).
+    # An impact has frequencies ω where s = iω. At ω = s/SPAN it is off by log(SPAN) of that in
+    # phase, and by π/2 of it out of phase, as a dashpot.
+    slope = 2.0 * splitting.s2 * abs(splitting.inertia - inertia)
+    varying += (math.log(SPAN) + 0.5 * math.pi) * slope
     removed = compliance - beyond
     if not straight:
         nu = splitting.space.nu
         removed *= cosine**2 + (1.0 - cosine**2) * (2.0 - nu) / (2.0 - 2.0 * nu)
-    moved = np.copysign(1.0, -cosine) * x if straight else -x
-    with_tangents: dict[str, Any] = {}
-    if tip.tangents is not None:
-        with_tangents = _oblique(tip, splitting, beyond, solver)
+    inward = np.copysign(1.0, -cosine) * x if straight else -x
+    oblique = sheared = None
+    if len(tangents):
+        weights, axes = tip.forces[0] @ direction, (direction, *tangents)
+        loads = np.array([body.on_dofs(np.outer(weights, axis)) for axis in axes])
+        if moved is None:
+            moved = np.array([solver.solve_roughly(load, _SOLVED)[0] for load in loads])
+        into = np.array([direction @ splitting.frame[2], 1.0, 1.0])
+        oblique = loads @ moved.T - splitting.compliance * np.outer(into, into)
+        sheared = body.at_nodes(moved[1:], len(w[0])) - w[1:]
     return Compliance(
         removed=removed,
-        error=error,
         varying=varying,
         deflection=x if straight else solver.solve(b),
-        strain=strain,
         s=math.sqrt(splitting.s2),
         radius=radius,
         by_width=splitting.by_width,
         beyond=beyond,
         splitting=splitting,
-        mesh_field=body.at_nodes(moved, len(splitting.w)) - splitting.w,
-        **with_tangents,
+        mesh_field=body.at_nodes(inward, len(w[0])) - w[0],
+        oblique=oblique,
+        sheared=sheared,
     )
 
 
-def _missing(
-    body: Any, w: FloatArray, splitting: Splitting, solver: LinearSolver
-) -> tuple[float, float]:
-    """Return the part of R that w lacks, m/N, and how much of it is away from supports.
-
-    At supports -u_B is interpolated between nodes, so that R has an error of either sign there.
-    """
-    false, own = energy_error(body, w, ~splitting.smooth, math.sqrt(solver.pencil.s2))
-    held = np.isin(body.mesh.cells, _supported(body)).any(axis=1)
-    return missing_energy(false, own), missing_energy(false[~held], own[~held])
-
-
-def _under_pressure(
-    body: Any, splitting: Splitting, point: FloatArray, normal: FloatArray
-) -> tuple[float | None, float]:
-    """Mean of w under Hertz's pressure, and how much it changes with the radius, m/N.
-
-    No mean where the surface ends within the pressure.
-    """
-    radius, sunk = splitting.space.radius, -splitting.w[0] @ normal
+def _over_width(body: Any, splitting: Splitting, point: FloatArray, normal: FloatArray) -> float:
+    """Return how much the mean of w under Hertz's pressure changes with the radius, m/N."""
+    radius, sunk = splitting.space.radius, -splitting.w[0, 0, : body.mesh.n_nodes] @ normal
     try:
         mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
     except RoomError as edge:
         # The share of Hertz's pressure beyond a straight edge at x a is 1/2 - 3 x/4 + x³/4, from
         # none at x = 1 to a half, where a quarter-space is about twice as soft as a half-space.
         room = min(edge.room / radius, 1.0)
-        return None, (1.0 - 1.5 * room + 0.5 * room**3) * splitting.space.mean_displacement
+        return (1.0 - 1.5 * room + 0.5 * room**3) * splitting.space.mean_displacement
     here = body.surface.nearest(point)
     nodes = body.surface.nodes[here.face[0]]
     middle = float(body.surface.shape(here.face, here.uv)[0] @ sunk[nodes])
     # w is quadratic in the distance from the middle, and by reciprocity in the radius of the
     # pressure: under it, it has the mean g₀ + 0.8 g₁ a², and in the middle g₀ + 0.4 g₁ a².
-    return mean, 2.0 * abs(mean - middle)
-
-
-def _oblique(
-    tip: Any, splitting: Splitting, straight: float, solver: LinearSolver
-) -> dict[str, Any]:
-    """`oblique`, `sheared`, `sideways` and `crosswise` of a `Compliance`.
-
-    R_ii is stationary in w_i. R_ij is the mean of w_j along i under the pressure, or over the
-    nodes' shares where the surface ends within it: of first order in w, and R_ji, by another error,
-    apart from it. Half of both lacks about the energy of the errors of w_i and w_j with each other,
-    a quarter of what w_i + w_j lacks more than w_i - w_j does. With it the error is a third to a
-    tenth.
-    """
-    body, direction = tip.body, tip.direction
-    weights = tip.forces[0] @ direction
-    axes, a = np.vstack([direction, tip.tangents]), splitting.space.radius
-    loads = np.array([body.on_dofs(np.outer(weights, axis)) for axis in axes])
-    moved = np.array([solver.solve(load) for load in loads])
-    point, inward = splitting.point, splitting.frame[2]
-    sheared = [Splitting(body, point, -inward, a, solver, tangent) for tangent in tip.tangents]
-    lacking = [_missing(body, of.w, of, solver) for of in sheared]
-    try:
-        under = spread(body.surface, point, -inward, a).weights
-    except RoomError:
-        under = weights
-    straight_on = float(direction @ inward) * splitting.w
-    means = np.array([under @ w[0] @ axes.T for w in (straight_on, *(of.w for of in sheared))])
-    beyond, crosswise = 0.5 * (means + means.T), 0.5 * np.abs(means - means.T)[0, 1:]
-    for j, of in enumerate(sheared):
-        both, apart = _missing(body, straight_on + of.w, splitting, solver)
-        less, of_apart = _missing(body, straight_on - of.w, splitting, solver)
-        beyond[0, 1 + j] += 0.25 * (apart - of_apart)
-        crosswise[j] += 0.25 * abs(both - less)
-    beyond[1:, 0] = beyond[0, 1:]
-    along = [of.compliance + apart for of, (_, apart) in zip(sheared, lacking, strict=True)]
-    np.fill_diagonal(beyond, [straight, *along])
-    return {
-        "oblique": loads @ moved.T - beyond,
-        "sheared": body.at_nodes(moved[1:], len(splitting.w)) - [of.w for of in sheared],
-        "sideways": max(of for of, _ in lacking),
-        "crosswise": crosswise,
-    }
-
-
-def _supported(body: Any) -> IntArray:
-    """Nodes with a constrained dof."""
-    held = (body.at_nodes(np.ones(body.n_dofs)) == 0.0).any(axis=2)
-    turns = np.isin(np.arange(body.mesh.n_nodes), body.mesh.thin_nodes)
-    return np.flatnonzero(held[0] | (turns & held[1]))
+    return 2.0 * abs(mean - middle)
 
 
 class Splitting:
-    """The displacement of a body under a unit force at a place of its surface, as χ u_B + w.
+    """The displacement of a body under unit forces at a place of its surface, as χ u_B + w.
 
-    L(v) at the nodes, `forces`, and the self term L(χ u_B) are added up integral by integral. Both
+    L(v) at the nodes, `forces`, and the self terms L(χ u_B) are added up integral by integral. Both
     have two parts, of which the second counts -s² times: ∫ ρ χ u_B·v dV.
 
     Parameters
@@ -237,36 +179,34 @@ class Splitting:
     point : ndarray, shape (3,)
         On the surface, m.
     normal : ndarray, shape (3,)
-        Outward.
+        Outward. A force acts against it.
     radius : float
         a, of the contact itself, m.
     solver : LinearSolver
         Factors of K + s²M.
-    tangent : ndarray, shape (3,), optional
-        Direction of the force where it acts along the surface.
+    tangents : sequence of ndarray, shape (3,)
+        Directions of more forces, along the surface.
 
     Attributes
     ----------
     frame : ndarray, shape (3, 3)
         Rows are the local axes; the last is the inward normal.
     space : HalfSpace
-        With u_B; its radius is a.
+        With u_B of the force along the normal; its radius is a.
     behind : bool
-        True if the body reaches behind the contact, so that χ is not 1 everywhere.
+        True if the body reaches behind the contact.
+    depth, left : float
+        Where χ ceases to fall under a layer, m, and its value there; infinite without one.
     s2 : float
         s², (rad/s)².
-    w : ndarray, shape (1 or 2, n_nodes, 3)
+    w : ndarray, shape (n_forces, 1 or 2, n_nodes, 3)
         m/N; where the body has shells or beams, also the rotation, 1/N.
-    compliance : float
+    compliance : ndarray, shape (n_forces, n_forces)
         R, m/N.
     inertia : float
-        -dR/d(s²), kg m²/N².
-    bent : float
-        The part of R that a curved contact adds to the mean of w under the pressure, m/N.
+        -dR/d(s²) along the normal, kg m²/N².
     by_width : float
-        dR/d(log a), m/N; 0 for a flat contact.
-    smooth : ndarray of bool, shape (n_nodes,)
-        Nodes in the tangent plane without supports: w has no traction there.
+        dR/d(log a) along the normal, m/N; 0 for a flat contact.
     """
 
     forces: FloatArray
@@ -280,41 +220,52 @@ class Splitting:
         normal: FloatArray,
         radius: float,
         solver: LinearSolver,
-        tangent: FloatArray | None = None,
+        tangents: Sequence[FloatArray] | FloatArray = (),
     ) -> None:
         mesh, s2, self.s2 = body.mesh, solver.pencil.s2, solver.pencil.s2
         self.body, self.mesh, self.point = body, mesh, point
-        self.frame = np.vstack([plane_of(-normal, tangent), -normal])
+        self.frame = np.vstack([plane_of(-normal), -normal])
         local = (mesh.nodes - point) @ self.frame.T
         self.behind = bool((local[:, 2] < -_FAR_BEHIND * np.linalg.norm(local, axis=1)).any())
         material: Any = material_of(body.material, element_at(body, point)[0])
         own: int | None = each_of(body.material).index(material)
-        isotropic = IsotropicHalfSpace if tangent is None else ShearedHalfSpace
-        self.space: HalfSpace
-        if isinstance(material, Material):
-            self.space = isotropic(material, radius)
-        elif local[:, 2].min() > -_FLAT * mesh.size and tangent is None:
-            like = material.half_space(normal)
-            turned = _tensor(material, self.frame)
-            self.space = AnisotropicHalfSpace(turned, radius, like.plane_strain_modulus, like.nu)
-        else:  # the closed form of a body with the same E*; the rest is polarisation
-            self.space, own = isotropic(material.half_space(normal), radius), None
-        self.bent, moved_by = self._add_all(own)
+        like = material.half_space(normal)
+        layers = [(math.inf, 1.0)]  # depths of stiffer materials, and E* over theirs
+        for piece in (of for of in pieces(mesh, body.material) if of.which != own):
+            ratio = like.plane_strain_modulus / piece.of.half_space(normal).plane_strain_modulus
+            if ratio < 1.0:
+                layers.append((float(local[piece.cells, 2].min()), ratio))
+        self.depth, self.left = min(layers)
+        if self.depth <= radius:
+            self.depth = math.inf
+        self.space: HalfSpace = IsotropicHalfSpace(like, radius)
+        if not isinstance(material, Material):
+            if local[:, 2].min() > -_FLAT * mesh.size:
+                turned, modulus = _turned(material.tensor, self.frame), like.plane_strain_modulus
+                self.space = AnisotropicHalfSpace(turned, radius, modulus, like.nu)
+            else:  # the closed form of a body with the same E*; the rest is polarisation
+                own = None
+            own = None if len(tangents) else own
+        self.spaces = [(self.space, self.frame)]
+        for tangent in tangents:
+            frame = np.vstack([plane_of(-normal, tangent), -normal])
+            self.spaces.append((ShearedHalfSpace(like, radius), frame))
+        bent, moved_by = self._add_all(own)
         w, parts = self._solved(moved_by, solver)
         self.w = w.reshape(moved_by.shape)
-        self.compliance, self.inertia = float(parts[0] - s2 * parts[1]), float(parts[1])
-        self.smooth = np.abs(local[:, 2]) < _FLAT * mesh.size
-        self.smooth[_supported(body)] = False
+        found = parts[0] - s2 * parts[1] + bent
+        self.compliance, self.inertia = 0.5 * (found + found.T), float(parts[1, 0, 0])
         self.by_width = 0.0
         if self.curved:
             # From R for half the radius with the same w. R is stationary in w, and so right to the
             # second order. On a surface of curvature 1/ρ, R changes by some log(a)/(E* ρ).
             half = copy.copy(self)
             half.space = self.space.of_radius(0.5 * radius)
+            half.spaces = [(half.space, self.frame)]
             half_bent, _ = half._add_all(own)
-            change = half.self_term - self.self_term
-            change += 2.0 * (half.forces - self.forces).reshape(2, -1) @ w
-            whole = change[0] - s2 * change[1] + half_bent - self.bent
+            change = half.self_term[:, 0, 0] - self.self_term[:, 0, 0]
+            change += 2.0 * (half.forces - self.forces[:, :1]).reshape(2, -1) @ w[0]
+            whole = change[0] - s2 * change[1] + half_bent[0, 0] - bent[0, 0]
             self.by_width = -float(whole) / math.log(2.0)
         del self.forces, self.self_term
 
@@ -334,14 +285,14 @@ class Splitting:
             m and Pa.
         """
         y = (x - self.point) @ self.frame.T
-        chi, slope = self._cutoff(y)
+        chi, slope = self._cutoff(x)
         ratio = np.ones(1) if radius is None else self.space.radius / radius
         # Fields of discs of all radii are alike: u(y; a) = u(y/a; 1)/a and σ(y; a) = σ(y/a; 1)/a².
         u, stress = self.space.displacement_stress(ratio[:, None, None] * y)
         u, stress = ratio[:, None, None] * u, ratio[:, None, None, None] ** 2 * stress
         moved, stress = chi[:, None] * u, chi[:, None, None] * stress
-        if self.behind:
-            stress += np.einsum("ijkl,npk,pl->npij", self.space.stiffness, u, slope)
+        if self.behind or self.depth < math.inf:
+            stress += np.einsum("ijkl,npk,pl->npij", self.space.stiffness, u, slope @ self.frame.T)
         return moved @ self.frame, self.frame.T @ stress @ self.frame
 
     def _solved(self, moved_by: FloatArray, solver: LinearSolver) -> ArrayPair:
@@ -349,55 +300,85 @@ class Splitting:
 
         And of R the parts that count once and -s² times.
         """
-        body, forces = self.body, self.forces.reshape(2, -1)
-        fixed = np.ones(moved_by.size, dtype=bool)
-        fixed[body.free] = False
-        w, parts = np.zeros(moved_by.size), self.self_term + np.array([self.bent, 0.0])
-        if len(_supported(body)):
-            w[fixed] = -moved_by.reshape(-1)[fixed]
-            dofs, K, M = self.supported
-            pulled = np.zeros(forces.shape)
-            pulled[0, dofs], pulled[1, dofs] = K @ w[dofs], -(M @ w[dofs])
-            parts += (2.0 * forces - pulled)[:, fixed] @ w[fixed]
+        body, n = self.body, len(moved_by)
+        w, parts, forces = np.zeros((n, moved_by[0].size)), self.self_term, self.forces
+        forces = forces.reshape(2, n, -1)
+        held, K, M = body.held
+        if len(held):
+            w[:, held] = -moved_by.reshape(n, -1)[:, held]
+            pulled = np.stack([(K @ w[:, held].T).T, -(M @ w[:, held].T).T])
+            parts = parts + (2.0 * forces - pulled)[..., held] @ w[:, held].T
             forces = forces - pulled
-        right = forces[:, body.free]
-        w[body.free] = moved = solver.solve(right[0] - self.s2 * right[1])
-        parts += 2.0 * right @ moved - [moved @ (body.K @ moved), -(moved @ (body.M @ moved))]
-        return w, parts
+        right = forces[..., body.free]
+        found = [solver.solve_roughly(f, _SOLVED)[0] for f in right[0] - self.s2 * right[1]]
+        w[:, body.free] = moved = np.array(found)
+        taken = moved @ np.stack([body.K @ moved.T, -(body.M @ moved.T)])
+        return w, parts + 2.0 * right @ moved.T - taken
+
+    def _fields(self, x: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
+        """u_B under each force at places, and its stress if that is asked for, in global axes."""
+        found, tensors = [], []
+        for space, frame in self.spaces:
+            y = (x - self.point) @ frame.T
+            if stress:
+                u, tensor = space.displacement_stress(y)
+                tensors.append(frame.T @ tensor @ frame)
+            else:
+                u = space.displacement(y, rough=rough)
+            found.append(u @ frame)
+        return np.array(found), np.array(tensors)
 
     def field(self, x: FloatArray) -> FloatArray:
-        """χ u_B at places, in global axes, m."""
-        y = (x - self.point) @ self.frame.T
-        return np.asarray(self._cutoff(y)[0][..., None] * self.space.displacement(y) @ self.frame)
+        """χ u_B under each force at places, in global axes, m."""
+        return self._cutoff(x)[0][..., None] * self._fields(x)[0]
 
     def at_nodes(self) -> FloatArray:
-        """χ u_B at the nodes, and its rotation at those of shells and beams, by differences."""
-        nodes, some = self.mesh.nodes, self.mesh.thin_nodes
+        """χ u_B at the nodes, and its rotation at those of shells and beams, by differences.
+
+        An added function has the amplitude of χ u_B where a support holds it, and else none.
+        """
+        nodes, some, shapes = self.mesh.nodes, self.mesh.thin_nodes, self.body.shapes
         found = np.zeros(self.forces.shape[1:])
-        found[0] = self.field(nodes)
+        found[:, 0, : len(nodes)] = self.field(nodes)
+        own, held = found[:, 0].copy(), np.unique(self.body.held[0] // 3)
+        held = held[(held >= len(nodes)) & (held < shapes.n_nodes)]
+        for block in (of for of in shapes.blocks if of.signs is not None):
+            # At the place of an added function no other one differs from zero.
+            row, column = np.nonzero(np.isin(block.cells, held))
+            shape, cells = block.element.shape(block.element.nodes[column]), block.cells[row]
+            rest = self.field(np.einsum("na,nai->ni", shape, shapes.nodes[cells]))
+            rest -= np.einsum("na,dnai->dni", shape, own[:, cells])
+            found[:, 0, cells[range(len(row)), column]] = block.signs[row, column][:, None] * rest
         if self.mesh.thin:
             away = np.linalg.norm(nodes[some] - self.point, axis=1)
             step = _DIFFERENCE * np.maximum(away, self.space.radius)[:, None, None]
             places = nodes[some][:, None] + step * np.vstack([np.eye(3), -np.eye(3)])
-            ahead, behind = np.split(self.field(places), 2, axis=1)
+            ahead, behind = np.split(self.field(places), 2, axis=2)
             slope = (ahead - behind) / (2.0 * step)  # ∂_j u_k
-            found[1, some] = 0.5 * np.stack(
-                [slope[:, j, k] - slope[:, k, j] for j, k in ((1, 2), (2, 0), (0, 1))], axis=1
-            )
+            turned = [slope[..., j, k] - slope[..., k, j] for j, k in ((1, 2), (2, 0), (0, 1))]
+            found[:, 1, some] = 0.5 * np.stack(turned, axis=-1)
         return found
 
-    def _cutoff(self, y: FloatArray) -> ArrayPair:
-        """χ and its gradient at local places."""
-        if not self.behind:
-            return np.ones(y.shape[:-1]), np.zeros(y.shape)
-        distance = np.maximum(np.linalg.norm(y, axis=-1), 1e-9 * self.space.radius)[..., None]
-        cosine = -y[..., 2:] / distance
-        slope = -cosine * y / distance**2
-        slope[..., 2] -= 1.0 / distance[..., 0]
-        width = _FAR_BEHIND - _BEHIND
-        t = np.clip((cosine - _BEHIND) / width, 0.0, 1.0)
-        chi = 1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
-        return chi[..., 0], -30.0 * (t * (1.0 - t)) ** 2 / width * slope
+    def _cutoff(self, x: FloatArray) -> ArrayPair:
+        """χ and its gradient at places."""
+        y = (x - self.point) @ self.frame.T
+        chi, slope = np.ones(x.shape[:-1]), np.zeros(x.shape)
+        if self.behind:
+            distance = np.maximum(np.linalg.norm(y, axis=-1), 1e-9 * self.space.radius)[..., None]
+            cosine = -y[..., 2:] / distance
+            slope = -cosine * y / distance**2
+            slope[..., 2] -= 1.0 / distance[..., 0]
+            width = _FAR_BEHIND - _BEHIND
+            t = np.clip((cosine - _BEHIND) / width, 0.0, 1.0)
+            chi = (1.0 - t**3 * (10.0 - 15.0 * t + 6.0 * t * t))[..., 0]
+            slope *= -30.0 * (t * (1.0 - t)) ** 2 / width
+        if self.depth < math.inf:
+            below = np.clip(y[..., 2] / self.depth, 0.0, 1.0)
+            kept = 1.0 - (1.0 - self.left) * below * below
+            steep = -2.0 * (1.0 - self.left) / self.depth * below * (below < 1.0)
+            slope = slope * kept[..., None] + (chi * steep)[..., None] * np.eye(3)[2]
+            chi = chi * kept
+        return chi, slope @ self.frame
 
     def _add(
         self,
@@ -408,27 +389,33 @@ class Splitting:
         t: FloatArray,
         u: FloatArray,
     ) -> None:
-        """∫ t·v, and ∫ t·u in the self term; t and u in local axes, shape (n, q, 3)."""
-        self.self_term[part] += float(np.einsum("nq,nqi,nqi->", weight, t, u))
-        forces = shape.swapaxes(1, 2) @ (weight[..., None] * t @ self.frame)
-        np.add.at(self.forces[part, 0], nodes, forces)
+        """∫ t·v, and ∫ t·u in the self terms; t and u of each force, shape (n_forces, n, q, 3)."""
+        t = weight[..., None] * t
+        self.self_term[part] += np.tensordot(t, u, axes=((1, 2, 3), (1, 2, 3)))
+        self._add_forces(part, nodes, shape.swapaxes(1, 2) @ t)
 
-    def _add_all(self, own: int | None) -> tuple[float, FloatArray]:
+    def _add_forces(self, part: int, nodes: IntArray, forces: FloatArray) -> None:
+        for all_nodes, added in zip(self.forces[part, :, 0], forces, strict=True):
+            np.add.at(all_nodes, nodes, added)
+
+    def _add_all(self, own: int | None) -> ArrayPair:
         """Add up all integrals; return what `add_sides` does, and χ u_B at the nodes."""
-        self.forces = np.zeros((2, 2 if self.mesh.thin else 1, self.mesh.n_nodes, 3))
-        self.self_term, self.curved = np.zeros(2), False
+        n, rows = len(self.spaces), 2 if self.mesh.thin else 1
+        self.forces = np.zeros((2, n, rows, self.body.shapes.n_nodes, 3))
+        self.self_term, self.curved = np.zeros((2, n, n)), False
         moved_by = self.at_nodes()
-        sunk = self.add_sides()
-        self.add_cells(moved_by[0], own)
+        bent = self.add_sides()
+        self.add_cells(moved_by[:, 0], own)
         self.add_elements(moved_by)
-        return sunk, moved_by
+        return bent, moved_by
 
-    def add_sides(self) -> float:
+    def add_sides(self) -> FloatArray:
         """∫ (p - χ σ_B n)·v dA over the surface; returns what ∫ p·u exceeds that of a plane."""
         surface, nodes, a = self.body.surface, self.mesh.nodes, self.space.radius
-        axis = self.space.axis
-        height = (nodes - self.point) @ self.frame[2]
-        p0, pressed, sunk = 1.5 / (np.pi * a * a), 0.0, 0.0
+        shapes, inward = self.body.shapes, self.frame[2]
+        along = np.array([frame[space.axis] for space, frame in self.spaces])
+        height = (nodes - self.point) @ inward
+        p0, pressed, sunk = 1.5 / (np.pi * a * a), 0.0, np.zeros(self.self_term.shape[1:])
         for side, (number, face) in enumerate(surface.sides):
             block = self.mesh.blocks[number]
             if block.element.thin:
@@ -438,22 +425,23 @@ class Splitting:
             size = np.ptp(nodes[on], axis=1).max(axis=1)
             rows = rows[np.abs(height[on]).max(axis=1) > _FLAT * size]  # on a plane σ_B n = p
             corners = block.element.nodes[face.nodes[: face.n_corners]]
-            for at in sides_towards(nodes, block, rows, corners, self.point, a):
-                y, n = (at.x - self.point) @ self.frame.T, at.area @ self.frame.T
-                u, stress = self.space.displacement_stress(y)
-                chi = self._cutoff(y)[0][..., None]
-                t = -chi * np.einsum("nqij,nqj->nqi", stress, n)
+            block = shapes.blocks[number]
+            for at in sides_towards(shapes.nodes, block, rows, corners, self.point, a):
+                u, stress = self._fields(at.x, stress=True)
+                y, n = (at.x - self.point) @ self.frame.T, at.area @ inward
+                chi = self._cutoff(at.x)[0][..., None]
                 r2 = y[..., 0] ** 2 + y[..., 1] ** 2
                 # The side that is touched, and not another one of a thin body under the disc.
-                faces = (n[..., 2] < 0.0) & (np.abs(y[..., 2]) < np.maximum(0.5 * a, r2 / a))
-                p = p0 * np.sqrt(np.maximum(1.0 - r2 / (a * a), 0.0)) * -n[..., 2] * faces
-                t[..., axis] += p
+                faces = (n < 0.0) & (np.abs(y[..., 2]) < np.maximum(0.5 * a, r2 / a))
+                p = p0 * np.sqrt(np.maximum(1.0 - r2 / (a * a), 0.0)) * -n * faces
+                pressure = p[..., None] * along[:, None, None]
                 pressed += float(p.sum())
-                sunk += float((p * u[..., axis]).sum())
+                sunk += np.tensordot(pressure, u, axes=((1, 2, 3), (1, 2, 3)))
+                t = pressure - chi * np.einsum("dnqij,nqj->dnqi", stress, at.area)
                 self._add(0, block.cells[at.rows], at.weight, at.shape, t, chi * u)
         # A plane contact has no pressure on sides that are out of its plane.
         self.curved = pressed > 0.5
-        return sunk - pressed * self.space.mean_displacement
+        return sunk - pressed * np.diag([space.mean_displacement for space, _ in self.spaces])
 
     def add_cells(self, at_nodes: FloatArray, own: int | None) -> None:
         """Integrals over cells near the contact, behind it, and of other materials than there.
@@ -461,8 +449,11 @@ class Splitting:
         Near the contact u_B is not interpolated well enough for its inertia: what `add_elements`
         takes for it there is replaced.
         """
-        nodes, mesh = self.mesh.nodes, self.mesh
+        nodes, mesh, shapes = self.mesh.nodes, self.mesh, self.body.shapes
+        softness = np.array([_turned(of.softness, frame.T) for of, frame in self.spaces])
+        softness = softness.reshape(-1, 9, 9)
         for piece in pieces(mesh, self.body.material):
+            stiffness = piece.of.tensor.reshape(9, 9)
             corners = (nodes[piece.cells] - self.point) @ self.frame.T
             size, away = np.ptp(corners, axis=1).max(axis=1), np.linalg.norm(corners, axis=2)
             limit = _INTERPOLATED[mesh.quadratic] * np.maximum(away.min(axis=1), self.space.radius)
@@ -471,81 +462,57 @@ class Splitting:
             wanted = near[piece.rows]
             if self.behind:
                 wanted |= (-corners[..., 2] > _BEHIND * (away - size[:, None])).any(axis=1)
-            difference = None
-            if piece.which != own:
+            differs = piece.which != own
+            if differs or self.depth < math.inf:
                 wanted[:] = True
-                difference = _tensor(piece.of, self.frame) - self.space.stiffness
-            rows = piece.rows[wanted]
-            for at in cells_towards(nodes, piece.block, rows, self.point, self.space.radius):
-                cells, y = piece.block.cells[at.rows], (at.x - self.point) @ self.frame.T
-                chi, slope = self._cutoff(y)
-                if self.behind or difference is not None:
-                    u, stress = self.space.displacement_stress(y)
-                else:
-                    u, stress = self.space.displacement(y, rough=True), None
+            inner = self.behind or differs or self.depth < math.inf
+            rows, block = piece.rows[wanted], shapes.blocks[mesh.blocks.index(piece.block)]
+            for at in cells_towards(shapes.nodes, block, rows, self.point, self.space.radius):
+                cells = block.cells[at.rows]
+                chi, slope = self._cutoff(at.x)
+                u, stress = self._fields(at.x, stress=inner, rough=not inner)
                 moved = chi[..., None] * u
-                instead = at.shape @ (at_nodes[cells] @ self.frame.T)
+                instead = at.shape @ at_nodes[:, cells]
                 mass = piece.of.rho * at.weight * near[at.rows][:, None]
                 self._add(1, cells, mass, at.shape, moved, moved)
                 self._add(1, cells, -mass, at.shape, instead, instead)
-                if stress is None:
+                if not inner:
                     continue
-                tilted = u[..., :, None] * slope[..., None, :]
-                g = 0.5 * (tilted + tilted.swapaxes(2, 3))
-                extra = np.einsum("ijkl,nqkl->nqij", self.space.stiffness, g)
-                energy = np.einsum("nq,nqij,nqij->", at.weight, extra, g)
-                if difference is not None:
-                    strain = chi[..., None, None] * self.space.strain(stress) + g
-                    polarised = np.einsum("ijkl,nqkl->nqij", difference, strain)
-                    energy += np.einsum("nq,nqij,nqij->", at.weight, polarised, strain)
-                    extra += polarised
-                self.self_term[0] -= float(energy)
-                body_force = np.einsum("nqij,nqj->nqi", stress, slope) @ self.frame
-                inner = self.frame.T @ extra @ self.frame
-                forces = np.einsum("nq,nqa,nqi->nai", at.weight, at.shape, body_force)
-                forces -= np.einsum("nq,nqij,nqaj->nai", at.weight, inner, at.slopes)
-                np.add.at(self.forces[0, 0], cells, forces)
+                slope = slope[..., None, :]
+                self._add(0, cells, at.weight, at.shape, (stress * slope).sum(axis=-1), moved)
+                # (C - C_B) χ ε_B + C g, of which nothing but C_B g is left in the own material.
+                tilted = u[..., None] * slope
+                strain = 0.5 * (tilted + tilted.swapaxes(-1, -2))
+                within = chi[..., None, None] * stress
+                flat = within.reshape(len(u), -1, 9)
+                strain += (flat @ softness).reshape(within.shape)
+                extra = (strain.reshape(flat.shape) @ stiffness).reshape(within.shape) - within
+                extra *= at.weight[..., None, None]
+                self.self_term[0] -= np.tensordot(extra, strain, axes=((1, 2, 3, 4),) * 2)
+                self._add_forces(0, cells, -np.einsum("dnqij,nqaj->dnai", extra, at.slopes))
 
     def add_elements(self, moved_by: FloatArray) -> None:
         """∫ ρ χ u_B·v by the mass matrix, the springs to the ground, and shells and beams.
 
         These take χ u_B as it is at their nodes: -a(χ u_B, v) by their stiffness.
         """
-        body, moved = self.body, moved_by.reshape(-1)
-        held = np.zeros((2, len(moved)))
-        held[1, body.free] = body.M @ moved[body.free]
+        body, moved = self.body, moved_by.reshape(len(moved_by), -1)
+        held, free = np.zeros((2, *moved.shape)), body.free
+        held[1][:, free] = (body.M @ moved[:, free].T).T
         if body.springs is not None:
-            held[0, body.free] = -body.springs * moved[body.free]
+            held[0][:, free] = -body.springs * moved[:, free]
         if self.mesh.thin:
-            thin = [block.element.thin for block in self.mesh.blocks]
-            sizes = [len(block.cells) for block in self.mesh.blocks]
-            dofs, K, _ = self._assembled(np.repeat(thin, sizes))
-            held[0, dofs] -= K @ moved[dofs]
-        if len(_supported(body)):
-            dofs, _, M = self.supported
-            there = ~np.isin(dofs, body.free)
-            held[1, dofs] += np.where(there, M @ moved[dofs], M @ np.where(there, moved[dofs], 0.0))
-        self.self_term += held @ moved
+            K, _ = stiffness_mass(body.shapes.of_elements(thin=True), body.material)
+            held[0] -= (K @ moved.T).T
+        ground, _, M = body.held
+        if len(ground):
+            by_ground = (M @ moved[:, ground].T).T
+            held[1][:, free] += by_ground[:, free]
+            held[1][:, ground] += (M.T @ moved.T).T
+        self.self_term += held @ moved.T
         self.forces += held.reshape(self.forces.shape)
 
-    @cached_property
-    def supported(self) -> tuple[IntArray, Any, Any]:
-        """Dofs, K and M of the elements that touch a support: K and M of the body leave it out."""
-        held = np.isin(self.mesh.cells, _supported(self.body))
-        return self._assembled(np.asarray(held.any(axis=1)))
 
-    def _assembled(self, chosen: BoolArray) -> tuple[IntArray, Any, Any]:
-        """Dofs, K and M of some elements."""
-        cells = np.flatnonzero(chosen)
-        K, M = stiffness_mass(taken(self.mesh, cells), taken_material(self.body.material, cells))
-        there = np.unique(self.mesh.cells[cells])
-        dofs = (3 * there[:, None] + np.arange(3)).reshape(-1)
-        rotations = dofs + 3 * self.mesh.n_nodes
-        return dofs if K.shape[0] == len(dofs) else np.concatenate([dofs, rotations]), K, M
-
-
-def _tensor(material: Solid, frame: FloatArray) -> FloatArray:
-    """C_ijkl in local axes."""
-    return np.asarray(
-        np.einsum("ai,bj,ck,dl,ijkl->abcd", frame, frame, frame, frame, material.tensor)
-    )
+def _turned(tensor: FloatArray, frame: FloatArray) -> FloatArray:
+    """C_ijkl in the axes that are the rows of `frame`."""
+    return np.asarray(np.einsum("ai,bj,ck,dl,ijkl->abcd", frame, frame, frame, frame, tensor))

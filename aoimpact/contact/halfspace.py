@@ -78,11 +78,11 @@ class HalfSpace:
         """Return u, m, shape (..., 3), and σ, Pa, shape (..., 3, 3), for a force of 1 N."""
         return self._fields(y, stress=True)
 
-    def strain(self, stress: FloatArray) -> FloatArray:
-        """Return the strain tensor of a stress tensor, shape (..., 3, 3)."""
-        compliance = np.linalg.pinv(self.stiffness.reshape(9, 9))
-        strain = stress.reshape(*stress.shape[:-2], 9) @ compliance
-        return np.asarray(strain.reshape(stress.shape))
+    @property
+    def softness(self) -> FloatArray:
+        """S_ijkl of ε = S:σ in local axes, 1/Pa."""
+        flat = np.linalg.pinv(self.stiffness.reshape(9, 9))
+        return np.asarray(flat.reshape(self.stiffness.shape))
 
     def of_radius(self, radius: float) -> Self:
         """Return the same half-space under a disc of another radius, m."""

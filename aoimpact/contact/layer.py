@@ -22,7 +22,6 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from ..base import BoolArray, ComplexArray, FloatArray, IntArray
@@ -171,9 +170,9 @@ def mesh_compliance(
     forces: FloatArray,
     point: FloatArray,
     normal: FloatArray,
-    s: npt.ArrayLike,
+    s: float,
     couples: FloatArray | None = None,
-) -> FloatArray:
+) -> float:
     """Return G, the compliance of an infinite plate that is meshed as the shell is there, m/N.
 
     Parameters
@@ -187,12 +186,12 @@ def mesh_compliance(
         Shares of a unit force along the normal.
     point, normal : ndarray, shape (3,)
         Of the contact.
-    s : array_like, shape (n,)
-        Frequencies, rad/s, of which G is returned.
+    s : float
+        rad/s.
     couples : ndarray, shape (n_nodes, 3), optional
         Those of the functional, m.
     """
-    axes, several = _plane(normal, layers.reference), np.atleast_1d(s)
+    axes = _plane(normal, layers.reference)
     load = np.zeros((len(nodes), 6))
     load[:, 2] = forces
     if couples is not None:
@@ -210,14 +209,12 @@ def mesh_compliance(
     moving = np.full(6, plate.stiffness[:3, 3:6].any()) | (np.abs(np.arange(6) - 3) < 2)
     free = np.outer(~rim, moving)
     free[:, 5] = moving[5]  # rotation about the normal is no part of a plate's motion
-    free, found = np.flatnonzero(free), []
-    for each in several.tolist():
-        A, moved = (K + each**2 * M).tocsr()[free], np.zeros((len(used), 6))
-        moved[rim, :5] = plate_motion(plate, each, x[rim])
-        right = load.ravel()[free] - A @ moved.ravel()
-        moved.ravel()[free] = scipy.sparse.linalg.spsolve(A[:, free].tocsc(), right)
-        found.append((load * moved).sum())
-    return np.array(found)
+    free, moved = np.flatnonzero(free), np.zeros((len(used), 6))
+    A = (K + s**2 * M).tocsr()[free]
+    moved[rim, :5] = plate_motion(plate, s, x[rim])
+    right = load.ravel()[free] - A @ moved.ravel()
+    moved.ravel()[free] = scipy.sparse.linalg.spsolve(A[:, free].tocsc(), right)
+    return float((load * moved).sum())
 
 
 def _facing(cells: IntArray, x: FloatArray) -> IntArray:

@@ -39,7 +39,6 @@ from ..fem import (
     Layers,
     Material,
     OneMaterial,
-    Shell,
     beam_motion,
     label_of,
     labelled_rows,
@@ -240,6 +239,33 @@ class ContactPoint(Frozen):
         return other
 
     @cached_property
+    def finer(self) -> ContactPoint | None:
+        """The same place of the body with finer elements; None where it has none.
+
+        :meta private:
+        """
+        if (body := self.body.finer) is None:
+            return None
+        return replace(self, body=body, b=self._on_finer(body))
+
+    def _on_finer(self, body: FEModel) -> FloatArray:
+        """The functional on the body with finer elements, by their own shape functions."""
+        point, along, surface = self.point, self.direction, body.surface
+        alike = self.body.mesh is body.mesh
+        with held_warnings():  # the point has had its warnings
+            if alike and self.patch is None and self.on_surface:
+                # Over a patch: at a node a body of more functions yields without bound.
+                over: Any = self.body.contact(point=point)
+                weights = over.forces[0] @ over.direction
+                return body.functional(self.body.on_dofs(np.outer(weights, np.array(along))))
+            if alike or point is None or along is None or self.node is not None:
+                return body.functional(self.b)
+            if surface is None:
+                return body.on_dofs(_on_beam(body, point, along).forces)
+            radius = 0.0 if self.patch is None else self.patch.radius
+            return body.on_dofs(touched(surface, point, along, radius).forces)
+
+    @cached_property
     def functionals(self) -> tuple[ContactPoint, ...]:
         """The contact point itself and, with tangents, the displacements along them.
 
@@ -272,12 +298,18 @@ class ContactPoint(Frozen):
         return self.made_of if isinstance(self.made_of, (Layers, Beam)) else None
 
     @property
-    def _along_beam(self) -> float:
-        """Cosine of the angle between the direction and the axis of the beam at the contact."""
+    def _axis(self) -> FloatArray:
+        """From end to end of the beam element at the contact, m."""
         mesh: Any = self.body.mesh
         point: Any = self.point
-        axis = np.diff(mesh.nodes[mesh.cells[nearest_line(mesh, point)[0], :2]], axis=0)[0]
-        return abs(float(self.direction @ axis)) / float(np.linalg.norm(axis))
+        first, last = mesh.nodes[mesh.cells[nearest_line(mesh, point)[0], :2]]
+        return np.asarray(last - first)
+
+    @property
+    def _along_beam(self) -> float:
+        """Cosine of the angle between the direction and the axis of the beam at the contact."""
+        direction: Any = self.direction
+        return abs(float(direction @ self._axis)) / float(np.linalg.norm(self._axis))
 
     def check_wall(self) -> None:
         """Refuse a force that would bend the wall of a tube of beams, which is rigid.
@@ -346,7 +378,7 @@ class ContactPoint(Frozen):
         pressed_on = self.forces[0].any(axis=1)
         return bool(np.isin(np.flatnonzero(pressed_on), both).all())
 
-    def _extracted(self, solver: LinearSolver) -> Compliance:
+    def _extracted(self, solver: LinearSolver, moved: FloatArray | None = None) -> Compliance:
         if isinstance(self.thin, Beam):
             return extracted_from_beam(self, self.thin, self.width, solver)
         surface: Any = self.body.surface
@@ -359,8 +391,8 @@ class ContactPoint(Frozen):
         if self.thin is not None:
             layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
             return extracted_from_shell(self, layers, self.width, solver)
-        found = extracted(self, normal, self.width, solver)
-        if self.patch is not None and not self.automatic and -found.removed > found.error:
+        found = extracted(self, normal, self.width, solver, moved)
+        if self.patch is not None and not self.automatic and found.removed < 0.0:
             raise InputError(  # more than the mesh explains
                 f"radius={self.patch.radius:g}: the patch is so wide that the body yields less to "
                 "its mean displacement than under the contact; give a smaller radius, or leave it "
@@ -368,7 +400,9 @@ class ContactPoint(Frozen):
             )
         return found
 
-    def at_impact(self, contact_radius: float, solver: LinearSolver) -> ContactPoint:
+    def at_impact(
+        self, contact_radius: float, solver: LinearSolver, moved: FloatArray | None = None
+    ) -> ContactPoint:
         """Return the contact point for a contact of that radius, its compliance computed.
 
         Parameters
@@ -377,12 +411,14 @@ class ContactPoint(Frozen):
             At the largest force, m.
         solver : LinearSolver
             Of K + s²M with s about 10 over the duration of the contact.
+        moved : ndarray, shape (1 or 3, n_dofs), optional
+            The responses to unit forces along the direction and the tangents, where they are known.
 
         :meta private:
         """
         tip = replace(self, contact_radius=contact_radius, shift=math.sqrt(solver.s2))
         if self.on_surface:
-            vars(tip)["extraction"] = tip._extracted(solver)
+            vars(tip)["extraction"] = tip._extracted(solver, moved)
         return tip
 
     @cached_property
@@ -466,34 +502,28 @@ class ContactPoint(Frozen):
         width = edge_length(surface, self.point)
         return height <= _FLAT * width and self.depth <= width
 
-    def edge_over_wave(self, s: float) -> float:
-        """Return the edge of elements at the contact over the length of a bending wave at i s.
+    def edge_and_wave(self, s: float) -> tuple[float, float]:
+        """Return the lengths of the elements at the contact and of a bending wave at i s there, m.
 
-        That of a plate, (D/(m s²))^(1/4); 0 of beams, and where the body's thickness is not known.
-
-        :meta private:
-        """
-        surface, layers = self.body.surface, self._layers
-        if surface is None or self.point is None or layers is None:
-            return 0.0
-        return edge_length(surface, self.point) / bending_length(layers, s)
-
-    def bending_compliance(self, s: float) -> float:
-        """Return 1/(8 s √(D m)), m/N, of an infinite plate as thick as the body; 0 as above.
+        The wave is that of a plate as thick as the body, (D/(m s²))^(1/4). It is infinite of beams
+        that are struck along their axis, and where the thickness is not known.
 
         :meta private:
         """
-        if (layers := self._layers) is None:
-            return 0.0
-        return float(0.125 / (layers.inertia[0] * (s * bending_length(layers, s)) ** 2))
-
-    @cached_property
-    def _layers(self) -> Layers | None:
-        """The layers at the point, or of a solid body as thick as it is."""
-        layers = self.thin
-        if layers is None and self.material is not None and math.isfinite(self.depth):
-            layers = Shell(self.depth, self.material)
-        return layers if isinstance(layers, Layers) else None
+        surface: Any = self.body.surface
+        material: Any = self.material
+        point: Any = self.point
+        beam, depth = isinstance(self.thin, Beam), self.depth
+        if isinstance(self.thin, Layers):
+            wave = bending_length(self.thin, s)
+        elif material is None or not math.isfinite(depth) or (beam and self._along_beam > _ALONG):
+            return 0.0, math.inf
+        else:
+            wave = (
+                material.plane_strain_modulus * (depth / s) ** 2 / (12.0 * material.rho)
+            ) ** 0.25
+        edge = np.linalg.norm(self._axis) if beam else edge_length(surface, point)
+        return float(edge), wave
 
     @property
     def resultant(self) -> FloatArray:

@@ -9,13 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 import scipy
 
-from ..base import ArrayPair, FloatArray, IntArray, sp
-from ..mesh import Block, Mesh, ReferenceElement, cofactors
+from ..base import ArrayPair, FloatArray, IntArray
+from ..mesh import Block, ReferenceElement, cofactors
 
 # Points in each direction of the product rules: exact to degree 5 on triangles, 3 on tetrahedra.
 _ON_SIDE, _IN_CELL = 3, 2
@@ -154,7 +153,11 @@ def _points(
         else:
             volume = weight * np.abs(np.linalg.det(edges))[:, None] * det
             area = np.zeros((*shape.shape[:2], 3))
-        yield Points(some, shape @ places, shape, slopes, volume, area)
+        x = shape @ places
+        if block.signs is not None:
+            signs = block.signs[some][:, None]
+            shape, slopes = signs * shape, signs[..., None] * slopes
+        yield Points(some, x, shape, slopes, volume, area)
 
 
 @cache
@@ -215,40 +218,3 @@ _TETRAHEDRA = {
     6: ((0, 1, 2, 5), (0, 1, 5, 4), (0, 4, 5, 3)),
     8: tuple((0, _BRICK[i], _BRICK[i + 1], 6) for i in range(6)),
 }
-
-
-# The corners of four parts of an element, each the mean of four of its own corners.
-_QUARTERS = {
-    "triangle": [
-        [(0, 0, 0, 0), (0, 0, 1, 1), (0, 0, 2, 2)],
-        [(1, 1, 1, 1), (1, 1, 2, 2), (0, 0, 1, 1)],
-        [(2, 2, 2, 2), (0, 0, 2, 2), (1, 1, 2, 2)],
-        [(0, 0, 1, 1), (1, 1, 2, 2), (0, 0, 2, 2)],
-    ],
-    "quad": [
-        [(k, k, k, k), (k, k, k - 3, k - 3), (0, 1, 2, 3), (k, k, k - 1, k - 1)] for k in range(4)
-    ],
-}
-
-
-def halved(mesh: Mesh) -> tuple[sp.csr_array, Mesh]:
-    """Cut surface elements in four, which come one after another.
-
-    Returns
-    -------
-    mean : scipy.sparse.csr_array, shape (new nodes, nodes)
-        The new nodes as means of the old ones.
-    mesh : Mesh
-    """
-    corners = [np.sort(of.cells[:, _QUARTERS[of.kind]], axis=3) for of in mesh.blocks]
-    members, number = np.unique(
-        np.concatenate([each.reshape(-1, 4) for each in corners]), axis=0, return_inverse=True
-    )
-    entries = np.full(members.size, 0.25), (np.arange(members.size) // 4, members.ravel())
-    mean = sp.csr_array(entries, shape=(len(members), mesh.n_nodes))
-    parts = np.split(number.reshape(-1), np.cumsum([each.size // 4 for each in corners])[:-1])
-    cells: Any = [
-        (of.kind, part.reshape(-1, of.cells.shape[1]))
-        for of, part in zip(mesh.blocks, parts, strict=True)
-    ]
-    return mean, Mesh(mean @ mesh.nodes, cells)

@@ -21,7 +21,7 @@ from ..fem import (
     thin_stiffness_mass,
 )
 from ..linalg import LinearSolver, factorize
-from ..mesh import Surface, boundary, sides, taken
+from ..mesh import Surface, boundary, halved, sides, taken
 from .compliance import Compliance
 from .layer import (
     contact_reach,
@@ -31,14 +31,13 @@ from .layer import (
     rim_nodes,
     slow_bending,
 )
-from .subdivision import halved
 from .touch import touched
 
-# c is taken at s = 0.87/T, and compared with that at 3.3/T and 10/T, as shares of 10/T. A change of
-# c that goes with ln s changes the peak of a force by its value at 0.87/T under Hertz's law, and at
-# 0.62/T for half a sine, by the equation of motion. On thin sheets, whose force is that of a
-# dashpot, the peak comes some three times sooner.
-_SPAN = (0.087, 1.0 / 3.0, 1.0)
+# c is taken at s = 0.87/T, as a share of 10/T. A change of c that goes with ln s changes the peak
+# of a force by its value at 0.87/T under Hertz's law, and at 0.62/T for half a sine, by the
+# equation of motion. On thin sheets, whose force is that of a dashpot, the peak comes some three
+# times sooner.
+_SLOW = 0.087
 
 # Largest c E* √A of full sections. At the depth of the axis, √A/2, a half-space sinks by
 # (1 + ν)(3 - 2ν)/(π (1 - ν²)) = 1.1 (K. L. Johnson, Contact Mechanics, 1985, eq. 3.17). Infinite
@@ -72,7 +71,7 @@ def patch_on_shell(layers: Layers, contact_radius: float, *, whole: bool = False
         True for the patch under which c is 0, which leaves the whole law.
     """
     slow_s, t = slow_bending(layers), layers.total_thickness
-    span = slow_s, slow_s / min(_SPAN)
+    span = slow_s, slow_s / _SLOW
     known = [layer_compliance_of(layers, contact_radius, each) for each in span]
 
     def excess(radius: float) -> float:
@@ -112,57 +111,53 @@ def extracted_from_shell(
     forces = pressed if whole else tip.forces / cosine  # supports hold a part of it in the body
     shares, couples = forces[0] @ normal, forces[1]
     loaded, s = shares != 0.0, math.sqrt(solver.pencil.s2)
-    parts, several = pieces(mesh, body.material, Layers), s * np.array(_SPAN)
+    parts, slow = pieces(mesh, body.material, Layers), _SLOW * s
     around = [part.cells[loaded[part.cells].any(axis=1)] for part in parts]
     ends, number = sides(mesh.nodes, around)[:2]
     edge = float(np.linalg.norm(np.diff(mesh.nodes[ends], axis=1), axis=2).max())
     away = np.linalg.norm(mesh.nodes - point, axis=1)
     away -= away[loaded].max()
-    level, near = _around(tip, parts, away < contact_reach(layers, edge, several[0]))
+    level = _around(tip, parts, away < contact_reach(layers, edge, slow))
     groups = [part.cells[level[part.numbers]] for part in parts]
-    of_layers = np.array([layer_compliance_of(layers, radius, each) for each in several])
+    of_layers = layer_compliance_of(layers, radius, slow)
     # Compliance of infinite plates beyond that of their layers under a patch of some width.
     wide = max(0.5 * t, 0.0 if tip.patch is None else tip.patch.radius)
-    excess = [plate_compliance(layers, wide, each) for each in several] - of_layers
+    excess = plate_compliance(layers, wide, slow) - of_layers
     at_edge = bool((rim_nodes(groups, mesh.n_nodes) & loaded).any())
     close = away < _ABOUT * edge
     about = [part.taken(close[part.cells].any(axis=1)) for part in parts]
     numbers = np.concatenate([of.numbers for of in about])
-    halvings = min(max(0, round(math.log2(edge / t))), _MOST)
+    halvings, unsure = min(max(0, round(math.log2(edge / t))), _MOST), 0.0
     if at_edge and whole:
         # The compliance of plates goes with the logarithm of the elements' size. At an edge it is
-        # that of solids where these are as large as t, within a factor of 2, which is claimed.
-        yields = _halved(tip, numbers, several, halvings)
-        slope = (yields[-1] - yields[-2]) / math.log(2.0)
-        found = yields[0] - yields[-2] - slope * math.log(edge / t / 2.0**halvings)
-        error = float(np.abs(yields[-1] - yields[0]).max()) / (halvings + 1)
+        # that of solids where these are as large as t, within a factor of 2.
+        yields = _halved(tip, numbers, slow, halvings)
+        unsure = abs(yields[-1] - yields[-2])
+        finest = math.log2(edge / t) - halvings
+        found = yields[0] - yields[-2] - (yields[-1] - yields[-2]) * finest
     else:
-        found = mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, several, couples)
-        found, error = found - of_layers - excess, 0.0
+        found = mesh_compliance(mesh.nodes, groups, layers, shares, point, normal, slow, couples)
+        found -= of_layers + excess
         joints = rigid_ends(mesh.nodes, [(of.cells, of.of) for of in about])
         if whole and any(len(strips) for _, strips, _ in joints):
             # Where plates meet, the mesh yields more than a fine one by this beyond the skin's own.
-            alone = _halved(tip, numbers[level[numbers]], several, halvings)
-            yields = _halved(tip, numbers, several, halvings) - alone
+            alone = _halved(tip, numbers[level[numbers]], slow, halvings)
+            yields = _halved(tip, numbers, slow, halvings) - alone
+            unsure = abs(yields[-1] - yields[-2])
             found += yields[0] - yields[-1]
-            error = float(np.abs(yields[-1] - yields[-2]).max())
     over_webs = np.unique(ends[np.bincount(number)[number] > 2])
     known = 0.5 if at_edge else 1.0 - 0.5 * float(shares[over_webs].sum())
     # At an edge, or over a web, plates have none to all of what an interior has: half, ± half.
-    found = found + known * excess
-    error += (1.0 - known) * float(np.abs(excess).max())
-    steps, varying = np.diff(found), 0.0
+    found += known * excess
+    unsure += (1.0 - known) * abs(excess)
     if len(layers.plies) == 1:
         narrow, wide = (layer_compliance_of(layers, f * radius, s) for f in (0.5, 1.0))
-        varying = abs(narrow - wide)
+        unsure += abs(narrow - wide)
     share = cosine**2
     return Compliance(
-        removed=share * float(found[0]),
-        error=share * (error + abs(float(steps[0]))),
-        varying=share * varying,
-        lagging=share * float(np.abs(steps / np.diff(np.log(_SPAN))).max()),
+        removed=share * float(found),
+        varying=share * float(unsure),
         radius=radius,
-        near=near,
         **_deflected(tip, solver),
     )
 
@@ -173,16 +168,16 @@ def _pressed(surface: Surface, tip: Any) -> FloatArray:
     return touched(surface, tip.point, tip.normal, radius).forces
 
 
-def _halved(tip: Any, about: IntArray, several: FloatArray, halvings: int) -> FloatArray:
-    """Return what elements yield alone, halved so many times and once more, (times + 2, n), m/N.
+def _halved(tip: Any, about: IntArray, s: float, halvings: int) -> FloatArray:
+    """Return what elements yield alone, halved so many times and once more, (times + 2,), m/N.
 
     Parameters
     ----------
     tip : ContactPoint
     about : ndarray of int
         The elements of shells about the contact.
-    several : ndarray, shape (n,)
-        Frequencies, rad/s.
+    s : float
+        rad/s.
     halvings : int
         How often, from 0.
     """
@@ -192,13 +187,13 @@ def _halved(tip: Any, about: IntArray, several: FloatArray, halvings: int) -> Fl
     local, of = taken(body.mesh, cells), taken_material(body.material, cells)
     for level in range(halvings + 2):
         if level:
-            mean, local = halved(local)
-            of, held = taken_material(of, np.repeat(np.arange(local.n_cells // 4), 4)), mean @ held
+            mean, local, parent = halved(local)
+            of, held = taken_material(of, parent), mean @ held
         shells = [(part.cells, part.of) for part in pieces(local, of, Layers)]
         K, M = thin_stiffness_mass(local.nodes, shells)
         free = np.flatnonzero(held.ravel() < 1.0 - ROUNDING)
         b = np.hstack(list(_pressed(boundary(local), tip))).ravel()[free]
-        found.append([b @ factorize((K + s * s * M)[free][:, free]).solve(b) for s in several])
+        found.append(b @ factorize((K + s * s * M)[free][:, free]).solve(b))
     return np.array(found)
 
 
@@ -211,26 +206,21 @@ def extracted_from_beam(tip: Any, beam: Beam, radius: float, solver: LinearSolve
     section = _OF_SECTION / (beam.material.plane_strain_modulus * math.sqrt(beam.numbers.area))
     return Compliance(
         removed=0.0,
-        error=0.0,
         varying=0.0 if beam.hollow else section,
         radius=radius,
-        near=np.zeros(tip.body.mesh.n_cells, dtype=bool),
         **_deflected(tip, solver),
     )
 
 
 def _deflected(tip: Any, solver: LinearSolver) -> dict[str, Any]:
-    x, s = solver.solve(tip.b), math.sqrt(solver.pencil.s2)
-    return {"deflection": x, "strain": float(x @ (tip.body.K @ x)), "s": s}
+    return {"deflection": solver.solve(tip.b), "s": math.sqrt(solver.pencil.s2)}
 
 
-def _around(tip: Any, parts: list[Piece], close: BoolArray) -> tuple[BoolArray, BoolArray]:
-    """Which elements have close nodes and normals like the contact's, and which c makes good."""
+def _around(tip: Any, parts: list[Piece], close: BoolArray) -> BoolArray:
+    """Which elements have close nodes and normals like the contact's."""
     mesh = tip.body.mesh
-    own, stepped = np.zeros((2, mesh.n_cells), dtype=bool)
+    own = np.zeros(mesh.n_cells, dtype=bool)
     for part in parts:
         level = np.abs(element_frames(mesh.nodes[part.cells], None)[0][:, 2] @ tip.normal) > FOLD
         own[part.numbers] = level & close[part.cells].any(axis=1)
-        others = [one.cells.ravel() for one in parts if one.of != part.of]
-        stepped[part.numbers] = np.isin(part.cells, np.concatenate([*others, [-1]])).any(axis=1)
-    return own, own & ~stepped
+    return own

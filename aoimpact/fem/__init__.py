@@ -34,14 +34,12 @@ from .model import FEModel
 from .shells import FOLD, element_frames, linked, nodal_normals, rigid_ends
 from .statics import Grounding, VirtualMotion, displacement, near_static, whole_motion
 from .stress import Strain, Stress, compliances, gauss_stress, nodal_stress
-from .stresserror import energy_error, missing_energy
 from .stressrows import (
     Layer,
     StressRows,
     beam_von_mises,
     body_stress_rows,
     checked_layer,
-    corner_stress,
 )
 from .supports import RigidMass, selected_nodes
 from .thin import thin_stiffness_mass

@@ -18,9 +18,9 @@ import numpy.typing as npt
 
 from ..base import FloatArray, IntArray, at_once, bar, require, sp
 from ..linalg import ENTRIES_AT_ONCE
-from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, taken
+from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
 from .beams import Beam
-from .composition import AnyMaterial, Piece, pieces, taken_material
+from .composition import AnyMaterial, Piece, pieces
 from .laminate import Layers
 from .material import Material
 from .thin import thin_stiffness_mass
@@ -92,15 +92,10 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
     order = np.argsort(np.hstack([dofs, dofs + 3 * mesh.n_nodes]).ravel())
     found = thin_stiffness_mass(mesh.nodes, [(part.cells, part.of) for part in parts])
     K, M = (matrix[order][:, order] for matrix in found)
-    if solids := pieces(mesh, material):
-        cells = np.sort(np.concatenate([piece.numbers for piece in solids]))
-        nodes = np.unique(np.concatenate([piece.cells.ravel() for piece in solids]))
-        at = dofs[nodes].ravel()
-        own = _of_solids(taken(mesh, cells), taken_material(material, cells))
-        entries = [(of.data, (at[of.row], at[of.col])) for of in (m.tocoo() for m in own)]
-        K, M = (
-            m + sp.csr_array(new, shape=m.shape) for m, new in zip((K, M), entries, strict=True)
-        )
+    if (solids := mesh.of_elements(thin=False)).blocks:
+        for of in (own := _of_solids(solids, material)):
+            of.resize(K.shape)
+        K, M = K + own[0], M + own[1]
     return with_int32(K.sorted_indices()), with_int32(M.sorted_indices())
 
 
@@ -135,6 +130,7 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
         def add_mass() -> None:
             for batch, place in _batches(mesh, material, pattern):
                 values = batch.of.rho * _mass(batch.element, mesh.nodes[batch.cells])
+                values = batch.signed(batch.signed(values).swapaxes(1, 2))
                 np.add.at(mass, place.reshape(-1), values.reshape(-1))
 
         at_once([add_stiffness, add_mass])
@@ -163,6 +159,7 @@ def _stiffness(piece: Piece, nodes: FloatArray) -> Iterator[FloatArray]:
         slopes[:, i] = sum(
             gradient[:, :, alpha].T * cof[i, alpha][:, None, :] for alpha in range(3)
         )
+    slopes = piece.signed(slopes.swapaxes(1, 2)).swapaxes(1, 2)
     rows = slopes.reshape(n, 3 * n_local, -1)
     products = (rows @ rows.transpose(0, 2, 1)).reshape(n, 3, n_local, 3, n_local)
     for i, j in _PAIRS:
@@ -215,15 +212,16 @@ def _pattern(mesh: Mesh) -> _Pattern:
         shape=(mesh.n_nodes, mesh.n_nodes),
     ).tocsr()
     del by_column
-    starts_row = np.zeros(size, dtype=bool)
-    starts_row[by_row.indptr[:-1]] = True
-    first = starts_row | np.concatenate([[True], np.diff(by_row.indices) != 0])
+    starts_row = np.zeros(size + 1, dtype=bool)
+    starts_row[by_row.indptr] = True
+    first = starts_row[:-1] | np.concatenate([[True], np.diff(by_row.indices) != 0])
     number: Any = np.cumsum(first, dtype=np.int32 if size < 2**31 else np.int64)
     number -= 1
     place = np.empty(size, dtype=np.int32)
     place[by_row.data] = number
     indices = by_row.indices[first].astype(np.int32)
-    indptr = np.concatenate([[0], number[by_row.indptr[1:] - 1] + 1]).astype(np.int32)
+    ends = by_row.indptr  # 0 before the first row, and after empty ones there
+    indptr = np.where(ends > 0, number[ends - 1] + 1, 0).astype(np.int32)
     ends = np.cumsum([block.size * block.shape[1] for block in blocks])
     places = tuple(
         part.reshape(*block.shape, block.shape[1])

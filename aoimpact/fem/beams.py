@@ -458,7 +458,7 @@ class Beam:
         stress = np.concatenate([direct[..., None], sheared], axis=-1)
         size = stress**2 @ [1.0, 3.0, 3.0]  # von Mises' stress squared
         largest = size.argmax(axis=-1)[..., None, None]
-        return np.asarray(np.take_along_axis(stress, largest, axis=-2)[..., 0, :])
+        return np.take_along_axis(stress, largest, axis=-2)[..., 0, :]
 
 
 def beam_frames(ends: FloatArray, beam: Beam) -> ArrayPair:
@@ -497,33 +497,6 @@ def beam_mass(ends: FloatArray, beam: Beam) -> FloatArray:
     return _energy(rows, beam.inertia[[0, 0, 0, 1, 2, 3]], 0.5 * weights, length)
 
 
-def beam_inertial_error(ends: FloatArray, beam: Beam, moved: FloatArray, s: float) -> FloatArray:
-    """Return twice the strain energy that elements lack under their inertia forces, J, shape (n,).
-
-    Their shape functions are exact under loads at the nodes. Under a load q per length, here
-    q = s²ρA w, the exact deflection has that of a beam with clamped ends besides, of the energy
-    2U = q²L⁵/(720 EI) + q²L³/(12 κGA); stretched and twisted it has 2U = q²L³/(12 EA).
-
-    Parameters
-    ----------
-    ends : ndarray, shape (n, 2, 3)
-    beam : Beam
-    moved : ndarray, shape (n, 12)
-        Displacements and rotations of both nodes at the frequency i s.
-    s : float
-        rad/s.
-    """
-    places, weights = _MASS_RULE
-    frames, length = beam_frames(ends, beam)
-    rows = _rows(frames, length, beam, 0.5 + 0.5 * places)[0][:, :, :4]
-    mean = np.einsum("p,npi->ni", 0.5 * weights, np.einsum("npij,nj->npi", rows, moved) ** 2)
-    load = s**4 * beam.inertia[[0, 0, 0, 1]] ** 2 * mean  # squared, N²/m² and N²
-    stretch, bent_y, bent_z, twist, shear_y, shear_z = beam.stiffness
-    energy = (load / [stretch, shear_y, shear_z, twist]).sum(axis=1) * length**3 / 12.0
-    energy += (load[:, 1] / bent_z + load[:, 2] / bent_y) * length**5 / 720.0
-    return np.asarray(energy)
-
-
 def beam_rows(ends: FloatArray, beam: Beam, places: FloatArray) -> FloatArray:
     """Return the strains at places, 0 to 1 along elements, by (u, v, w, θx, θy, θz) of both nodes.
 
@@ -554,7 +527,7 @@ def _energy(
     scaled = rows * np.sqrt(_finite(density))[:, None] * np.sqrt(weights)[:, None, None]
     scaled = (scaled * np.sqrt(length)[:, None, None, None]).reshape(len(rows), -1, 12)
     matrix = scaled.swapaxes(1, 2) @ scaled
-    return np.asarray(0.5 * (matrix + matrix.swapaxes(1, 2)))
+    return 0.5 * (matrix + matrix.swapaxes(1, 2))
 
 
 def _finite(stiffness: FloatArray) -> FloatArray:

@@ -183,6 +183,13 @@ class Piece:
         """The elements' nodes, shape (n, nodes per element)."""
         return self.block.cells[self.rows]
 
+    def signed(self, values: FloatArray) -> FloatArray:
+        """Return values of the elements' shape functions, (n, nodes per element, ...), signed."""
+        if self.block.signs is None:
+            return values
+        signs = self.block.signs[self.rows]
+        return values * signs.reshape(*signs.shape, *(1,) * (values.ndim - 2))
+
     @property
     def numbers(self) -> IntArray:
         """The elements' numbers among all of the mesh."""
@@ -235,14 +242,14 @@ class Layout:
     cells: IntArray
 
     def of(self, piece: Piece) -> IntArray:
-        """Return a piece's `cells` by places."""
-        return np.asarray(self.cells[piece.numbers, : piece.element.n_nodes])
+        """Return a piece's `cells` by places, without functions that are no nodes."""
+        return self.cells[piece.numbers, : piece.element.own.n_nodes]
 
 
 def layout(mesh: Mesh, material: AnyMaterial) -> Layout:
     """Return the places of a mesh at which stress has one value."""
     if not isinstance(material, Materials):
-        every = np.arange(mesh.n_nodes)
+        every = np.arange(mesh.cells.max() + 1)
         return Layout(every, np.zeros_like(every), mesh.cells)
     keys = material.index[:, None] * mesh.n_nodes + mesh.cells
     key, cells = np.unique(keys, return_inverse=True)

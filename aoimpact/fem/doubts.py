@@ -92,7 +92,7 @@ def warn_of_curved_offsets(mesh: Mesh, material: AnyMaterial) -> None:
 
 def _areas(corners: FloatArray) -> FloatArray:
     """Return the vectors of area, m², of triangles and quadrilaterals, (n, 3 or 4, 3)."""
-    return np.asarray(0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1]))
+    return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1])
 
 
 def warn_of_separate_parts(mesh: Mesh, masses: Any) -> None:

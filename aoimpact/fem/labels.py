@@ -49,7 +49,7 @@ def axes_of(free: IntArray | None, labels: IntArray | None, n_nodes: int) -> Flo
     if labels is None:
         return None
     component = labels[:, 1]
-    return np.asarray(np.where(component[:, None] == np.arange(1, 4), 1.0, 0.0))
+    return np.where(component[:, None] == np.arange(1, 4), 1.0, 0.0)
 
 
 def nodes_by_number(name: str, given: Any, count: int, labels: IntArray | None) -> IntArray:

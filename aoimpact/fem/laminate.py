@@ -156,7 +156,7 @@ class Layers:
     def interfaces(self) -> FloatArray:
         """z of the bottom, of each interface, and of the top, m, shape (n_plies + 1,)."""
         upto = np.cumsum([0.0, *(ply.thickness for ply in self.plies)])
-        return np.asarray(upto - 0.5 * self.total_thickness + self.offset)
+        return upto - 0.5 * self.total_thickness + self.offset
 
     @cached_property
     def stiffness(self) -> FloatArray:
@@ -216,7 +216,7 @@ class Layers:
             self._change(number, low, high)
             for number, (low, high) in enumerate(pairwise(self.interfaces.tolist()))
         ]
-        return np.asarray(np.cumsum([np.zeros((2, 2)), *steps[:-1]], axis=0))
+        return np.cumsum([np.zeros((2, 2)), *steps[:-1]], axis=0)
 
     def _change(self, number: int, low: float, high: float) -> FloatArray:
         """-∫ of σxx,x + τxy,y and τxy,x + σyy,y within a ply, by (Qx, Qy)."""

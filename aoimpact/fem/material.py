@@ -391,7 +391,7 @@ def _barnett_lothe(tensor: FloatArray, one: FloatArray, other: FloatArray) -> Fl
         of_m, of_n = np.einsum("i,ijkl->jkl", m, tensor), np.einsum("i,ijkl->jkl", n, tensor)
         mm, mn, nn = of_m @ m, of_m @ n, of_n @ n
         total += mm - mn @ np.linalg.solve(nn, mn.T)
-    return np.asarray(total / _ANGLES)
+    return total / _ANGLES
 
 
 def _triple(name: str, value: Any) -> Triple:

@@ -42,6 +42,7 @@ from ..linalg import (
     Solver,
     check_mass,
     check_stiffness,
+    checked_solver,
     linear_solver,
     lowest,
     m_orthonormal,
@@ -182,6 +183,8 @@ class FEModel(Frozen):
     assembled: bool = field(init=False, default=False)
     # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
     _soft: FloatArray | None = field(init=False, default=None)
+    # Of a finer body the one that it was made of.
+    coarse: FEModel | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         checked(self, name=text)
@@ -334,13 +337,14 @@ class FEModel(Frozen):
         warn_of_separate_parts(solid, heavier)
         if stiffer is not None:
             stiffer = np.pad(stiffer, (0, K.shape[0] - len(stiffer)))[free]
-        K, M = _completed(K, M, heavier, stiffer, free)
+        held = grounded(K, M, free)
+        K, M = completed(K, M, heavier, stiffer, free)
         momentum = momentum[free]
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
         model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
         model._set(mesh=solid, material=made_of, damping=damped, name=name)
-        model._set(springs=stiffer, masses=heavier, assembled=True)
+        model._set(springs=stiffer, masses=heavier, assembled=True, held=held)
         if surface is not None:
             model._set(surface=surface)
         return model
@@ -420,13 +424,17 @@ class FEModel(Frozen):
 
     def __getattr__(self, name: str) -> Any:
         """K and M of an unpickled body with a mesh, assembled at their first use."""
-        known = vars(self)
-        if name not in ("K", "M") or not known.get("assembled"):
+        if name not in ("K", "M") or vars(self).get("material") is None:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        K, M = stiffness_mass(known["mesh"], known["material"])
-        K, M = _completed(K, M, known["masses"], known["springs"], known["free"])
+        K, M = self._matrices()
         self._set(K=K, M=M)
         return vars(self)[name]
+
+    def _matrices(self) -> tuple[Any, Any]:
+        made: Any = self.mesh, self.material, self.free
+        K, M = stiffness_mass(*made[:2])
+        self._set(held=grounded(K, M, made[2]))
+        return completed(K, M, self.masses, self.springs, made[2])
 
     def __copy__(self, memo: Any = None) -> FEModel:
         """A body of its own that shares all that is known of this one, which does not change."""
@@ -603,7 +611,15 @@ class FEModel(Frozen):
         """
         shift = nonnegative("s2", s2, unit="(rad/s)²")
         served = integer("solutions", solutions, low=0)
-        return linear_solver(self._pencil.at(shift), solver, solutions=served)
+        key = shift, checked_solver(solver)
+        if (found := self._living.get(key)) is None:
+            found = linear_solver(self._pencil.at(shift), solver, solutions=served)
+            self._living[key] = found
+        return found
+
+    @cached_property
+    def _living(self) -> WeakValueDictionary[Any, LinearSolver]:
+        return WeakValueDictionary()
 
     @cached_property
     def _pencil(self) -> Pencil:
@@ -640,6 +656,85 @@ class FEModel(Frozen):
         if self.mesh is None or {block.kind for block in self.mesh.blocks} == {"line"}:
             return None
         return boundary(self.mesh)
+
+    @cached_property
+    def shapes(self) -> Any:
+        """The mesh whose shape functions the dofs belong to; of a finer body not `mesh`.
+
+        :meta private:
+        """
+        return self.mesh
+
+    @property
+    def given(self) -> FEModel:
+        """The body itself; of a finer body the one that it was made of.
+
+        :meta private:
+        """
+        return self.coarse or self
+
+    def appended(self, x: FloatArray) -> FloatArray:
+        """Return motions of `given`, (n, ...), or of the body itself, as those of the body.
+
+        :meta private:
+        """
+        return x
+
+    def restricted(self, x: FloatArray) -> FloatArray:
+        """Return motions of the body, (n_dofs, ...), on the dofs of `given`.
+
+        :meta private:
+        """
+        return x
+
+    def functional(self, b: FloatArray) -> FloatArray:
+        """Return a functional of the dofs of `given`, (n,), as one of the body's.
+
+        :meta private:
+        """
+        return b
+
+    def carried(self, values: FloatArray) -> FloatArray:
+        """Return values at the nodes of `given`, (n, ...), as those of the body's functions.
+
+        :meta private:
+        """
+        return values
+
+    @cached_property
+    def parent(self) -> IntArray:
+        """For each element that of `given` which it is, or is a part of, shape (n_cells,).
+
+        :meta private:
+        """
+        return np.arange(0 if self.shapes is None else self.shapes.n_cells)
+
+    def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
+        """Return motions of the body and of `given`, (n, k) each, on the same dofs, and K on these.
+
+        :meta private:
+        """
+        return np.hstack(motions), self.K
+
+    @cached_property
+    def finer(self) -> FEModel | None:
+        """The body with finer elements; None where it has none.
+
+        :meta private:
+        """
+        from .finer import finer_body
+
+        return finer_body(self)
+
+    @cached_property
+    def held(self) -> tuple[IntArray, Any, Any]:
+        """The constrained dofs, and their columns of K and M over all dofs.
+
+        :meta private:
+        """
+        if (made_of := self.material) is None or self.free is None:
+            raise InputError("the rows of supports are not known of a body without a mesh")
+        return grounded(*stiffness_mass(self.shapes, made_of), self.free)
 
     # Functions of other files, which import this one: it imports them when they are called.
 
@@ -802,17 +897,23 @@ class FEModel(Frozen):
         return audited(self, frequencies=integer("frequencies", frequencies, low=0))
 
 
-def _completed(
+def grounded(K: Any, M: Any, free: IntArray) -> tuple[IntArray, Any, Any]:
+    """Return the constrained dofs, and their columns of K and M over all dofs."""
+    ground = np.setdiff1d(np.flatnonzero(np.diff(K.indptr)), free)
+    return ground, K[ground].T, M[ground].T
+
+
+def completed(
     K: Any, M: Any, masses: Any, springs: FloatArray | None, free: IntArray
 ) -> tuple[Any, Any]:
-    """K and M of a mesh with added masses and springs, on the dofs that no support holds."""
-    M = M if masses is None else _sum(M, masses)
+    """Return K and M of a mesh with added masses and springs, on the dofs that no support holds."""
+    M = M if masses is None else summed(M, masses)
     if len(free) < K.shape[0]:
         K, M = (kept_rows_columns(matrix, free) for matrix in (K, M))
-    return K if springs is None else _sum(K, sp.diags_array(springs, format="csr")), M
+    return K if springs is None else summed(K, sp.diags_array(springs, format="csr")), M
 
 
-def _sum(matrix: Any, other: Any) -> Any:
+def summed(matrix: Any, other: Any) -> Any:
     """Return the sum of two CSR matrices in the form that solvers take."""
     total = (matrix + other).tocsr()
     total.sort_indices()

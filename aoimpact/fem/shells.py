@@ -330,22 +330,6 @@ def strain_rows(
     return Strains(rows.reshape(*rows.shape[:3], -1), weights, shape, frames)
 
 
-def nodal_strains(strains: Strains, moved: FloatArray) -> FloatArray:
-    """Return the generalised strains of deformed elements at their nodes, shape (n, nodes, 8).
-
-    From the points of quadrature by the (bi)linear function that fits there best.
-
-    Parameters
-    ----------
-    strains : Strains
-    moved : ndarray, shape (n, nodes, 6)
-        Displacements and rotations of the elements' nodes.
-    """
-    rows = strains.rows[:, :, :8]
-    at_points = np.einsum("nqsd,nd->nqs", rows, moved.reshape(len(moved), -1))
-    return np.asarray(np.linalg.pinv(strains.shape) @ at_points, dtype=np.float64)
-
-
 def _flatness(local: FloatArray, normals: FloatArray | None, stiffness: FloatArray) -> FloatArray:
     """1/(1 + (h δ/t)²), with δ the angle between an element and its surface at the nodes.
 

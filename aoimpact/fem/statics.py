@@ -23,8 +23,6 @@ import scipy
 from ..base import ArrayPair, FloatArray, InputError, IntArray, SingularError, sp
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from ..mesh import motions_at
-from .assembly import stiffness_mass
-from .labels import axes_of
 from .model import FEModel
 from .supports import selected_nodes
 
@@ -121,14 +119,15 @@ def whole_motion(model: FEModel) -> ArrayPair:
     momenta : ndarray, shape (n_dofs, 6)
         M times unit translations and, of an unsupported body, unit rotations about its centre.
     """
-    body: Any = model  # of a body with nodes
-    centre = np.array([body.com_functional(axis) for axis in np.eye(3)])
-    functionals, momenta = np.full((6, body.n_dofs), np.nan), np.zeros((body.n_dofs, 6))
-    functionals[:3], momenta[:, :3] = centre, body.mass * centre.T
+    # Nodes of added functions are no places.
+    body: Any = model if model.shapes is model.mesh else model.given
+    centre = np.array([model.com_functional(axis) for axis in np.eye(3)])
+    functionals, momenta = np.full((6, model.n_dofs), np.nan), np.zeros((model.n_dofs, 6))
+    functionals[:3], momenta[:, :3] = centre, model.mass * centre.T
     if len(body.free) == body.nodes.size and body.springs is None:
-        middle = centre @ body.on_dofs(body.nodes)
-        turned = motions_at(body.nodes - middle).reshape(-1, 6)[body.free, 3:]
-        momenta[:, 3:] = body.M @ turned
+        middle = centre @ model.appended(body.on_dofs(body.nodes))
+        turned = model.appended(motions_at(body.nodes - middle).reshape(-1, 6)[body.free, 3:])
+        momenta[:, 3:] = model.M @ turned
         functionals[3:] = np.linalg.solve(turned.T @ momenta[:, 3:], momenta[:, 3:].T)
     return functionals, momenta
 
@@ -181,14 +180,12 @@ class Grounding:
                 "reactions need the rows of K and M of the supports, and this body was given "
                 "without them: make it with FEModel.from_mesh(mesh, material, fixed=...)"
             )
-        n, self.body = body.mesh.n_nodes, body
-        rotations = 3 * (n + body.mesh.thin_nodes[:, None]) + np.arange(3)  # solids have none
-        self.held = np.setdiff1d(np.concatenate([np.arange(3 * n), rotations.ravel()]), body.free)
-        K, M = stiffness_mass(body.mesh, body.material)
+        self.body = body
+        self.held, K, M = body.held
         if body.masses is not None:
-            M = M + body.masses
-        self.K = sp.csr_array(K[self.held][:, body.free])
-        self.M = sp.csr_array(M[self.held])
+            M = M + body.masses[:, self.held]
+        self.K = sp.csr_array(K[body.free].T)
+        self.M = sp.csr_array(M.T)
 
     def nodes(self, name: str, selector: Any) -> IntArray:
         """Return the selected nodes that a support or a spring holds; all such without a selector.
@@ -198,9 +195,9 @@ class Grounding:
         InputError, InputTypeError
             If there is none, or the selector selects no node.
         """
-        body, springs = self.body, self.body.springs
+        body, springs = self.body.given, self.body.given.springs
         sprung = np.empty(0, np.int64) if springs is None else body.free[np.flatnonzero(springs)]
-        grounded = np.union1d(self.held, sprung) // 3 % len(body.nodes)
+        grounded = np.union1d(body.held[0], sprung) // 3 % len(body.nodes)
         if selector is not None:
             sets = body.mesh.node_sets
             chosen = selected_nodes(name, selector, body.nodes, sets, body.node_labels)
@@ -212,16 +209,17 @@ class Grounding:
 
     def resultants(self, nodes: IntArray, centre: FloatArray) -> FloatArray:
         """Return the ground's translations and rotations about a centre, shape (all dofs, 6)."""
-        places = self.body.nodes
+        places = self.body.given.nodes
         motions = np.zeros((2, *places.shape, 6))
         moved = motions_at(places[nodes] - centre, rotations=True)
         motions[:, nodes] = moved.reshape(2, -1, 3, 6)
-        return motions.reshape(-1, 6)[: self.M.shape[1]]
+        every = np.stack([self.body.carried(of) for of in motions])
+        return every.reshape(-1, 6)[: self.M.shape[1]]
 
     def virtual(self, motions: FloatArray) -> VirtualMotion:
         """Return how the body follows motions of the ground, shape (all dofs, m)."""
         body = self.body
-        axes = axes_of(np.arange(self.M.shape[1]), None, len(body.nodes))
+        axes = self.resultants(np.arange(len(body.given.nodes)), np.zeros(3))[:, :3]
         ground = motions[self.held]
         springs = np.zeros((len(body.free), motions.shape[1]))
         if body.springs is not None:

@@ -3,9 +3,10 @@
 At the Gauss points the strains are those of the elements. From there they are carried to the nodes
 by the polynomial of the element's corners (linear in a tetrahedron, trilinear in a brick) that fits
 them best: one degree lower than the displacements, it takes from the strains what is accurate to
-one order more (J. Barlow, Int. J. Num. Meth. Eng. 10, 243, 1976). At a node the elements' values
-are averaged, but never across an interface of materials, where stress jumps: there it is that of
-the stiffest.
+one order more (J. Barlow, Int. J. Num. Meth. Eng. 10, 243, 1976). Of an element that has functions
+of the next degree beside its own, it is a polynomial of its own degree. At a node the elements'
+values are averaged, but never across an interface of materials, where stress jumps: there it is
+that of the stiffest.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from functools import cache
 import numpy as np
 
 from ..base import ArrayPair, FloatArray, IntArray, choice
-from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, reference_element
+from ..mesh import Mesh, cofactors, jacobians, reference_element
 from .composition import AnyMaterial, Layout, OneMaterial, Piece, each_of, layout, pieces
 from .material import PAIRS, PLACES, Material
 
@@ -53,12 +54,12 @@ class Tensor:
 
     def __getitem__(self, name: str) -> FloatArray:
         place = COMPONENTS.index(choice("name of a component", name, COMPONENTS))
-        return np.asarray(self.components[..., place])
+        return self.components[..., place]
 
     @property
     def tensor(self) -> FloatArray:
         """The symmetric tensor, shape (..., 3, 3)."""
-        return np.asarray(self.components[..., PLACES])
+        return self.components[..., PLACES]
 
     @property
     def principal(self) -> FloatArray:
@@ -102,14 +103,15 @@ def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
     Stress
         Of shape (..., n_cells, n_gauss, 6), in a mixed mesh with nan after an element's own points.
     """
-    most = max(len(block.element.stiffness_rule.weights) for block in mesh.blocks)
+    most = max(len(block.element.own.stiffness_rule.weights) for block in mesh.blocks)
     components = np.full((*displacement.shape[:-2], mesh.n_cells, most, 6), np.nan)
     points = np.full((mesh.n_cells, most, 3), np.nan)
     for piece in pieces(mesh, material):
-        shape = piece.element.shape(piece.element.stiffness_rule.points)
+        at = piece.element.own.stiffness_rule.points
+        shape = piece.element.shape(at)
         for batch in batches(piece):
             points[batch.numbers, : len(shape)] = shape @ mesh.nodes[batch.cells]
-            stress = hooke(gauss_strain(mesh, batch, displacement)[0], piece.of)
+            stress = hooke(strain_at(at, mesh, batch, displacement)[0], piece.of)
             components[..., batch.numbers, : len(shape), :] = np.moveaxis(stress, 0, -1)
     return Stress(components, points)
 
@@ -138,7 +140,7 @@ def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
     for number, of in enumerate(each_of(material)):
         on = places.which[chosen] == number
         stress[..., on, :] = np.moveaxis(hooke(strain[..., on], of), 0, -1)
-    return Stress(stress, mesh.nodes)
+    return Stress(stress, mesh.nodes[: len(chosen)])
 
 
 def averaged_strain(
@@ -148,25 +150,28 @@ def averaged_strain(
     count = len(places.node)
     averaged, elements = np.zeros((6, *displacement.shape[:-2], count)), np.zeros(count)
     for piece in pieces(mesh, material):
-        to_nodes = extrapolation(piece.element.kind).T
+        to_nodes, points = extrapolation(piece.element.kind).T, piece.element.stiffness_rule.points
         for batch in batches(piece):
             at = places.of(batch).reshape(-1)
             elements += np.bincount(at, minlength=count)
-            shares = (gauss_strain(mesh, batch, displacement)[0] @ to_nodes).reshape(-1, at.size)
+            strain, _ = strain_at(points, mesh, batch, displacement)
+            shares = (strain @ to_nodes).reshape(-1, at.size)
             for total, share in zip(averaged.reshape(-1, count), shares, strict=True):
                 total += np.bincount(at, share, count)
     averaged /= np.maximum(elements, 1.0)
     return averaged
 
 
-def gauss_strain(mesh: Mesh, piece: Piece, displacement: FloatArray) -> ArrayPair:
-    """Return the strain of elements at the Gauss points, and det J, shape (n_cells, n_gauss).
+def strain_at(points: FloatArray, mesh: Mesh, piece: Piece, displacement: FloatArray) -> ArrayPair:
+    """Return the strain of elements at reference points, (n, 3), and det J, shape (n_cells, n).
 
-    The strain has the shape (6, ..., n_cells, n_gauss) for displacements (..., n_nodes, 3).
+    The strain has the shape (6, ..., n_cells, n) for displacements (..., n_nodes, 3).
     """
-    gradient = piece.element.gradient(piece.element.stiffness_rule.points)
+    gradient = piece.element.gradient(points)
     det, cofactor = cofactors(jacobians(mesh.nodes[piece.cells], gradient))
-    moved = displacement[..., piece.cells, :]
+    moved, signs = displacement[..., piece.cells, :], piece.block.signs
+    if signs is not None:
+        moved = moved * signs[piece.rows][..., None]
     shape = *moved.shape[:-2], len(gradient)
     slope = jacobians(moved.reshape(-1, *moved.shape[-2:]), gradient).reshape(3, 3, *shape)
     strain = np.empty((6, *shape))
@@ -196,7 +201,7 @@ def compliances(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> FloatArra
     """
     every = np.stack([np.linalg.inv(of.stiffness * ANGLE) for of in each_of(material)])
     places = layout(mesh, material)
-    return np.asarray(every[places.which[shown(places, material)[nodes]]])
+    return every[places.which[shown(places, material)[nodes]]]
 
 
 def batches(piece: Piece) -> Iterator[Piece]:
@@ -214,22 +219,24 @@ def shown(places: Layout, material: AnyMaterial) -> IntArray:
     return np.asarray(order[last])
 
 
-def slopes_at_nodes(corners: FloatArray, element: ReferenceElement) -> FloatArray:
-    """Return ∂φ_a/∂x_i of the Gauss points at the nodes, shape (n_cells, n_local, n_local, 3)."""
+def slopes_at_nodes(mesh: Mesh, piece: Piece) -> FloatArray:
+    """Return ∂φ_a/∂x_i of the Gauss points at the nodes, shape (n_cells, n_nodes, n_local, 3)."""
+    element = piece.element
     gradient = element.gradient(element.stiffness_rule.points)
-    det, cof = cofactors(jacobians(corners, gradient))
-    slopes = np.einsum("gat,iteg->egai", gradient, cof / det)
-    return np.asarray(np.einsum("ng,egai->enai", extrapolation(element.kind), slopes))
+    det, cof = cofactors(jacobians(mesh.nodes[piece.cells], gradient))
+    slopes = np.einsum("gat,iteg->eagi", gradient, cof / det)
+    to_nodes = extrapolation(element.kind)
+    return np.asarray(np.einsum("ng,eagi->enai", to_nodes, piece.signed(slopes)))
 
 
 @cache
 def extrapolation(kind: str) -> FloatArray:
-    """Values at the nodes of the corners' polynomial that fits values at the Gauss points best.
+    """Values at the nodes of the lower polynomial that fits values at the Gauss points best.
 
     By least squares with the weights of the quadrature. A single point gives its value everywhere.
     """
     element = reference_element(kind)
-    corners, rule = element.linear, element.stiffness_rule
+    lower, rule = element.lower, element.stiffness_rule
     root = np.sqrt(rule.weights)
-    fit = np.linalg.pinv(root[:, None] * corners.shape(rule.points)) * root
-    return np.asarray(corners.shape(element.nodes) @ fit)
+    fit = np.linalg.pinv(root[:, None] * lower.shape(rule.points)) * root
+    return lower.shape(element.own.nodes) @ fit

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,17 +29,20 @@ from ..base import (
 )
 from ..mesh import Mesh, group
 from .beams import Beam, BeamSection, beam_frames, beam_rows
-from .composition import AnyMaterial, layout, pieces
+from .composition import AnyMaterial, Piece, layout, pieces
 from .laminate import Layers
 from .material import PLACES, SIX, Solid
+from .shells import Strains, nodal_normals, rigid_ends, strain_rows
 from .stress import UNIT_STRAINS, batches, hooke, slopes_at_nodes
-from .thinerror import shell_pieces
 
 _OF_SHELLS = ("bottom", "middle", "top")
 _SIDES = (*_OF_SHELLS, "left", "right")
 
 # Elements are taken so many at a time.
 _BATCH = 4096
+
+# Digits to which normals at a node agree that belong to one surface.
+_ALIKE = 6
 
 
 @dataclass(frozen=True)
@@ -198,7 +201,7 @@ class _Wanted:
         near.eliminate_zeros()
         cells = np.arange(mesh.n_cells) if part is None else group(mesh, "part", part)
         rows = np.repeat(cells, mesh.cells.shape[1])
-        shape = (mesh.n_cells, mesh.n_nodes)
+        shape = (mesh.n_cells, near.shape[1])
         own = sp.csr_array((np.ones(len(rows)), (rows, mesh.cells[cells].ravel())), shape=shape)
         own.data[:] = 1.0
         shared = sp.csc_array(own @ near.T).tocoo()
@@ -254,7 +257,7 @@ def body_stress_rows(
     mesh : Mesh
     material : Material, Orthotropic, Shell, Laminate, Beam or Materials
     weights : scipy.sparse.csr_array, shape (n, n_nodes)
-        The nodes' shares at each place.
+        The nodes' shares at each place; of an enriched mesh, of the nodes that are places.
     layer : Layer, optional
         By a ply's number stress is along the ply's axes, else in the body's.
     strain : bool, optional
@@ -275,28 +278,6 @@ def body_stress_rows(
     for part, _ in beams:
         known[part[0]] = True
     return StressRows(rows, known, tuple(part for part, _ in beams), layer, strain)
-
-
-def corner_stress(
-    mesh: Mesh, material: AnyMaterial, node: int, layer: Layer, moved: FloatArray
-) -> FloatArray:
-    """Return the stress at a node of each element over which it is averaged, (n, 6); of no beam.
-
-    Parameters
-    ----------
-    moved : ndarray, shape (n_nodes, 3 or 6)
-        Displacements and, of shells, rotations.
-    """
-    wanted = _Wanted(mesh, material, sp.csr_array(np.eye(1, mesh.n_nodes, node)), layer)
-    values, cell = [np.zeros((0, 6))], int(wanted.chosen[0])
-    if cell >= 0:
-        spots, corners = _corners(wanted, np.arange(mesh.n_nodes) == node)
-        here = spots[cell, (mesh.cells[cell] == node).argmax()]
-        for spot, ends, rows in corners:
-            own, ends = rows[spot == here], ends[spot == here]
-            x = moved[ends, : rows.shape[2] // ends.shape[1]]
-            values.append(np.einsum("ncd,nd->nc", own, x.reshape(len(own), rows.shape[2])))
-    return np.concatenate(values)
 
 
 def _averaged(wanted: _Wanted) -> sp.csr_array:
@@ -338,14 +319,14 @@ def _corners(
     mesh, layer, strain = wanted.mesh, wanted.layer, wanted.strain
     near, places = np.asarray(nodes[mesh.cells].any(axis=1)), layout(mesh, wanted.material)
     spots = np.full(mesh.cells.shape, -1)
-    shells, of_shells = shell_pieces(mesh, wanted.material, near)
+    shells, of_shells = _shell_pieces(mesh, wanted.material, near)
     shells = [piece for piece in shells if wanted.has(piece.part.of)]
     for piece in shells:
         spots[piece.part.numbers, : piece.places.shape[1]] = piece.places
     solids = [of.taken(near[of.numbers]) for of in pieces(mesh, wanted.material)]
     solids = [of for of in solids if wanted.has(of.of)]
     for of in solids:
-        spots[of.numbers, : of.element.n_nodes] = len(of_shells) + places.of(of)
+        spots[of.numbers, : of.element.own.n_nodes] = len(of_shells) + places.of(of)
 
     def corners() -> Iterator[tuple[IntArray, IntArray, FloatArray]]:
         for piece in shells:
@@ -364,8 +345,8 @@ def _corners(
             by_slope = UNIT_STRAINS if strain else hooke(UNIT_STRAINS, of.of)
             for batch in batches(of):
                 ends = batch.cells
-                cell, corner = np.nonzero(nodes[ends])
-                slopes = slopes_at_nodes(mesh.nodes[ends], batch.element)[cell, corner]
+                cell, corner = np.nonzero(nodes[ends[:, : of.element.own.n_nodes]])
+                slopes = slopes_at_nodes(mesh, batch)[cell, corner]
                 rows = np.einsum("cik,nai->ncak", by_slope, slopes).reshape(len(cell), 6, -1)
                 yield spots[batch.numbers[cell], corner], ends[cell], rows
 
@@ -458,3 +439,58 @@ def _dofs(cells: IntArray, n_nodes: int) -> IntArray:
 def _batches(count: int, step: int = _BATCH) -> Iterator[slice]:
     for start in range(0, count, step):
         yield slice(start, start + step)
+
+
+class _ShellPiece(NamedTuple):
+    """The elements of one kind of one shell, and the surfaces on which their corners lie.
+
+    Attributes
+    ----------
+    part : Piece
+    strains : Strains
+    places : ndarray of int, shape (n, nodes)
+        For each corner the number of its node on its smooth surface, through all pieces.
+    """
+
+    part: Piece
+    strains: Strains
+    places: IntArray
+
+
+def _shell_pieces(
+    mesh: Any, material: Any, wanted: BoolArray
+) -> tuple[list[_ShellPiece], IntArray]:
+    """Return the shells of a body by kind, and the node of each place.
+
+    Parameters
+    ----------
+    mesh, material
+    wanted : ndarray of bool, shape (n_cells,)
+        The elements that are needed.
+    """
+    parts = pieces(mesh, material, Layers)
+    if not parts:
+        return [], np.zeros(0, dtype=np.int64)
+    normals = nodal_normals(mesh.nodes, [part.cells for part in parts])
+    joints = rigid_ends(mesh.nodes, [(part.cells, part.of) for part in parts])
+    constant = len({part.cells.shape[1] for part in parts}) > 1
+    number: dict[Any, int] = {}
+    keys = [
+        np.column_stack([of, np.full(of.shape, number.setdefault(part.of, len(number))), on])
+        for part, normal in zip(parts, normals, strict=True)
+        for of, on in [(part.cells.ravel(), normal.reshape(-1, 3).round(_ALIKE) + 0.0)]
+    ]
+    places, place = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
+    ends = np.cumsum([part.cells.size for part in parts])[:-1]
+    found = []
+    split = np.split(place.reshape(-1), ends)
+    for part, normal, (link, *_), own in zip(parts, normals, joints, split, strict=True):
+        rows = wanted[part.numbers]
+        some = part.taken(rows)
+        if not len(some.rows):
+            continue
+        corners = mesh.nodes[some.cells]
+        strains = strain_rows(corners, part.of, normal[rows], link[rows], constant=constant)
+        at = own.reshape(part.cells.shape)[rows]
+        found.append(_ShellPiece(some, strains, at))
+    return found, places[:, 0].astype(np.int64)

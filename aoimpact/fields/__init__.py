@@ -15,6 +15,7 @@ from .sensors import (
     Probe,
     Reaction,
     TensorAt,
+    Work,
     acceleration_of,
     errors_of,
     gauge_ends,

@@ -291,8 +291,10 @@ class Field:
     displacement: FloatArray
     velocity: FloatArray
     rotation: FloatArray
-    # Under contacts: the elements' part of the displacement, and the half-space's stress at places.
-    of_elements: FloatArray = field(repr=False)
+    # The body whose elements move, and their displacements and rotations, (k, all dofs).
+    of: FEModel = field(repr=False)
+    dofs: FloatArray = field(repr=False)
+    # Under contacts the half-space's stress at places.
     _half_space: Callable[[FloatArray], FloatArray] = field(repr=False)
     _error: Callable[[], FloatArray | None] = field(repr=False)
 
@@ -300,15 +302,9 @@ class Field:
     def error(self) -> FloatArray | None:
         """Error by the body's model, relative to the largest over the record, (k,).
 
-        It is found by one more run, with a finer model; None of a full model.
+        It is the difference to the run with other elements; None of a full model.
         """
         return self._error()
-
-    @property
-    def _dofs(self) -> FloatArray:
-        """Displacements and rotations of all nodes, shape (k, all dofs)."""
-        dofs = np.concatenate([self.displacement, self.rotation], axis=1)
-        return dofs.reshape(len(self.times), -1)
 
     def __repr__(self) -> str:
         times = ", ".join(f"{time:.6g}" for time in self.times[:4])
@@ -371,16 +367,18 @@ class Field:
         """
         warn_if_wrong("stress", self.times, self.error)
         place = choice("at", at, ("nodes", "gauss"))
-        mesh, material = solid(self.body, "stress")
-        where = checked_layer(layer, part)
+        _, material = solid(self.of, "stress")
+        where, mesh = checked_layer(layer, part), self.of.shapes
         if mesh.thin or part is not None:
             if place != "nodes":
                 raise InputError(f'at={at!r}: stress of shells and beams is known at="nodes"')
-            every = sp.eye_array(mesh.n_nodes, format="csr")
+            nodes: Any = self.body.nodes
+            every = sp.eye_array(len(nodes), mesh.cells.max() + 1, format="csr")
             found_at = body_stress_rows(mesh, material, every, where)
-            return Stress(found_at.components(found_at.rows @ self._dofs.T), mesh.nodes)
+            return Stress(found_at.components(found_at.rows @ self.dofs.T), nodes)
         evaluate = nodal_stress if place == "nodes" else gauss_stress
-        found = evaluate(mesh, material, self.of_elements)
+        moved = self.dofs.reshape(len(self.times), 2, -1, 3)[:, 0]
+        found = evaluate(mesh, material, moved)
         added = self._half_space(found.points.reshape(-1, 3)).reshape(found.components.shape)
         return Stress(found.components + added, found.points)
 
@@ -429,9 +427,12 @@ class Field:
         for side in ("middle", "bottom"):
             data[f"stress_{side}"] = self.stress(layer=side).components
         thickness = thickness_of_cells(mesh, material)
+        of_beams = np.zeros((len(self.times), mesh.n_cells))
+        of_parts = beam_von_mises(self.of.shapes, solid(self.of, "to_vtu")[1], self.dofs)
+        np.maximum.at(of_beams.T, self.of.parent, of_parts.T)
         own = {
             "thickness": np.broadcast_to(thickness, (len(self.times), mesh.n_cells)),
-            "von_mises_of_beams": beam_von_mises(mesh, material, self._dofs),
+            "von_mises_of_beams": of_beams,
         }
         return write_series(path, mesh, self.times, data, own)
 
@@ -536,5 +537,6 @@ def warn_if_wrong(what: str, times: FloatArray, error: FloatArray | None) -> Non
     first, worst = float(times[int(np.argmax(error > _BADLY_WRONG))]), float(np.nanmax(error))
     warn(
         f"{what} may be off by {worst:.0%} of the largest, from t = {with_unit(first, 's')} on; "
-        f"give it as quantity=, or make the model with duration={times[-1]:.2g} and a larger n"
+        f"give it as quantity=, take smaller elements, or make the model with "
+        f"duration={times[-1]:.2g} and a larger n"
     )

@@ -20,7 +20,7 @@ from ..base import ArrayPair, FloatArray, InputError, IntArray, finite_array
 from ..contact import Compliance
 from ..fem import SIX, Damping, FEModel, Rayleigh, VirtualMotion
 from ..integrate import Events, Motion, Recorder
-from ..reduction import PACE, FullModel, Recovery, SharedSolutions
+from ..reduction import PACE, FullModel, Recovery
 from ..scene import Scenario, extraction_of
 from .field import LOOKS, Field
 
@@ -92,7 +92,7 @@ class Indentation:
         """Return the rate of the displacement, m/s, (n, p, 3), where the force has that rate."""
         more, less = (self.at(x, (1.0 + step) * force)[0] for step in (_STEP, -_STEP))
         change = np.divide(rate, 2.0 * _STEP * force, out=np.zeros_like(rate), where=force > 0.0)
-        return np.asarray((more - less) * change[:, None, None])
+        return (more - less) * change[:, None, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,8 +116,8 @@ class Response:
         That of the body's model; that of modes acts on the free dofs alone.
     gravity : ndarray, shape (3,)
         m/s².
-    finer : callable, optional
-        Returns the response in the run with finer models; None where there is none.
+    compared : callable, optional
+        Returns the response in the run with other elements; None where there is none.
     """
 
     body: FEModel
@@ -128,7 +128,7 @@ class Response:
     indentations: Sequence[Indentation]
     damping: Damping | None
     gravity: FloatArray
-    finer: Callable[[], Response | None] | None = field(repr=False)
+    compared: Callable[[], Response | None] | None = field(repr=False)
 
     @property
     def duration(self) -> float:
@@ -136,9 +136,9 @@ class Response:
         return self.motion.duration
 
     @cached_property
-    def larger(self) -> Response | None:
-        """The response with a finer model; None of a full model."""
-        return None if self.finer is None or self.recovery is None else self.finer()
+    def other(self) -> Response | None:
+        """The response that this one is compared with; None of a full model."""
+        return None if self.compared is None or self.recovery is None else self.compared()
 
     def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
         """Return what the ground's forces do along m motions of it, N or N m, shape (times, m).
@@ -163,13 +163,15 @@ class Response:
             inertia = inertia - model.omega[:, None] ** 2 * (q + beta * rates)
             found = (of.inertia.T @ model.modes) @ inertia
             found = found - (of.phi.T @ loads) @ motion.force(times)
-        return np.asarray((found - (of.weight @ self.gravity)[:, None]).T)
+        return (found - (of.weight @ self.gravity)[:, None]).T
 
     def field(self, times: Any = None) -> Field:
         """See `BodyResult.field`."""
         wanted = self.within(self.peak_time if times is None else times)
-        free, nodes = self.free, self.body.nodes
+        free, nodes, body = self.free, self.body.nodes, self.body.given
         assert nodes is not None
+        assert body.nodes is not None
+        own = slice(len(body.nodes))
         u, v = self.motion.observed(None, wanted)
         if self.recovery is not None:
             u = self.recovery.displacement(u, self.motion.force(wanted))
@@ -178,16 +180,17 @@ class Response:
         everywhere = np.zeros((2, len(wanted), 2 * nodes.size))  # 0 where they are constrained
         everywhere[0][:, free], everywhere[1][:, free] = u.T, v.T
         (moved, turned), (speeds, _) = (
-            of.reshape(len(wanted), 2, -1, 3).swapaxes(0, 1) for of in everywhere
+            of.reshape(len(wanted), 2, -1, 3).swapaxes(0, 1)[:, :, own] for of in everywhere
         )
-        added = self.half_space(nodes, wanted)
+        added = self.half_space(body.nodes, wanted)
         return Field(
-            self.body,
+            body,
             wanted,
             moved + added[0],
             speeds + added[1],
             turned,
-            moved,
+            self.body,
+            everywhere[0],
             partial(self._stress_added, wanted),
             partial(self._error, wanted),
         )
@@ -217,21 +220,24 @@ class Response:
         Parameters
         ----------
         functional : ndarray, shape (n_dofs,)
+            On the body as it was given.
         times : ndarray, shape (k,)
             s.
         """
+        functional = self.body.functional(functional)
         row = functional if self.recovery is None else self.recovery.model.seen(functional)
         return np.asarray(self.motion.observed(row[None], times)[0][0])
 
     def _error(self, times: FloatArray) -> FloatArray | None:
         """Relative error of the field at `times` in the norm of strain energy; None if unknown."""
-        if (finer := self.larger) is None:
+        if (other := self.other) is None:
             return None
         looks = np.union1d(times, np.linspace(0.0, self.duration, LOOKS))
-        (ours, mine), (theirs, right) = self._parts(times), finer._parts(times)
-        shapes, n = np.hstack([ours, theirs]), ours.shape[1]
-        product = shapes.T @ (self.body.K @ shapes)
-        largest = _energy(product[n:, n:], finer._parts(looks)[1]).max(initial=0.0)
+        (ours, mine), (theirs, right) = self._parts(times), other._parts(times)
+        body = max(self.body, other.body, key=lambda body: body.n_dofs)
+        (shapes, K), n = body.alike(ours, theirs), ours.shape[1]
+        product = shapes.T @ (K @ shapes)
+        largest = _energy(product[:n, :n], self._parts(looks)[1]).max(initial=0.0)
         apart = _energy(product, np.vstack([mine, -right]))
         return np.sqrt(apart / (largest if largest > 0.0 else 1.0))
 
@@ -241,6 +247,9 @@ class Response:
         q, forces = self.motion.observed(None, times)[0], self.motion.force(times)
         shapes = [self.recovery.basis, self.recovery.shapes]
         amounts = [q, forces, self.recovery.amounts(q, forces)]
+        for of in self.indentations:  # what is left is smooth
+            shapes.append(-of.extraction.mesh_field.reshape(-1, 1)[self.free])
+            amounts.append(of.pressing(self.motion, times)[0])
         if self.static_deflection is not None:
             shapes.append(self.static_deflection[:, None])
             amounts.append(np.ones((1, len(times))))
@@ -297,8 +306,7 @@ def response_of(
     recorder: Recorder,
     events: Sequence[Events],
     body: int,
-    shared: SharedSolutions | None = None,
-    finer: Callable[[], Response | None] | None = None,
+    compared: Callable[[], Response | None] | None = None,
 ) -> Response | None:
     """Return the response of a whole body in a run; None without finite elements.
 
@@ -312,9 +320,7 @@ def response_of(
         Of its contacts.
     body : int
         Its number in the plan.
-    shared : SharedSolutions, optional
-        Of the runs of several models of the body.
-    finer : callable, optional
+    compared : callable, optional
         See `Response`.
     """
     model = plan.bodies[body]
@@ -329,7 +335,7 @@ def response_of(
         if not model.tips:
             return None
         pace = math.exp2(round(_SHIFTS * math.log2(PACE / (end - start))) / _SHIFTS)
-        recovery = Recovery(model.modal, model.modal.loads(plan.pull), pace, shared)
+        recovery = Recovery(model.modal, model.modal.loads(plan.pull), pace)
         held = not model.modal.body.rigid_modes.shape[1]
         if plan.preload and held:  # at rest all modes follow, the slow ones too: X = K⁻¹ B f
             q, forces = motion.observed(None, np.zeros(1))[0], motion.force(np.zeros(1))
@@ -355,4 +361,4 @@ def response_of(
         width = partial(np.full_like, fill_value=known.radius)
         fields[port] = Indentation(port, known, inward, between.width if between else width)
     found = model.tips[0].body, motion, recovery, peak_time, at_rest, (*fields.values(),)
-    return Response(*found, model.damping, gravity, finer)
+    return Response(*found, model.damping, gravity, compared)

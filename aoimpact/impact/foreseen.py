@@ -35,6 +35,8 @@ class Foreseen:
 
     def __init__(self, plan: Scenario) -> None:
         self._plan = plan
+        # Kept until the models are made, which take them from their bodies.
+        self._solvers: dict[Any, LinearSolver] = {}
 
     def record(self) -> RecordLength:
         """Return a first guess of the length of a record, s.
@@ -58,12 +60,7 @@ class Foreseen:
         return RecordLength(max(times) + max([*ways, gaps / plan.fastest]), given=False)
 
     def fitted(
-        self,
-        names: Sequence[str],
-        factors: dict[Any, LinearSolver],
-        *,
-        wider: bool = False,
-        bounded: bool = False,
+        self, names: Sequence[str], *, wider: bool = False, bounded: bool = False
     ) -> Scenario:
         """Return the plan with the patches, widths and directions that its contacts have.
 
@@ -71,8 +68,6 @@ class Foreseen:
         ----------
         names : sequence of str
             Of the bodies, for messages.
-        factors : dict
-            Solvers that are set up are put here, by their finite-element body and shift, rad/s.
         wider : bool, optional
             True for wider patches than two bodies alone would need.
         bounded : bool, optional
@@ -91,7 +86,7 @@ class Foreseen:
             for of, port in contact.ports:
                 key = bodies[of], port
                 if key not in fits:
-                    fits[key] = self._fit(*key, number, factors, wider)
+                    fits[key] = self._fit(*key, number, wider)
                 bodies[of] = fits[key]
         around = _around(plan, names)
         for i, body in enumerate(bodies):
@@ -130,14 +125,7 @@ class Foreseen:
         share, speed = math.fsum(1.0 / body.most_mass for body in bodies), self._plan.fastest
         return (own_law(contact.law), 1.0 / share, speed) if share > 0.0 < speed else None
 
-    def _fit(
-        self,
-        body: BodyModel,
-        port: int,
-        number: int,
-        factors: dict[Any, LinearSolver],
-        wider: bool,
-    ) -> BodyModel:
+    def _fit(self, body: BodyModel, port: int, number: int, wider: bool) -> BodyModel:
         """A body with its compliance at the impact, by a patch wide enough if none was given."""
         if not isinstance(body, FullModel) or not ((tip := body.tips[port]).automatic or tip.patch):
             return body
@@ -148,10 +136,9 @@ class Foreseen:
         def pressed() -> ContactPoint:
             wide = contact_within(tip, radius, wider=wider) if tip.automatic else tip
             s2 = (SHIFT_TIMES_DURATION / time) ** 2
-            key = tip.body, math.sqrt(s2)
-            if key not in factors:
-                factors[key] = tip.body.inverse(s2)
-            return wide.at_impact(radius, factors[key])
+            if (tip.body, s2) not in self._solvers:
+                self._solvers[tip.body, s2] = tip.body.inverse(s2)
+            return wide.at_impact(radius, self._solvers[tip.body, s2])
 
         fit = tip.body.kept.get(("patch", tip.key, radius, time, wider), pressed)
         return replace(body, tips=(*body.tips[:port], fit, *body.tips[port + 1 :]))

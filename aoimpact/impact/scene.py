@@ -17,8 +17,8 @@ from ..accuracy import (
     check_linear_solver,
     checked_rtol,
     choose_models,
+    compared_run,
     errors_left_out,
-    finer_run,
     quantity_of,
 )
 from ..base import (
@@ -37,7 +37,7 @@ from ..base import (
 from ..contact import ContactPoint
 from ..fem import Layers
 from ..laws import ContactLaw
-from ..linalg import LinearSolver, Solver
+from ..linalg import Solver
 from ..reduction import BodyModel, FullModel, body_model
 from ..results import (
     Handle,
@@ -365,10 +365,10 @@ class Scene:
             this or `rtol` is given; `Run.models` are those taken. A body
             that was added twice is reduced once. Numbers are read by `Run.value`.
         rtol : float, optional
-            Its relative error. If left out, 2e-3, or up to 1e-2 where 1.5 times as many oscillators
-            do not give 2e-3. That of a history is its largest over the record, relative to the
-            largest value, that of a contact relative to no less than a tenth of the
-            largest of all contacts. A solver that does not keep it is refused.
+            Its relative error. If left out, 2e-3, or up to 1e-2 where the largest models that are
+            tried do not give 2e-3. That of a history is its largest over the record, relative to
+            the largest value, that of a contact relative to no less than a tenth of the largest
+            of all contacts. A solver that does not keep it is refused.
         linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
             Linear solver for these reduced models, as `solver` of `antioscillators`.
 
@@ -520,8 +520,7 @@ class Scene:
             layered = any(isinstance(tip.thin, Layers) for tip in tips)
             ways += [*[(True, False)] * automatic, *[(True, True)] * layered]
         for wider, bounded in ways:
-            factors: dict[Any, LinearSolver] = {}
-            fitted = foreseen.fitted(names, factors, wider=wider, bounded=bounded)
+            fitted = foreseen.fitted(names, wider=wider, bounded=bounded)
             interest = partial(self._interest, quantity, fitted)
             try:
                 if not chosen:
@@ -537,7 +536,6 @@ class Scene:
                         truncated=controlled,
                         record=record,
                         linear_solver=linear_solver or "auto",
-                        factors=factors,
                     )
                 # The cost of the models: all but the run itself.
                 spent = perf_counter() - began - run.recorder.seconds
@@ -551,7 +549,7 @@ class Scene:
                 warn_of_misfit(run, names)
                 find = partial(errors_left_out, interest=interest, solver=solver)
                 run = replace(run, left_out=find) if run.plan.contacts else run
-            run = replace(run, finer=partial(finer_run, solver=solver))
+            run = replace(run, other_run=partial(compared_run, solver=solver, every=True))
         for message in run.said:
             warn(message)
         if duration is None:

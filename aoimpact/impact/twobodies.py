@@ -91,8 +91,8 @@ def simulate(
         `Result.error` estimates the errors of the others by name.
     rtol : float, optional
         Its relative error by reduction and time integration. If left out, 2e-3, or up to 1e-2
-        where 1.5 times as many oscillators do not give 2e-3. That of a history is its largest over
-        the record, relative to the largest value. A solver that does not keep it is refused;
+        where the largest models that are tried do not give 2e-3. That of a history is its largest
+        over the record, relative to the largest value. A solver that does not keep it is refused;
         where no models tried meet it, so is the tolerance if it was given, and else the best of
         them are taken, with a warning. `Result.error` has the errors of mesh and contact as well.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
@@ -199,5 +199,5 @@ def plan_impact(
 ) -> Scenario:
     """Check the arguments of `pair`, and return them as the solvers take them."""
     _, plan = pair(projectile, target, law=law, **more)
-    plan = Foreseen(plan).fitted(ROLES, {})
+    plan = Foreseen(plan).fitted(ROLES)
     return replace(plan.of_models(plan.bodies, energies=plan.energies), duration=duration)

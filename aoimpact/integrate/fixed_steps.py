@@ -133,7 +133,7 @@ class SteppedRecorder(Frozen):
             self.plan.layout.body(self.record, body).port_velocities[port : port + of.size]
             for body, port in of.ports
         )
-        return np.asarray(one - other)
+        return one - other
 
     def motion(self, body: int) -> SteppedMotion:
         return SteppedMotion(self, body, self.dt, self.dt)

@@ -158,7 +158,7 @@ class RoundContact(NamedTuple):
     def width(self, force: npt.ArrayLike) -> FloatArray:
         """Return the radius of the contact, m: a³ = 3 F R/(4 E*); √(a b) of an ellipse."""
         radius = np.cbrt(0.75 * np.asarray(force) * self.radius / self.modulus)
-        return np.asarray(self.narrowing * radius)
+        return self.narrowing * radius
 
     def pressure(self, force: float) -> float:
         """Return the largest pressure, Pa: 3 F/(2 π a²)."""

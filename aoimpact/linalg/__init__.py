@@ -24,7 +24,6 @@ from .solvers import (
     SOLVERS,
     LinearSolver,
     Solver,
-    SolverBook,
     checked_solver,
     linear_solver,
 )
@@ -38,3 +37,4 @@ from .spectra import (
     warn_of_rounding,
 )
 from .superlu import Factorization, factorize
+from .twolevel import two_level

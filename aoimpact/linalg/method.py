@@ -29,8 +29,8 @@ class Inverse:
     solve : callable or None
         f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f, of a method that does not iterate.
     iterate : callable or None
-        f, shape (n,), ‖f - A x‖ / ‖f‖ and the most iterations ↦ (K + s²M)⁻¹ f and the iterations
-        taken, of a method that iterates. Raises ConvergenceError.
+        f, shape (n,) or (n, m), ‖f - A x‖ / ‖f‖ and the most iterations ↦ (K + s²M)⁻¹ f and the
+        residuals preconditioned, of a method that iterates. Raises ConvergenceError.
     precondition : callable or None
         About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates.
     at : callable or None

@@ -8,7 +8,6 @@ motions of no stiffness. The preconditioner works in single precision, the itera
 from __future__ import annotations
 
 import copy
-import math
 import threading
 from dataclasses import dataclass
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import ROUNDING, ConvergenceError, FloatArray, SingularError, bar, sp
+from ..base import ROUNDING, ConvergenceError, FloatArray, bar, sp
 from ..mesh import Mesh
 from .blocks import Blocks, congruent
 from .coarsening import (
@@ -28,9 +27,10 @@ from .coarsening import (
     in_order,
 )
 from .dissection import fill
+from .iteration import by_columns, conjugate_gradients
 from .method import Cost, Inverse, Method
 from .pencil import Pencil
-from .smoother import Smoother, inner
+from .smoother import Smoother
 from .superlu import factorize
 
 Single = npt.NDArray[np.float32]
@@ -49,10 +49,6 @@ _DENSE = 300
 
 # A level that has not less than this share of the dofs above it is no progress: K does not couple.
 _SHRINKS = 0.7
-
-# Three times what the worst bodies measured take: a cube takes 13, a sheet 150 times as long as
-# thick 142, a cube of ν = .499 169.
-_MOST_ITERATIONS = 500
 
 # Seconds per entry of K of the set-up and of an iteration.
 _SET_UP, _ITERATION = 4e-8, 1.5e-9
@@ -179,61 +175,17 @@ class Multigrid:
         return other.inverse
 
     def iterate(self, rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
-        """Return (K + s²M)⁻¹ `rhs`, shape (n,), and the iterations that it took, `most` at most.
-
-        To half of ‖f - A x‖ / ‖f‖ = `tolerance`, since the residual that is computed afresh comes
-        out slightly larger. With β after Polak and Ribière, which forgives the preconditioner its
-        rounding.
-
-        Raises
-        ------
-        SingularError
-            If a motion turns out to have no positive stiffness.
-        ConvergenceError
-            If the iterations do not suffice, or the preconditioner is not positive: of a matrix
-            that is nearly singular, by its rounding.
-        """
-        what, limit = self.pencil.what, max(1, int(min(most, _MOST_ITERATIONS)))
-        tolerance *= 0.5
-        size = math.sqrt(inner(rhs, rhs))
-        if size == 0.0:
-            return np.zeros_like(rhs), 0
-        x, r = np.zeros_like(rhs), rhs
-        label, digits = f"multigrid, {self.pencil.n} dofs", -math.log10(tolerance)
-        with self._in_use, bar(label, digits, unit="digit") as progress:
-            p = z = self.precondition(r)
-            rz, reached = inner(r, z), 0.0
-            for iteration in range(1, limit + 1):
-                along = self.product(p)
-                curvature = inner(p, along)
-                if not rz > 0.0:
-                    raise ConvergenceError(
-                        f"iterations with {what} have to be given up: it is nearly singular, and "
-                        "the rounding of what speeds them up takes over; take another solver"
-                    )
-                if not curvature > 0.0:
-                    raise SingularError(
-                        f"{what} is singular or not positive definite: a motion has a stiffness "
-                        f"of {curvature:.2g}"
-                    )
-                step = rz / curvature
-                x += step * p
-                before, r = r, r - step * along
-                left = math.sqrt(inner(r, r)) / size
-                if left <= tolerance:
-                    return x, iteration
-                progress.update(max(0.0, -math.log10(left) - reached))
-                reached = max(reached, -math.log10(left))
-                z = self.precondition(r)
-                rz_next = inner(r, z)
-                p = z + (rz_next - inner(before, z)) / rz * p
-                rz = rz_next
-        raise ConvergenceError(
-            f"solver 'multigrid' of {what} ({self.pencil.n} dofs) reached {left:.2g} of the "
-            f"right-hand side in {limit} iterations, {tolerance:g} was asked for: the matrix is "
-            "nearly singular (a mechanism, missing supports, ν near .5) or its elements are flat. "
-            "Take another solver"
-        )
+        """Return (K + s²M)⁻¹ `rhs`, each column with the bits that it has alone."""
+        product, cycle = by_columns(self.product), by_columns(self.precondition)
+        with self._in_use:
+            columns = [
+                conjugate_gradients(
+                    "multigrid", self.pencil.what, product, cycle, column, tolerance, most
+                )
+                for column in rhs.reshape(len(rhs), -1).T
+            ]
+        x, taken = zip(*columns, strict=True)
+        return np.column_stack(x).reshape(rhs.shape), sum(taken)
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x."""

@@ -70,12 +70,15 @@ class LinearSolver:
     inverse : Inverse
     most : float
         Iterations after which factors take over; infinite where they never do.
+    rough : float
+        ‖f - A x‖ / ‖f‖ of rough solutions.
     """
 
     name: str
     pencil: Pencil
     inverse: Inverse
     most: float = np.inf
+    rough: float = ROUGH
 
     @property
     def s2(self) -> float:
@@ -105,16 +108,17 @@ class LinearSolver:
         return self._solve(rhs, _TOLERANCE)[0]
 
     def solve_roughly(
-        self, rhs: FloatArray, tolerance: float = ROUGH
+        self, rhs: FloatArray, tolerance: float | None = None
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return x, K x and M x, each (n,), for a subspace, with ‖f - A x‖ ≤ `tolerance` ‖f‖.
+        """Return x, K x and M x for a subspace, with ‖f - A x‖ ≤ `tolerance` ‖f‖.
 
-        For one `rhs` of shape (n,), as `solve` does where the method does not iterate.
+        As `solve` does where the method does not iterate.
 
         Raises
         ------
         ConvergenceError
         """
+        tolerance = self.rough if tolerance is None else tolerance
         return self._solve(rhs, _TOLERANCE if self.inverse.iterate is None else tolerance)
 
     def factorise(self) -> None:
@@ -174,8 +178,6 @@ class LinearSolver:
         """Solve by iterations while there are any left, and by factors from then on."""
         if self.inverse.solve is not None:
             return self.inverse.solve(rhs)
-        if rhs.ndim == 2:
-            return np.column_stack([self._iterated(column, tolerance) for column in rhs.T])
         assert self.inverse.iterate is not None
         try:
             x, taken = self.inverse.iterate(rhs, tolerance, self.most)
@@ -186,32 +188,6 @@ class LinearSolver:
                 raise
         self.factorise()
         return self._iterated(rhs, tolerance)
-
-
-@dataclass(eq=False)
-class SolverBook:
-    """Solvers of one body as they are needed: the last one is kept, and what they were is noted.
-
-    Attributes
-    ----------
-    make : callable
-        s² ↦ LinearSolver, e.g. `FEModel.inverse`.
-    """
-
-    make: Callable[[float], LinearSolver]
-    _last: LinearSolver | None = None
-
-    def __call__(self, s2: float) -> LinearSolver:
-        """Return the solver of K + s²M; not set up again if it is the last one used."""
-        if self._last is None or self._last.s2 != s2:
-            self._last = None  # its memory is free before the next one is made
-            self._last = self.make(s2)
-        return self._last
-
-    @property
-    def name(self) -> str:
-        """The solver that was used last; empty as long as none was."""
-        return self._last.name if self._last is not None else ""
 
 
 def checked_solver(solver: Solver, *, name: str = "solver") -> Solver:

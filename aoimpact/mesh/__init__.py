@@ -18,7 +18,9 @@ from .elements import (
     reference_element,
     reference_faces,
 )
+from .enrichment import enriched
 from .generate import box_mesh, sheet_mesh, sphere_mesh
+from .halving import halved
 from .locate import AT_NODE, nearest_line, node_at, weights_at
 from .mesh import (
     Block,

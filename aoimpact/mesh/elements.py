@@ -17,8 +17,8 @@ import scipy
 
 from ..base import ROUNDING, ArrayPair, FloatArray, IntArray
 
-# Least 1 - z, at an apex: the inverse of its square is finite.
-_APEX = 1e-150
+# Least 1 - z, at an apex: the inverse of its cube is finite.
+_APEX = 1e-100
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +101,16 @@ class ReferenceElement:
         """The element of first order on the same corners; itself, if it is of first order."""
         return self if self.kind == self.cell.linear else reference_element(self.cell.linear)
 
+    @property
+    def own(self) -> ReferenceElement:
+        """The element that has been enriched; itself, if it has not."""
+        return reference_element(self.kind.removesuffix("+"))
+
+    @property
+    def lower(self) -> ReferenceElement:
+        """An element of lower degree on the same nodes, or on the corners; itself if linear."""
+        return self.own if self.kind[-1] == "+" else self.linear
+
     def shape(self, points: FloatArray) -> FloatArray:
         """Return φ_a at reference points (n, 3), shape (n, n_nodes)."""
         return self.evaluate(points)[0]
@@ -170,7 +180,7 @@ class ReferenceFace:
         return ReferenceFace(self.nodes[:n], n, *_side(n))
 
 
-# The exponents (i, j, k, l) of xⁱ yʲ zᵏ (1 - z)⁻ˡ, each of 0, 1 or 2.
+# The exponents (i, j, k, l) of xⁱ yʲ zᵏ (1 - z)⁻ˡ, each from 0 to 3.
 _Powers = tuple[int, int, int, int]
 
 
@@ -231,7 +241,7 @@ def _monomials(points: FloatArray, powers: IntArray) -> FloatArray:
     base = points.T
     if powers[:, 3].any():
         base = np.vstack([base, 1.0 / np.maximum(1.0 - base[2], _APEX)])
-    raised = np.stack([np.ones_like(base), base, base * base])
+    raised = np.stack([np.ones_like(base), base, base**2, base**3])
     found: FloatArray = raised[powers[:, 0], 0] * raised[powers[:, 1], 1]
     for axis in range(2, len(base)):
         found *= raised[powers[:, axis], axis]
@@ -366,6 +376,17 @@ _ALL: dict[str, tuple[Cell, str, tuple[_Powers, ...], int, int]] = {
     "pyramid13": (_PYRAMID, "01 12 23 03 04 14 24 34", _PYRAMID_13, 4, 6),
 }
 
+# What `enriched_element` takes the functions of the next degree from, of elements of second order:
+# the trunk space of degree 3 (B. Szabó and I. Babuška, Finite Element Analysis, 1991, section 6.1),
+# the triangles on which it has a function, and the points of quadrature.
+_TRUNK = _space(3, lambda *powers: sum(n > 1 for n in powers) <= 1)
+_CUBIC: dict[str, tuple[tuple[_Powers, ...], str, int, int]] = {
+    "tetra10": (_space(3, lambda i, j, k: i + j + k <= 3), "012 013 023 123", 4, 4),
+    "hexahedron20": (_TRUNK, "", 4, 5),
+    "hexahedron27": (_TRUNK, "", 4, 5),
+    "wedge15": (_space(3, lambda i, j, k: i + j <= (3 if k < 2 else 1)), "012 345", 4, 5),
+}
+
 # Solids, and beside them what shells and beams are made of, without quadrature of its own.
 KINDS = tuple(_ALL)
 _ALL |= {
@@ -378,12 +399,57 @@ THIN = ("quad", "triangle", "line")
 
 @cache
 def reference_element(kind: str) -> ReferenceElement:
-    """Return the element of meshio's name `kind`, one of `KINDS` or `THIN`."""
+    """Return the element of meshio's name `kind`, one of `KINDS` or `THIN`; see `enriched`."""
+    if kind[-1] == "+" and (found := enriched_element(kind[:-1])) is not None:
+        return found[0]
     cell, middles, space, *points = _ALL[kind]
     means = (cell.corners[[*map(int, of)]].mean(axis=0) for of in middles.split())
     nodes = np.vstack([cell.corners, *means])
     basis = _Basis.of(space, nodes, 0.5 if cell is _HEXAHEDRON else 0.0)
     return ReferenceElement(kind, cell, nodes, points, basis)
+
+
+@cache
+def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | None:
+    """Return an element with the functions of the next degree after its own.
+
+    These are zero at its nodes: the next polynomial on each edge, which is odd where the edge has a
+    node in its middle, and the bubbles on triangles of second order.
+
+    Returns
+    -------
+    element : ReferenceElement
+        The node of an added function is where it is 1, and no other added one differs from zero.
+    corners : list of lists of int
+        The corners of the edge or side of each function. An odd one changes its sign with their
+        order.
+    None
+        Of a pyramid of second order, and of shells and beams.
+    """
+    own = reference_element(kind)
+    if own.thin or (own.quadratic and kind not in _CUBIC):
+        return None
+    if own.quadratic:
+        (space, sides, *points), edges = _CUBIC[kind], own.edges
+    else:
+        raised = next(of for of in KINDS if _ALL[of][0] is own.cell and of != kind)
+        (_, _, space, *points), edges, sides = _ALL[raised], reference_element(raised).edges, ""
+    corners, added = own.cell.corners, [*edges.tolist(), *([*map(int, of)] for of in sides.split())]
+    first, last = corners[edges].swapaxes(0, 1)
+    on_edges = first + (last - first) / (3.0 if own.quadratic else 2.0)
+    middles = [corners[of].mean(axis=0) for of in added[len(edges) :]]
+    # A cubic that is zero at both ends and in the middle of an edge is odd.
+    known = own.nodes[: len(corners) + own.quadratic * len(edges)]
+    places = np.vstack([known, on_edges, *middles])
+    nodal, basis = _Basis.of(space, places, own._basis.middle), own._basis
+    both = _Basis(
+        basis.middle,
+        np.vstack([basis.powers, nodal.powers]),
+        scipy.linalg.block_diag(basis.shape, nodal.shape[:, len(known) :]),
+        scipy.linalg.block_diag(basis.gradient, nodal.gradient[:, 3 * len(known) :]),
+    )
+    nodes = np.vstack([own.nodes, places[len(known) :]])
+    return ReferenceElement(f"{kind}+", own.cell, nodes, points, both), added
 
 
 @cache

@@ -19,7 +19,9 @@ _MOST_STEPS = 30
 _LAST_STEP = 1e-13
 
 
-def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
+def weights_at(
+    mesh: Mesh, point: FloatArray, shapes: Mesh | None = None
+) -> tuple[IntArray, FloatArray]:
     """Return the nodes of the element that holds a point, and their shape functions there.
 
     Parameters
@@ -27,6 +29,8 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
     mesh : Mesh
     point : ndarray, shape (3,)
         m.
+    shapes : Mesh, optional
+        The mesh itself or what `enriched` made of it, whose functions are wanted.
 
     Returns
     -------
@@ -46,7 +50,7 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
     distance = np.linalg.norm(places[found].mean(axis=1) - point, axis=1)
     best = np.inf
     for cell in found[np.argsort(distance, kind="stable")]:
-        block = next(of for of in mesh.blocks if cell < of.numbers.stop)
+        number, block = next(of for of in enumerate(mesh.blocks) if cell < of[1].numbers.stop)
         element, members = block.element, block.cells[cell - block.first]
         corners = mesh.nodes[members]
         place = element.nodes[: element.n_corners].mean(axis=0)
@@ -62,7 +66,7 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
         size = np.linalg.norm(np.ptp(corners, axis=0))
         off = float(np.linalg.norm(shape @ corners - point) / size)
         if off < best:
-            best, nodes, weights = off, members, shape
+            best, found_in, found_at = off, (number, cell - block.first), place
         if best <= ROUNDING:
             break
     if best > _ON_SURFACE:
@@ -70,7 +74,9 @@ def weights_at(mesh: Mesh, point: FloatArray) -> tuple[IntArray, FloatArray]:
         box = ", ".join(f"{c} {a:.4g}…{b:.4g}" for c, a, b in zip("xyz", low, high, strict=True))
         why = f"point {plain(point)} m is off the body, which spans {box} m"
         raise InputError(f"{why}; {_nearest(mesh.nodes, point)[1]}")
-    return nodes, weights
+    block, row = (shapes or mesh).blocks[found_in[0]], found_in[1]
+    weights = block.element.shape(found_at[None])[0]
+    return block.cells[row], weights if block.signs is None else weights * block.signs[row]
 
 
 def nearest_line(mesh: Mesh, point: FloatArray) -> tuple[int, float, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -52,11 +53,14 @@ class Block(Frozen):
     cells : ndarray of int, shape (n, nodes per cell)
     first : int
         Number of the first among all elements of the mesh.
+    signs : ndarray, shape (n, nodes per cell), or None
+        By which the shape functions of each element are multiplied; None: by 1.
     """
 
     kind: str
     cells: IntArray
     first: int
+    signs: FloatArray | None = None
 
     @property
     def element(self) -> ReferenceElement:
@@ -185,6 +189,16 @@ class Mesh(Frozen):
     def thin(self) -> bool:
         """True if there are surface or line elements, for shells and beams."""
         return any(block.element.thin for block in self.blocks)
+
+    def of_elements(self, *, thin: bool) -> Mesh:
+        """Return the shells and beams of the mesh, or the rest of it, with all of its nodes.
+
+        :meta private:
+        """
+        made = copy(self)
+        blocks = tuple(block for block in self.blocks if block.element.thin == thin)
+        object.__setattr__(made, "blocks", blocks)
+        return made
 
     @property
     def thin_nodes(self) -> IntArray:

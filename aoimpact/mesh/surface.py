@@ -175,35 +175,6 @@ class Surface:
         longest = (tangents**2).sum(axis=2).max(axis=1)
         return normal, np.linalg.norm(normal, axis=1) <= _PARALLEL * longest
 
-    @cached_property
-    def node_normals(self) -> FloatArray:
-        """Outward unit normals at the nodes, of each side that meets there, shape (3, n_nodes, 3).
-
-        Faces within 45° of each other are one smooth side; places without a further side are zero.
-        """
-        return self.normals_at(self.mesh.cells, self.mesh.n_nodes)
-
-    def normals_at(self, cells: IntArray, count: int) -> FloatArray:
-        """Return `node_normals` of `count` nodes for elements numbered otherwise, as `cells`."""
-        nodes, normals = [], []
-        for side, (_, face) in enumerate(self.sides):
-            on, count_of = np.flatnonzero(self.side == side), len(face.nodes)
-            nodes.append(cells[self.cell[on]][:, face.nodes].T.ravel())
-            normals.append(
-                self.normal(np.tile(on, count_of), np.repeat(face.places, len(on), axis=0))
-            )
-        node, normal = np.concatenate(nodes), np.concatenate(normals)
-        found = np.zeros((3, count, 3))
-        for mean in found:
-            first = np.zeros(count, dtype=np.int64)
-            first[node[::-1]] = np.arange(len(node))[::-1]
-            alike = np.einsum("ni,ni->n", normal, normal[first[node]]) > SHARP
-            np.add.at(mean, node[alike], normal[alike])
-            node, normal = node[~alike], normal[~alike]
-        length = np.linalg.norm(found, axis=2, keepdims=True)
-        found /= np.where(length > 0.0, length, 1.0)
-        return found
-
     def edges(self, face: IntArray) -> FloatArray:
         """Return the mean length of the straight edges of each face, m, shape (n,)."""
         corner = self.mesh.nodes[self.corners(face)]

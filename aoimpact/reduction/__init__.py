@@ -8,9 +8,9 @@ rising order (hierarchy.py there).
 
 from .band import fitted_times, is_valid_for, unbalanced
 from .body import Body, BodyModel, Pull, Velocity
-from .finer import finer_model, softer_model
+from .finer import finer_model
 from .full import FullModel, body_model, full
 from .krylov import KrylovSpace, interface
-from .recovery import PACE, Recovery, SharedSolutions
+from .recovery import PACE, Recovery
 from .reduction import antioscillators, modal
 from .star import AOModel, ball, rigid, turning, wall

@@ -36,7 +36,7 @@ from ..contact import (
     centre_of,
     moves_rigidly,
 )
-from ..fem import Damping, FEModel, energy_error, missing_energy, whole_motion
+from ..fem import Damping, FEModel, whole_motion
 from .band import Band, band_of
 
 if TYPE_CHECKING:
@@ -268,6 +268,7 @@ class BodyModel(ABC):
         if key not in self.kept:
             tips = (tip.reversed if i in ports else tip for i, tip in enumerate(self.tips))
             self.kept[key] = self._with_tips(tuple(tips))
+            self.kept[key].kept["turned"] = self, tuple(ports)
         found: Self = self.kept[key]
         return found
 
@@ -334,6 +335,8 @@ class Body(Frozen, BodyModel):
         The linear solver that it was made with; empty where none was needed.
     contact_time : float or None
         The duration of the contact that it was fitted to, s; None where it fits any.
+    slow : float or None
+        The duration of the motion that every other vector was fitted to, s.
     numbers : AOModel or None
         The numbers of a body that was given by these.
     oscillators : AOModel or None
@@ -365,6 +368,7 @@ class Body(Frozen, BodyModel):
     follow: FloatArray | None = None
     linear_solver: str = ""
     contact_time: float | None = None
+    slow: float | None = None
     numbers: AOModel | None = None
     oscillators: AOModel | None = None
     as_whole: AsWhole | None = None
@@ -462,14 +466,17 @@ class Body(Frozen, BodyModel):
     @cached_property
     def modes(self) -> FloatArray:
         """φ_j, M-orthonormal, shape (n_dofs, n)."""
-        found = self._on_dofs(np.eye(len(self.omega)))
+        found = self.displaced(np.eye(len(self.omega)))
         found.flags.writeable = False
         return found
 
-    def _on_dofs(self, q: FloatArray) -> FloatArray:
-        """Displacement of the body for amplitudes of the modes, shape (n_dofs,) or (n_dofs, k)."""
+    def displaced(self, q: FloatArray) -> FloatArray:
+        """Return the displacement of `body` for amplitudes of the modes, (n_dofs,) or (n_dofs, k).
+
+        :meta private:
+        """
         q = q if self.coordinates is None else self.coordinates @ q
-        return np.asarray(self.spanning @ q)
+        return self.spanning @ q
 
     @property
     def spanning(self) -> FloatArray:
@@ -523,7 +530,8 @@ class Body(Frozen, BodyModel):
         >>> ao.interface(places, n=4).expand(np.zeros(4)).shape == (bar.n_dofs,)
         True
         """
-        return self._on_dofs(in_time(coordinates, len(self.omega)))
+        found = self.displaced(in_time(coordinates, len(self.omega)))
+        return self.body.restricted(found)
 
     def truncated(self, n: int) -> Body:
         """Return the model of the first `n` natural modes.
@@ -557,24 +565,6 @@ class Body(Frozen, BodyModel):
 
         return star_of(self) if self.oscillators is None else of_body(self.oscillators, self)
 
-    def stiffened(self, factor: float) -> Body:
-        """Return the model with all its springs stiffer by a factor.
-
-        :meta private:
-        """
-        made: dict[float, Body] = self.kept.setdefault("stiffened", {})
-        if factor not in made:
-            residual = None if self.residual is None else self.residual / factor
-            follow, star = None if self.follow is None else self.follow / factor, self.oscillators
-            made[factor] = replace(
-                self,
-                omega=math.sqrt(factor) * self.omega,
-                residual=residual,
-                follow=follow,
-                oscillators=star and replace(star, k0=factor * star.k0, k=factor * star.k),
-            )
-        return made[factor]
-
     # ------------------------------------------------------- its motion as a whole
 
     def _static(self, port: int = 0) -> FloatArray:
@@ -596,11 +586,11 @@ class Body(Frozen, BodyModel):
         :meta private:
         """
         q = self._static()
-        found = self._on_dofs(q)
+        found = self.displaced(q)
         if self.residual is None or self.following is None:
             return found
         rest = (1.0 - float(self.shape[0] @ q)) / float(self.residual[0, 0])
-        return np.asarray(found + rest * self.following[:, 0])
+        return found + rest * self.following[:, 0]
 
     @cached_property
     def whole(self) -> AsWhole:
@@ -767,7 +757,7 @@ class Body(Frozen, BodyModel):
 
         :meta private:
         """
-        found = self._on_dofs(self.push[port] / (self.omega**2 + s**2))
+        found = self.displaced(self.push[port] / (self.omega**2 + s**2))
         return found if self.following is None else found + self.following[:, port]
 
     def extraction_at(self, port: int = 0) -> Compliance | None:
@@ -799,49 +789,6 @@ class Body(Frozen, BodyModel):
         weight = self.whole.weight[fast]
         by_weight = shape @ np.abs(weight) if weighed else np.zeros(self.ports)
         return shape @ np.abs(self.push[:, fast].T), by_weight
-
-    def stiffness_error(self, s: float, port: int = 0, axis: int = 0) -> float:
-        """Return how much too stiff the mesh is for motion at the frequency i s, relative.
-
-        The energy that the field beyond the half-space lacks, over its strain energy. Frequencies
-        within a factor of √2 share one estimate.
-
-        Parameters
-        ----------
-        s : float
-            rad/s, positive.
-        port : int, optional
-            Where the force acts.
-        axis : int, optional
-            1 or 2 for a force along the first or second tangent there, if these are known.
-
-        :meta private:
-        """
-        octave = round(math.log2(s))
-        key = octave, port + axis
-        found: dict[tuple[int, int], float] = self.kept.setdefault("stiffness", {})
-        if key not in found:
-            point, known = self.tips[port], self.extraction_at(port)
-            if known is None:
-                return 0.0
-            assert point.direction is not None
-            moved = point.body.at_nodes(self.deflection(2.0**octave, port + axis))
-            # The compliance removed takes care of a shell's elements about the contact.
-            counted: Any = slice(None)
-            if known.near is not None:
-                counted, loaded = ~known.near, np.asarray(point.forces.any(axis=(0, 2)))
-            else:
-                field, sign = known.mesh_field, known.splitting.frame[2] @ point.direction
-                if axis:
-                    if known.sheared is None:
-                        return 0.0
-                    field, sign = known.sheared[axis - 1], 1.0
-                moved = math.copysign(1.0, sign) * moved[: len(field)] - field
-                loaded = ~known.splitting.smooth
-            false, own = energy_error(point.body, moved, loaded, 2.0**octave)
-            whole = float(own.sum())
-            found[key] = missing_energy(false[counted], own[counted]) / whole if whole else 0.0
-        return found[key]
 
     def _with_tips(self, tips: tuple[ContactPoint, ...]) -> Body:
         # One on a sheet that was given its direction keeps it, and turns to the other side.

@@ -1,15 +1,9 @@
-"""Models of a body that leave less out than a given one: finer, and as soft as the body is.
+"""The finer model of a body, which leaves less out than a given one.
 
-At the frequency iω a model leaves the forces r = b - (K + s²M) X_r unbalanced, in one direction for
-each contact point at every s (see recovery.py). The error of the body's displacement is the
-response to these forces alone, (K + s²M)⁻¹ r. The rational Krylov space of r, with a shift at the
-frequencies where the model ends and a static one in turn, takes in the error where it is largest.
-Its vectors are orthogonal to the model's, so that the finer model contains the model.
-
-An eigenvalue of Galerkin's method is too large by the energy of its mode's error (G. Strang and
-G. J. Fix, *An Analysis of the Finite Element Method*, section 6.3). That energy is estimated by the
-difference of averaged strain to the elements' own (`fem.stresserror`): a mode with a share θ of its
-energy in it has ω² (1 - θ) for ω².
+It is that of the finer body (fem/finer.py): Ritz's method in the vectors of the given model; the
+first members of the sequence (K + s²M)⁻¹ b, (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … of each contact by the
+body as meshed; and what the finer body answers to the forces that each mode, and the first member,
+leave, roughly solved for. That is one step of inverse iteration from all modes at once.
 """
 
 from __future__ import annotations
@@ -19,87 +13,94 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..contact import SHIFT_TIMES_DURATION, highest_shift, own_contact_time
-from ..fem import energy_error, near_static
-from ..linalg import m_orthonormal
+from ..base import FloatArray
+from ..contact import SHIFT_TIMES_DURATION, own_contact_time
+from ..linalg import Solver, m_orthonormal
 from .body import Body, of_modes
-from .krylov import ORDER_FITTED, only_excited
+from .krylov import KrylovSpace, only_excited
 
-# Vectors that are added for each contact point: half of them leave errors 1.2 times as far from
-# the true ones.
-_MORE = 16
-
-# The true share over θ where it is small: 0.4 to 1.5 on plates, beams, bars and blocks of solid
-# elements of first and second order, with a median of 0.8; on plates of shell elements 1 to 3.6,
-# and 1.6. These factors cover four of five modes, and histories, of many modes, nearly always.
-# Where elements lock nearly all of the energy is false, and θ is right by itself.
-_SAFETY = {False: 2.0, True: 2.5}
-
-# No mode is taken to be softer than this.
-_LEAST = 0.1
+# Members of the sequence, and vectors of shells and beams beyond those that the given model has.
+_TERMS = 12
 
 
-def finer_model(model: Body) -> Body:
-    """Return a model whose space contains that of a model made of a body's elements.
-
-    It is the model itself where that has all that the contacts excite.
-    """
-    tips, body = model.tips, model.body
-    space = np.hstack([model.modes, m_orthonormal(model.modes, body.rigid_modes, body.M)])
-    time = model.contact_time or min(map(own_contact_time, tips))
-    fast, top = SHIFT_TIMES_DURATION / time, max(map(highest_shift, tips))
-    fast = max(fast, min(model.n / len(tips) / ORDER_FITTED * fast, top))
-    shifts = (fast, math.sqrt(near_static(body)))
-    inverses = [body.inverse(s * s, solutions=_MORE // 2 * len(tips)) for s in shifts]
-    loads = model.loads()
-    # Away from the shifts that models are fitted to, where nothing would be left.
-    stiffness = body.K + (2.0 * fast) ** 2 * body.M
-    forces = stiffness @ space
-    forces = loads - forces @ np.linalg.solve(space.T @ forces, space.T @ loads)
-    for turn in range(_MORE):
-        inverse = inverses[turn % 2]
-        found = [inverse.solve(np.ascontiguousarray(load)) for load in forces.T]
-        more = m_orthonormal(space, np.stack(found, axis=1), body.M)
-        if not more.shape[1]:
-            break
-        space, forces = np.hstack([space, more]), body.M @ more
-    omega2, within = np.linalg.eigh(space.T @ (body.K @ space))
-    omega2 = np.maximum(omega2, 0.0)
-    omega2[: body.rigid_modes.shape[1]] = 0.0
-    larger = of_modes(tips, omega2, space, within, kind=model.kind, contact_time=model.contact_time)
-    if model.kind in ("AO", "rigid"):
-        larger = only_excited(larger)
-    return larger if larger.n > model.n else model
-
-
-def softer_model(model: Body) -> Body:
-    """Return a model whose modes are each softer by the error of its elements.
+def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
+    """Return the model of the body with finer elements; of one without, one of more vectors.
 
     Parameters
     ----------
     model : Body
-        Made of a body's elements, with a mesh and material.
+    linear : str or callable, optional
+        The linear solver; see `FEModel.inverse`.
     """
-    body, omega2 = model.body, model.omega**2
-    assert body.mesh is not None
-    safety = _SAFETY[body.mesh.thin] - 1.0
-    pressed = body.at_nodes(np.sum([np.abs(tip.b) for tip in model.tips], axis=0)) > 0.0
-    loaded = np.asarray(pressed.any(axis=(0, 2)))
-    for j in np.flatnonzero(omega2):
-        moved = body.at_nodes(model.modes[:, j])
-        false, own = energy_error(body, moved, loaded, float(model.omega[j]))
-        share = min(float(false.sum() / own.sum()), 1.0 - _LEAST)
-        omega2[j] *= 1.0 - share * (1.0 + safety * (1.0 - share) ** 2)
-    order = np.argsort(omega2, kind="stable")
-    shape = np.ascontiguousarray(model.shape[:, order])
-    return replace(
-        model,
-        omega=np.sqrt(omega2[order]),
-        shape=shape,
-        push=shape,
-        vectors=model.modes[:, order],
-        coordinates=None,
-        follow=None,
-        residual=None,
-        oscillators=None,
+    finer = model.body.finer
+    if finer is None or finer.mesh is not model.body.mesh:
+        return _fitted_alike(model, linear)
+    K = finer.K
+    M = finer.M
+    rigid = finer.rigid_modes
+    modes = finer.appended(model.modes)
+    space = np.hstack([rigid, m_orthonormal(rigid, modes, M)]) if rigid.shape[1] else modes
+    tips = []
+    pressed = []
+    members: list[FloatArray] = []
+    loads = [((M @ modes) * model.omega**2 - K @ modes)[:, model.omega > 0.0]]
+    time = model.contact_time
+    each = model.ports // model.places
+    for port, own in enumerate(model.tips):
+        tip = own.finer or own
+        tips.append(tip)
+        if port % each == 0:
+            known = own.extraction
+            s = known.s if known else SHIFT_TIMES_DURATION / (time or own_contact_time(own))
+            solver = finer.inverse(s * s, solver=linear)
+            if known is not None:
+                pressed.append((port, s, known.radius, solver))
+        load = b = tip.b - M @ (rigid @ (rigid.T @ tip.b))
+        coarse = finer.given.inverse(s * s, solver=linear)
+        for _ in range(_TERMS):
+            x = coarse.solve_roughly(finer.restricted(load), solver.rough)[0]
+            members.append(finer.appended(x))
+            load = M @ members[-1]
+            load /= np.linalg.norm(load)
+        first = members[-_TERMS]
+        loads.append((b - K @ first - s * s * (M @ first))[:, None])
+    changes = solver.solve_roughly(np.hstack(loads))[0]
+    more = m_orthonormal(space, np.hstack([np.column_stack(members), changes]), M)
+    space = np.hstack([space, more])
+    stiffness = space.T @ (K @ space)
+    stiffness[: rigid.shape[1]] = stiffness[:, : rigid.shape[1]] = 0.0  # but for rounding
+    omega2, within = np.linalg.eigh(stiffness)
+    found = of_modes(
+        tuple(tips),
+        np.maximum(omega2, 0.0),
+        space,
+        within,
+        kind=model.kind,
+        contact_time=time,
+        linear_solver=model.linear_solver,
     )
+    for port, s, radius, solver in pressed:
+        moved = np.array([found.deflection(s, port + axis) for axis in range(each)])
+        tips[port] = tips[port].at_impact(radius, solver, moved)
+    found = replace(found, tips=tuple(tips))
+    return only_excited(found) if model.kind in ("AO", "rigid") else found
+
+
+def _fitted_alike(model: Body, linear: Solver) -> Body:
+    """A model of more vectors fitted to the same, of shells and beams of those that are cut."""
+    elastic = int(np.count_nonzero(model.omega))
+    if not elastic:
+        return model
+    tips = [tip.finer or tip for tip in model.tips]
+    solver = None
+    for port in range(0, model.ports, model.ports // model.places):
+        if (known := model.tips[port].extraction) is not None:
+            solver = tips[port].body.inverse(known.s**2, solver=linear)
+            tips[port] = tips[port].at_impact(known.radius, solver)
+    time = model.contact_time
+    slow = model.slow if model.contact_time else math.inf
+    times = {"contact_time": time, "duration": slow}
+    space = KrylovSpace(tips, sharpened=True, solver=linear, **times)
+    wanted = space.rigid_count + elastic + _TERMS * len(tips)
+    found = space.of_all(min(wanted, space.body.n_dofs), model.kind)
+    return (only_excited(found) if model.kind in ("AO", "rigid") else found).alone

@@ -151,7 +151,7 @@ class FullModel(Frozen, BodyModel):
             raise InputError("gravity needs the body's nodes: make it from a mesh, or with nodes")
         if isinstance(gravity, np.ndarray):
             along = [self.body.com_functional(axis) for axis in np.eye(3)]
-            return np.asarray(self.body.mass * (gravity @ along))
+            return self.body.mass * (gravity @ along)
         forces: FloatArray = gravity * self.body.mass * self.centre_of_mass[0]
         return forces
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 import scipy
@@ -19,11 +19,9 @@ import scipy
 from ..base import (
     ConvergenceError,
     FloatArray,
-    InputError,
     SingularError,
     bar,
     boolean,
-    instance,
     integer,
     require,
     warn,
@@ -44,7 +42,6 @@ from ..linalg import (
     FEW_SOLUTIONS,
     LinearSolver,
     Solver,
-    SolverBook,
     checked_solver,
 )
 from .body import Body, checked_ports, of_modes, ways_of
@@ -126,9 +123,6 @@ class KrylovSpace:
         another factorisation for each.
     solver : str or callable, optional
         See `FEModel.inverse`.
-    known : LinearSolver, optional
-        One of this body that has been set up for something else; it serves, and its shift is
-        taken, if that is about the one for the contact time.
 
     Raises
     ------
@@ -154,20 +148,15 @@ class KrylovSpace:
         duration: float | None = None,
         sharpened: bool = False,
         solver: Solver = "auto",
-        known: LinearSolver | None = None,
     ) -> None:
         self.tips = checked_ports("tips", tips)
         body = self.body = self.tips[0].body
         shift = fitted_shifts(self.tips, contact_time, None)[0]
         highest = min(map(highest_shift, self.tips))
-        if known is not None and instance("known", known, LinearSolver).pencil.K is not body.K:
-            raise InputError("known: it solves for another body; take tip.body.inverse(s2)")
-        other = math.sqrt(known.s2) if known else self.tips[0].shift or shift
+        other = self.tips[0].shift or shift  # of which the body may have a solver
         near = abs(math.log(other / shift)) <= math.log(_AS_GOOD)
         if near and other <= highest and len(self.tips) == 1:
             shift = other
-        else:
-            known = None
         self.contact_time = SHIFT_TIMES_DURATION / shift
         refuse_mechanism(self.tips)
         refuse_massless(self.tips)
@@ -175,7 +164,7 @@ class KrylovSpace:
         self.shift, self._slow = shift, tuple[float, ...]()
         self._highest = highest if boolean("sharpened", sharpened) else 0.0
         self.solver_name, self._solver = "", checked_solver(solver)
-        self._solvers: dict[float, LinearSolver] = {} if known is None else {shift: known}
+        self._solvers: dict[float, LinearSolver] = {}
         rigid = body.rigid_modes
         self.rigid_count = rigid.shape[1]
         # The rigid part would drown the rest where s is small; it is in the basis exactly.
@@ -309,6 +298,7 @@ class KrylovSpace:
             kind=kind,
             linear_solver=self.solver_name,
             contact_time=self.contact_time,
+            slow=SHIFT_TIMES_DURATION / self._slow[0] if self._slow else None,
         )
 
     def _first_vectors(self, count: int) -> FloatArray:
@@ -361,7 +351,7 @@ class KrylovSpace:
             within = self._spanned(loads, wanted - int(np.linalg.matrix_rank(loads)))
             if within is not None:
                 return list(within)
-        invert = SolverBook(dynamic.at or partial(self.body.inverse, solver=self._solver))
+        invert = lru_cache(1)(dynamic.at or partial(self.body.inverse, solver=self._solver))
         found = []
         for slot, (place, load) in enumerate(zip(self._held, loads, strict=True), self.rigid_count):
             # A rough solution depends on the shift that it was begun from: it is not shared.

@@ -24,8 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base import ArrayPair, FloatArray
-from ..fem import FEModel
-from ..linalg import ROUGH, SolverBook
+from ..linalg import ROUGH
 
 if TYPE_CHECKING:
     from .body import Body
@@ -45,28 +44,6 @@ SOLVED = 1e-6
 _BALANCED = ROUGH
 
 
-class SharedSolutions:
-    """Solutions that the recoveries of several models of a body share.
-
-    Attributes
-    ----------
-    solver : SolverBook
-        s² ↦ the solver of K + s²M.
-    """
-
-    def __init__(self, body: FEModel) -> None:
-        self.solver = SolverBook(body.inverse)
-        self._duals: dict[tuple[int, float], tuple[Any, FloatArray]] = {}
-
-    def dual(self, rows: Any, s: float) -> FloatArray:
-        """Return rows (K + s²M)⁻¹, the same for all models: rows that are kept are solved once."""
-        key = id(rows), s
-        if key not in self._duals:
-            solve = self.solver(s**2).solve_roughly
-            self._duals[key] = rows, np.stack([solve(row, SOLVED)[0] for row in rows.toarray()])
-        return self._duals[key][1]
-
-
 @dataclass(frozen=True, eq=False)
 class Recovery:
     """The map from a reduced model's coordinates and the forces on it to its body's displacement.
@@ -80,14 +57,11 @@ class Recovery:
         Forces on the dofs per unit of each of the forces f: see `Body.loads`.
     s : float
         Frequency of the correction, rad/s; positive.
-    shared : SharedSolutions or None
-        Where several models of the body are compared.
     """
 
     model: Body
     loads: FloatArray
     s: float
-    shared: SharedSolutions | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         # Do not pickle what is cheap to recompute.
@@ -130,17 +104,8 @@ class Recovery:
         of_coordinates, of_forces : ndarrays, shapes (m, n), (m, p)
             rows @ X = of_coordinates @ q + of_forces @ f.
         """
-        n, body = len(self.model.omega), self.model.body
-        if self.shared is None:
-            shapes, weights = self._correction
-            added = (rows @ shapes) @ weights
-        else:
-            dual = self.shared.dual(rows, self.s)
-            inertia = (body.M @ dual.T).T
-            strained = (body.K @ dual.T).T @ self.basis
-            parts = inertia @ self.basis, dual @ self.loads, inertia @ body.rigid_modes
-            added = self._unbalanced(strained, *parts)
-        found = rows @ self.basis + added
+        n, (shapes, weights) = len(self.model.omega), self._correction
+        found = rows @ self.basis + (rows @ shapes) @ weights
         return found[:, :n], found[:, n:]
 
     @property
@@ -160,11 +125,21 @@ class Recovery:
         Unbalanced forces are orthogonal to the model's shapes. Anti-oscillators and Krylov vectors
         leave only one direction of it for each force, however many they are: K times their space
         lies in M times it and the loads. So one solution for each force serves all.
+
+        The models of finer bodies have what is corrected among their vectors.
         """
         body, loads, s2 = self.model.body, self.loads, self.s**2
+        if body.coarse is not None:
+            return np.zeros((body.n_dofs, 0)), np.zeros((0, self.basis.shape[1]))
         scale = np.sqrt(body.K.diagonal() + s2 * body.M.diagonal())[:, None]
         strained, inertia = body.K @ self.basis, body.M @ self.basis
-        r = self._unbalanced(strained, inertia, loads, body.M @ body.rigid_modes)
+        model, n = self.model, len(self.model.omega)
+        push = model.modes.T @ loads
+        # Rigid motions that the model does not contain: no force of its ports moves them.
+        omitted = body.rigid_modes.T @ (loads - inertia[:, :n] @ push)
+        r = -strained
+        r[:, :n] += inertia[:, :n] * model.omega**2
+        r[:, n:] += loads - inertia[:, :n] @ push - body.M @ (body.rigid_modes @ omitted)
         parts = strained + s2 * inertia
         parts[:, -loads.shape[1] :] += loads
         size = np.linalg.norm(parts / scale, axis=0)
@@ -172,34 +147,9 @@ class Recovery:
         directions, weights = _directions(r / (scale * size))
         if not directions.size:
             return directions, weights
-        solver = (
-            body.inverse(s2, solutions=len(weights))
-            if self.shared is None
-            else self.shared.solver(s2)
-        )
+        solver = body.inverse(s2, solutions=len(weights))
         shapes = [solver.solve_roughly(load, SOLVED)[0] for load in (scale * directions).T.copy()]
         return np.stack(shapes, axis=1), weights * size
-
-    def _unbalanced(
-        self, strained: FloatArray, inertia: FloatArray, loads: FloatArray, rigid: FloatArray
-    ) -> FloatArray:
-        """r per coordinate and force, (n_dofs, n + p), or what a matrix makes of it from the left.
-
-        Parameters
-        ----------
-        strained, inertia : ndarrays, shape (n_dofs, n + p)
-            K and M times the basis, or what the matrix makes of these,
-        loads, rigid : ndarrays, shapes (n_dofs, p), (n_dofs, 0 … 6)
-            and so of the loads, and of M times the rigid modes.
-        """
-        model, rigid_modes, n = self.model, self.model.body.rigid_modes, len(self.model.omega)
-        push = model.modes.T @ self.loads
-        # Rigid motions that the model does not contain: no force of its ports moves them.
-        omitted = rigid_modes.T @ (self.loads - model.body.M @ (model.modes @ push))
-        found = -strained
-        found[:, :n] += inertia[:, :n] * model.omega**2
-        found[:, n:] += loads - inertia[:, :n] @ push - rigid @ omitted
-        return found
 
 
 def _directions(columns: FloatArray) -> ArrayPair:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -27,8 +27,8 @@ from ..linalg import (
     DENSE_DOFS,
     EQUAL,
     FEW_SOLUTIONS,
+    LinearSolver,
     Solver,
-    SolverBook,
     checked_solver,
     dense_modes,
     lowest,
@@ -60,6 +60,9 @@ _ROUNDING_OF_MASS = 1e-11
 
 
 # Masses, stiffnesses, and shapes Ψ_i = c_i φ_i of the anti-oscillators found so far.
+# s² ↦ the solver of K + s²M.
+Invert = Callable[[float], LinearSolver]
+
 _Found = tuple[FloatArray, FloatArray, FloatArray]
 
 
@@ -102,7 +105,11 @@ def _all_constraint_modes(tip: ContactPoint) -> ArrayPair:
 
 
 def _first_oscillators(
-    tip: ContactPoint, static: StaticMode, n: int, order: str, solvers: SolverBook
+    tip: ContactPoint,
+    static: StaticMode,
+    n: int,
+    order: str,
+    solvers: Callable[[float], LinearSolver],
 ) -> tuple[_Found, float]:
     """Return the first `n` oscillators among those found, and the mass that one left out may have.
 
@@ -176,7 +183,11 @@ def _across(tip: ContactPoint, static: StaticMode) -> FloatArray:
 
 
 def _wanted_oscillators(
-    tip: ContactPoint, static: StaticMode, n: int, order: str, solvers: SolverBook
+    tip: ContactPoint,
+    static: StaticMode,
+    n: int,
+    order: str,
+    solvers: Callable[[float], LinearSolver],
 ) -> _Found:
     dofs, found, left_out = tip.body.n_dofs, None, math.inf
     if dofs > DENSE_DOFS:
@@ -281,9 +292,13 @@ def antioscillators(
         )
     refuse_mechanism([tip])
     solutions = _SOLUTIONS_EACH * (FEW_SOLUTIONS if wanted is None else wanted)
-    solvers = SolverBook(
-        partial(tip.body.inverse, solver=checked_solver(solver), solutions=solutions)
-    )
+    invert = partial(tip.body.inverse, solver=checked_solver(solver), solutions=solutions)
+    used: list[LinearSolver] = []
+
+    def solvers(s2: float) -> LinearSolver:
+        used[:] = [invert(s2)]  # the body finds the last one, as long as it is kept
+        return used[0]
+
     static = static_mode(tip, invert=solvers)
     if wanted is None:
         m, k, shapes = _oscillators(tip, static, *_all_constraint_modes(tip))
@@ -300,7 +315,7 @@ def antioscillators(
     if abs(residual) < _ROUNDING_OF_MASS * static.mass:
         residual = 0.0
     numbers = AOModel(m0=residual, k0=static.k0, m=m, k=k)
-    return with_shapes(numbers, tip, static.phi, shapes, linear_solver=solvers.name)
+    return with_shapes(numbers, tip, static.phi, shapes, linear_solver=used[0].name if used else "")
 
 
 def modal(tips: ContactPoint | Sequence[ContactPoint], n: int, *, solver: Solver = "auto") -> Body:

@@ -295,7 +295,7 @@ class AOModel(Frozen):
         if self.origin is None:
             return numbers
         of, n = self.origin, self.n + 1
-        moved = self.expand(np.column_stack([np.ones(n), np.eye(n)[:, 1 : kept + 1]]))
+        moved = self._displaced(np.column_stack([np.ones(n), np.eye(n)[:, 1 : kept + 1]]))
         return with_shapes(
             numbers,
             of.tips[0],
@@ -303,6 +303,7 @@ class AOModel(Frozen):
             moved[:, 1:],
             linear_solver=of.linear_solver,
             contact_time=of.contact_time,
+            slow=of.slow,
             series=of if of.kind == "modal" else of.series,
         )
 
@@ -401,11 +402,15 @@ class AOModel(Frozen):
         """
         if self.origin is None:
             raise InputError("expand: this model was given by numbers and has no body to expand to")
-        values = in_time(coordinates, self.n + 1)
+        return self.origin.body.restricted(self._displaced(in_time(coordinates, self.n + 1)))
+
+    def _displaced(self, values: FloatArray) -> FloatArray:
+        """The displacement of the body that it was made of, (n_dofs,) or (n_dofs, times)."""
+        assert self.origin is not None
         # Amplitudes of M-orthonormal modes: φᵀM of a motion, and M is diagonal in λ.
         of, masses = self.origin, np.concatenate([[self.m0], self.m])
         q = of.shape[0] * (self._moved(of.omega**2).T @ (values.T * masses).T).T
-        full: FloatArray = of.expand(q.T)
+        full: FloatArray = of.displaced(q.T)
         if of.residual is not None and of.following is not None:
             rest = values[0] - of.shape[0] @ q.T
             full = full + np.multiply.outer(of.following[:, 0] / of.residual[0, 0], rest)

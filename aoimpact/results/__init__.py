@@ -9,6 +9,7 @@ returns them; `batch`, `cli` and `study` print them.
 from .advice import (
     Advice,
     limits,
+    outgrown,
     warn_of_bodies,
     warn_of_exchange,
     warn_of_misfit,

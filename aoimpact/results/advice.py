@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..base import ROUNDING, plain, warn, with_unit
-from ..contact import SHIFT_TIMES_DURATION, ContactPoint, edge_length
-from ..fem import Layers, Material, Orthotropic, Rayleigh
+from ..contact import SHIFT_TIMES_DURATION, ContactPoint
+from ..fem import Material, Orthotropic, Rayleigh
 from ..laws import (
     ContactLaw,
     ElasticPlastic,
@@ -273,7 +273,7 @@ def _deflection(joint: _Joint) -> Limit | None:
 
 def _stretches(tip: ContactPoint) -> bool:
     """True if supports on two sides of the point keep the body from drawing in as it deflects."""
-    body = tip.body
+    body = tip.body.given
     if body.nodes is None or body.free is None or tip.point is None or tip.direction is None:
         return False
     constrained = np.setdiff1d(np.arange(3 * len(body.nodes)), body.free)
@@ -500,9 +500,10 @@ def _warn_of_side(
     """Warn of bodies on the same side of a common point, if they share coordinates."""
     if first.body is second.body or first.point is None or second.point is None:
         return
-    if first.direction is None or second.direction is None or first.body.nodes is None:
+    nodes = first.body.given.nodes
+    if first.direction is None or second.direction is None or nodes is None:
         return
-    near = _SHARED * float(np.ptp(first.body.nodes, axis=0).max())
+    near = _SHARED * float(np.ptp(nodes, axis=0).max())
     opposite = float(first.direction @ second.direction) < 0.0
     if opposite and np.linalg.norm(first.point - second.point) <= near:
         warn(
@@ -517,9 +518,10 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
     A projectile on springs only is not warned of: it may move as a tup on its guide does.
     """
     tip = projectile.touched_at()
-    if tip is None or not projectile.constrained or target.constrained or tip.body.nodes is None:
+    if tip is None or not projectile.constrained or target.constrained:
         return
-    free, size = tip.body.free, tip.body.nodes.size
+    free, nodes = tip.body.given.free, tip.body.given.nodes
+    size = 0 if nodes is None else nodes.size
     if free is not None and np.count_nonzero(free < size) < size:
         warn(
             "projectile moves though supports hold it, and nothing holds the target: exchange them "
@@ -588,9 +590,10 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
 
 # ------------------------------------------------------------------- limits and misses
 
-# Longest element over the length of a bending wave, (D/(m s²))^(1/4) at s = 10/T. With elements
-# half as long again a force is 1 % off by quadrilaterals, and 6 % by triangles.
-_BENDING = 2.0
+# Longest element of the finer body over the length of a bending wave, (D/(m s²))^(1/4) at s = 5
+# over the rise of the force, by which the error of the mesh is known. Of shells and beams, whose
+# finer elements are half as long, it is 0.9 of half a wave whose quarter of a period is the rise.
+_BENDING = 2.5
 
 
 def warning_limits(plan: Scenario) -> tuple[float, float]:
@@ -623,21 +626,32 @@ def warn_of_run(run: Run) -> None:
                 worst[row.name] = excess, f"{contact_name(run, contact)}: {row.warning}"
     for _, text in worst.values():
         warn(text)
-    for contact, events in zip(contacts, run.events, strict=True):
+    for body, tip, edge, rise, most in outgrown(run):
+        if tip.thin:
+            warn(
+                f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} long, "
+                f"and bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
+                f"{with_unit(most, 'm', 2)}; refine the mesh there"
+            )
+
+
+def outgrown(run: Run) -> Iterator[tuple[int, ContactPoint, float, float, float]]:
+    """Yield where elements are longer than bending waves, so that their error is not known.
+
+    The number of the body, where it is touched, the length of its elements there, m, the rise of
+    the force, s, and the length that its waves need, m.
+    """
+    for contact, events in zip(run.plan.contacts, run.events, strict=True):
         for body, _, tip in run.plan.touched(contact) if events.contacts else ():
-            if not isinstance(tip.thin, Layers) or tip.body.surface is None or tip.point is None:
-                continue
             rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
-            if rise <= 0.0:
+            mesh = (tip.body.coarse or tip.body).mesh
+            if mesh is None or rise <= 0.0:
                 continue
-            edge = edge_length(tip.body.surface, tip.point)
-            waves = tip.edge_over_wave(0.5 * SHIFT_TIMES_DURATION / rise)
-            if waves > _BENDING:  # elements of a shell are longer than waves
-                warn(
-                    f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} "
-                    f"long, and bending waves of a force that rises in {with_unit(rise, 's', 3)} "
-                    f"need {with_unit(_BENDING * edge / waves, 'm', 2)}; refine the mesh there"
-                )
+            cut = 2.0 if all(block.element.thin for block in mesh.blocks) else 1.0
+            edge, wave = tip.edge_and_wave(0.5 * SHIFT_TIMES_DURATION / rise)
+            edge, most = edge * (1.0 if tip.body.mesh is mesh else cut), cut * _BENDING * wave
+            if edge > most:
+                yield body, tip, edge, rise, most
 
 
 def _missed(run: Run) -> str:

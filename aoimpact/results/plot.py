@@ -290,12 +290,13 @@ def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArra
         if tip is None:
             continue
         field = body.field(times)
-        points, moved = tip.body.mesh.nodes, field.displacement
+        mesh: Any = field.body.mesh
+        points, moved = mesh.nodes, field.displacement
         if tip is not main:
             turn = Rotation.align_vectors(down, tip.direction)[0].as_matrix()
             points = (points - tip.point) @ turn.T + place - hit.gap * down
             moved = moved @ turn.T
-        bodies.append(Shown(tip.body.mesh, points, moved, field.stress().von_mises))
+        bodies.append(Shown(mesh, points, moved, field.stress().von_mises))
     surface = hit.plan.bodies[0].surface_at()
     if meshed[0] is None and surface is not None and 0.0 < surface.radii[0] < np.inf:
         radius = surface.radii[0]

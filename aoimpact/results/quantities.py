@@ -39,6 +39,9 @@ _LEAST_CONTACT = 0.1
 # but stopped has neither.
 _LEAST_REBOUND = 0.1
 
+# Times at which momenta are compared while bodies touch.
+_ON_THE_WAY = 400
+
 # Times at which the largest friction is looked for between two of a record.
 _BETWEEN = 65
 
@@ -122,8 +125,9 @@ class Quantity:
         Least scale of relative errors, from the velocities at the start, as `Speeds.before`.
     sliding : bool
         True of what only runs with friction have.
-    local : callable, optional
-        Relative error by the elements where it is taken in a `Run`, though the force be right.
+    by_momentum : callable, optional
+        How much the k numbers of a `Run` change with the momentum that each contact passes on, from
+        changes of it, N s, shape (contacts,).
     """
 
     name: str
@@ -139,7 +143,7 @@ class Quantity:
     lasting: bool = False
     sliding: bool = False
     least: Callable[[FloatArray], Any] | None = None
-    local: Callable[[Run], float] | None = None
+    by_momentum: Callable[[Run, FloatArray], FloatArray] | None = None
 
     @property
     def is_history(self) -> bool:
@@ -303,12 +307,21 @@ def number_errors(
     run: Run,
     others: Sequence[tuple[Run, float]],
     known: Mapping[str, float] | None = None,
+    *,
+    on_the_way: bool = False,
 ) -> Mapping[str, float]:
     """Return by how much the force, and each number that sums up a run, may be wrong, relative.
 
     The largest of its changes to other runs, each times its factor, by the names by which numbers
     are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of one that is not.
     Errors that are known already are taken as they are.
+
+    Parameters
+    ----------
+    on_the_way : bool, optional
+        True to take, of numbers that sum up the force, no less than what the momentum differs by
+        while the bodies touch, the root of its mean square: two forces that differ may have the
+        same integral by chance.
     """
     before = np.array(run.plan.velocities)
 
@@ -322,10 +335,27 @@ def number_errors(
             theirs = quantity.compared(other)
             scales = quantity.at_least(np.abs(theirs), before)
             apart.append(times * np.abs(_relative(ours - theirs, scales)))
+            if on_the_way and quantity.by_momentum is not None:
+                change = quantity.by_momentum(run, _momentum_apart(run, other))[: len(values)]
+                apart.append(times * np.nan_to_num(_relative(change, scales)))
         most = np.max(apart, axis=0)
         return math.nan if math.isnan(values[at]) else float(most[at])
 
     return Found(lambda: ["force", *run.numbers], find, known)
+
+
+def _momentum_apart(run: Run, other: Run) -> FloatArray:
+    """By how much the momentum that each contact passes on differs while bodies touch, N s.
+
+    The root of its mean square, shape (contacts,).
+    """
+    first, last = run.touching or (0.0, 0.0)
+    times = np.linspace(first, last, _ON_THE_WAY)
+    force = QUANTITIES["force"].history
+    assert force is not None
+    apart = (force(run, times) - force(other, times))[run.plan.layout.normal]
+    passed = np.cumsum(apart, axis=1) * (last - first) / _ON_THE_WAY
+    return np.asarray(np.sqrt((passed**2).mean(axis=1)))
 
 
 def all_numbers(run: Run) -> Mapping[str, float]:
@@ -363,6 +393,15 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
     relative = np.where(difference == 0.0, 0.0, np.copysign(np.inf, difference))
     np.divide(difference, scales, out=relative, where=np.broadcast_to(scales > 0.0, relative.shape))
     return relative
+
+
+def _of_bodies(run: Run, momenta: FloatArray) -> FloatArray:
+    """Changes of velocities, m/s, by those of contacts' momenta, N s; 0 of what is held at rest."""
+    found = np.zeros(len(run.plan.bodies))
+    for contact, momentum in zip(run.plan.contacts, momenta, strict=True):
+        for body, _ in contact.ports:
+            found[body] += momentum / run.plan.bodies[body].static_mass
+    return np.where(_speeds(run, found).still, 0.0, found)
 
 
 def _restitution(of: Speeds) -> FloatArray:
@@ -445,9 +484,19 @@ _ALL = (
     Quantity("force", "N", history=recorded(attrgetter("pushes"))),
     _of_events("peak_force", "N", column=True),
     _of_events("peak_time", "s", column=True),
-    _of_events("contact_duration", "s", column=True),
+    _of_events(
+        "contact_duration",
+        "s",
+        column=True,
+        by_momentum=lambda run, momenta: np.array(
+            [
+                momentum / of.impulse * of.contact_duration if of.impulse else 0.0
+                for momentum, of in zip(momenta, run.events, strict=True)
+            ]
+        ),
+    ),
     _of_events("contact_count", "", count=True),
-    _of_events("impulse", "N s", column=True),
+    _of_events("impulse", "N s", column=True, by_momentum=lambda run, momenta: momenta),
     Quantity(
         "rebound_velocity",
         "m/s",
@@ -456,6 +505,7 @@ _ALL = (
         each="bodies",
         least=lambda before: _LEAST_REBOUND * np.abs(before).max(axis=0),
         column=True,
+        by_momentum=_of_bodies,
     ),
     Quantity(
         "restitution",
@@ -464,6 +514,9 @@ _ALL = (
         each="",
         least=lambda _: _LEAST_REBOUND,
         column=True,
+        by_momentum=lambda run, momenta: (
+            _of_bodies(run, momenta).sum(keepdims=True) / np.ptp(run.plan.velocities)
+        ),
     ),
     Quantity("peak_friction_force", "N", of_run=_friction_peaks, sliding=True),
     Quantity(

@@ -203,11 +203,11 @@ class BodyResult(Frozen, Measured):
 
     @cached_property
     def error(self) -> Mapping[str, FloatArray]:
-        """Errors of the histories by the body's model, relative to the largest value of each.
+        """Errors of the histories by mesh and model, relative to the largest value of each.
 
-        ``error["velocity"]``, shape (n,), and so of the other three: twice the difference to one
-        more run, with models that contain this one and what it leaves out first. To it add the
-        errors of mesh and contact. It is empty of a body given by numbers.
+        ``error["velocity"]``, shape (n,), and so of the other three: twice the difference to the
+        run with other elements. To it add the errors of contact. It is empty of a body given by
+        numbers.
 
         Examples
         --------
@@ -494,8 +494,10 @@ class Run:
     # The errors of meshes and contact laws, or the function that estimates them of the run. It is
     # called when an error is first read.
     left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
-    # Returns the run with finer models, with which histories are compared for their errors.
-    finer: Callable[[Run], Run | None] | None = None
+    # The run with the bodies as they are meshed, where this one is that with finer elements.
+    beside: Run | None = None
+    # Returns the run with other elements, with which histories are compared for their errors.
+    other_run: Callable[[Run], Run | float | None] | None = None
     modelled: float = 0.0
     said: tuple[str, ...] = ()  # warnings of the run, which `simulate` issues
 
@@ -546,11 +548,11 @@ class Run:
         return different(given, [f"contact {i}" for i in range(len(given))])
 
     def _response(self, body: int) -> Response | None:
-        finer = partial(self._finer_response, body)
-        return response_of(self.plan, self.recorder, self.events, body, finer=finer)
+        compared = partial(self._other_response, body)
+        return response_of(self.plan, self.recorder, self.events, body, compared=compared)
 
-    def _finer_response(self, body: int) -> Response | None:
-        return None if self.larger is None else self.larger._response(body)
+    def _other_response(self, body: int) -> Response | None:
+        return None if self.other is None else self.other._response(body)
 
     # ------------------------------------------------------------------- histories
 
@@ -645,15 +647,16 @@ class Run:
         full = isinstance(model, FullModel)
         rows = whole_motion(model.body)[0] if full else model.modal.whole.velocity
         assert rows is not None
-        return np.asarray(self.recorder.motion(body).observed(rows, times)[1])
+        return self.recorder.motion(body).observed(rows, times)[1]
 
     @cached_property
-    def larger(self) -> Run | None:
-        """The run with finer models; None where there is none.
+    def other(self) -> Run | None:
+        """The run with which histories are compared; None where there is none.
 
         :meta private:
         """
-        return None if self.finer is None else self.finer(replace(self, asked=None))
+        found = None if self.other_run is None else self.other_run(replace(self, asked=None))
+        return found if isinstance(found, Run) else None
 
     @cached_property
     def compared_velocities(self) -> FloatArray:
@@ -1065,7 +1068,7 @@ class Result(Eventful, Run):
         would have to have between them.
         """
         first, second = (body.centre_displacement for body in self.bodies)
-        return np.asarray(first - second - self.gap)
+        return first - second - self.gap
 
     @property
     def _own_events(self) -> Events:

@@ -161,7 +161,8 @@ class Contact(NamedTuple):
         known = [extraction_of(self.law, bodies[body], port) for body, port in self.ports]
         friction = self.friction and self.friction.between(self.materials(bodies), known)
         removed = tuple(0.0 if of is None else of.removed_for(self.width) for of in known)
-        shells = any(of and of.near is not None for of in known)
+        tips = [bodies[body].touched_at(port) for body, port in self.ports]
+        shells = any(of and tip and tip.thin for of, tip in zip(known, tips, strict=True))
         left = bounded and shells and math.fsum(removed) > 0.0
         if left or isinstance(self.law, PatchLaw):  # the caller has taken it out
             return self._replace(friction=friction)

@@ -236,7 +236,7 @@ class Scenario:
             return SteppedBody(parts, x, modal.rates(start))
         u, of = np.zeros(model.dofs), model.body
         if rest is not None:
-            u = model.modal.expand(rest.modes[body])
+            u = model.modal.displaced(rest.modes[body])
             if model.modal.following is not None:  # massless contacts follow forces at once
                 pressed = self.port_forces(body, np.zeros(1), rest.forces[:, None])
                 u = u + model.modal.following @ pressed[: model.ports, 0]

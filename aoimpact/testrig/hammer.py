@@ -210,7 +210,7 @@ def _spectra(values: FloatArray, step: float, count: int, velocity: bool = False
     Velocities, which last beyond the record, give the transforms of the accelerations.
     """
     if not velocity:
-        return np.asarray(step * np.fft.rfft(values, count)[:, 1:])
+        return step * np.fft.rfft(values, count)[:, 1:]
     turns = np.arange(1, count // 2 + 1) / count
     # From rest: the first sample of a model may move, by the residual compliance of its modes.
     steps = np.fft.rfft(np.diff(values, prepend=0.0), count)[:, 1:]

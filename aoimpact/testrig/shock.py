@@ -83,7 +83,7 @@ class ShockSpectrum(Frozen):
     @property
     def maximax(self) -> FloatArray:
         """The largest response of any sign at any time, shape (n,)."""
-        return np.asarray(np.maximum(self.primary, self.residual))
+        return np.maximum(self.primary, self.residual)
 
     def plot(self, ax: Axes | None = None, *, parts: bool = False, **kwargs: Any) -> Axes:
         """Draw the spectrum over the frequency, both logarithmic; keywords go to ``Axes.plot``.

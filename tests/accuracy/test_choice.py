@@ -13,7 +13,7 @@ from aoimpact.base import held_warnings
 from aoimpact.reduction import KrylovSpace
 from aoimpact.results import IMPACT_CHOICES, QUANTITIES
 
-from twelve import ALUMINIUM, ENDS, IMPACTS, STEEL, beam, box, cube, law
+from twelve import ALUMINIUM, ENDS, IMPACTS, STEEL, as_meshed, beam, box, cube, law
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4)
 
@@ -67,7 +67,7 @@ def test_a_rigid_sphere_gives_the_beams_displacement_but_not_the_force(paper, co
         for quantity in ("target_displacement", "peak_force", "force")
     }
     for quantity, hit in taken.items():
-        assert QUANTITIES[quantity].difference(hit, full) <= 3e-2
+        assert QUANTITIES[quantity].difference(as_meshed(hit), full) <= 3e-2
 
 
 def test_error_says_what_models_and_what_time_integration_add(paper):
@@ -75,7 +75,7 @@ def test_error_says_what_models_and_what_time_integration_add(paper):
     assert 1e-4 < hit.error.model <= 1e-2
     assert hit.error.time <= 1e-3
     full = paper(target=whole(paper.keywords["target"]), duration=250e-6)
-    assert QUANTITIES["force"].difference(hit, full) <= 1e-2
+    assert QUANTITIES["force"].difference(as_meshed(hit), full) <= 1e-2
 
 
 def test_quantity_and_tolerance_have_defaults(paper):
@@ -142,14 +142,14 @@ def test_restitution_count_and_time_of_the_peak_are_quantities(quantity):
     cantilever = scene("tip of a cantilever, for long")
     assert len(cantilever.full.contacts) == 2
     hit = cantilever.answer(quantity, 1e-2)
-    assert QUANTITIES[quantity].difference(hit, cantilever.full) <= 1e-2
+    assert QUANTITIES[quantity].difference(as_meshed(hit), cantilever.full) <= 1e-2
     assert hit.error.quantity == quantity
     assert len(hit.contacts) == 2 or quantity == "peak_time"
     assert hit.contact_count == hit.value("contact_count") == len(hit.contacts)
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*an error of .* in the")  # of the mesh, which all models share
+@pytest.mark.filterwarnings("ignore:.*an error .* in the")  # of the mesh, which all models share
 @pytest.mark.parametrize("name", SCENES)
 def test_true_error_is_within_the_tolerance(name):
     """All but one of some forty: three smaller models may agree by chance.
@@ -164,7 +164,8 @@ def test_true_error_is_within_the_tolerance(name):
             if quantity.endswith(("displacement", "peak_time")) and rtol < 1e-3:
                 continue
             hit = scene(name).answer(quantity, rtol)
-            shares.append(QUANTITIES[quantity].difference(hit, scene(name).full) / rtol)
+            off = QUANTITIES[quantity].difference(as_meshed(hit), scene(name).full)
+            shares.append(off / rtol)
             assert hit.error.model <= rtol
     *others, last = sorted(shares)
     assert max(others) <= 1.0
@@ -180,8 +181,9 @@ def test_estimates_bound_true_errors():
         for quantity in ("force", "contact_duration", "rebound_velocity"):
             for rtol in TOLERANCES:
                 hit = scene(name).answer(quantity, rtol)
+                found = as_meshed(hit)
                 for number in {"peak_force", "contact_duration", "impulse", quantity}:
-                    true = QUANTITIES[number].difference(hit, full)
+                    true = QUANTITIES[number].difference(found, full)
                     if true > 1e-6:
                         ratios.append(hit.error[number].model / true)
     assert np.mean(np.array(ratios) >= 1.0) >= 0.95
@@ -200,7 +202,7 @@ def test_a_body_too_large_to_be_known_whole(rtol):
         velocity=1.0,
         duration=2e-4,
     )
-    hit = run(target=target, quantity="force", rtol=rtol)
+    hit = as_meshed(run(target=target, quantity="force", rtol=rtol))
     one, other = (
         run(
             target=KrylovSpace(target, contact_time=time, sharpened=True).of_vectors(n),
@@ -213,8 +215,9 @@ def test_a_body_too_large_to_be_known_whole(rtol):
     assert hit.models[1].n <= 150
 
 
+@pytest.mark.filterwarnings("ignore:.*may be off by")  # of elements that both runs share
 def test_a_named_point():
-    """A quarter of the beam's length from the contact point, for five contact times."""
+    """A quarter of the beam's length from the contact point, for six contact times."""
     target = beam(ENDS)
     point = target.body.contact(point=(0.15 / 2, 0.01, 0.02), direction=(0, 0, -1), radius=0)
     run = functools.partial(
@@ -222,12 +225,12 @@ def test_a_named_point():
         projectile=ao.rigid(mass=0.06),
         law=law(STEEL, 0.01, ALUMINIUM),
         velocity=1.0,
-        duration=6e-4,
+        duration=7e-4,
     )
     hit = run(target=target, quantity=point, rtol=1e-2)
     full = run(target=whole(target))
-    times = np.linspace(0, 6e-4, 200)
-    mine, right = (each.target.displacement_of(point.b, times) for each in (hit, full))
+    times = np.linspace(0, 7e-4, 200)
+    mine, right = (each.target.displacement_of(point.b, times) for each in (as_meshed(hit), full))
     assert np.abs(mine - right).max() <= 1e-2 * np.abs(right).max()
     # The same point by the fields of the whole model.
     seen = full.target.probe(point=point.point, direction=(0, 0, -1), times=times)
@@ -314,5 +317,5 @@ def test_the_best_models_come_with_a_warning_where_the_default_tolerance_is_not_
     assert 1e-2 < hit.error.model < 1.0
     assert "no models tried meet 0.2 %" in str(hit)
     exact = strike(target=ao.antioscillators(end))
-    off = np.abs(hit.at(exact.t).force - exact.force).max() / exact.peak_force
+    off = np.abs(as_meshed(hit).at(exact.t).force - exact.force).max() / exact.peak_force
     assert off < hit.error.model

@@ -11,7 +11,7 @@ import pytest
 
 import aoimpact as ao
 
-from twelve import ALL_EDGES, ALUMINIUM, STEEL, box
+from twelve import ALL_EDGES, ALUMINIUM, STEEL, as_meshed, box
 
 LAW = ao.PowerLaw(ao.Hertz.between(STEEL, 0.01, ALUMINIUM, math.inf).k, 1.5)
 POINT, DOWN = (0.065, 0.05, 0.0), (0.0, 0.0, -1.0)
@@ -66,10 +66,11 @@ def test_the_true_error_is_within_the_tolerance(plate: Any, name: str) -> None:
     right = strike(whole, duration=hit.duration).target
     times = np.linspace(0.0, hit.duration, 300)
     known = read(right, times)
-    assert np.nanmax(np.abs(read(hit.target, times) - known)) <= 2e-2 * np.nanmax(np.abs(known))
+    off = np.abs(read(as_meshed(hit).target, times) - known)
+    assert np.nanmax(off) <= 2e-2 * np.nanmax(np.abs(known))
     assert hit.error.model <= 2e-2
     assert hit.error.quantity == ("strain" if name == "gauge" else name)
-    assert hit.models[1].n < whole.n / 2
+    assert as_meshed(hit).models[1].n < whole.n / 2
 
 
 def test_a_record_is_long_enough_for_the_filter(plate: Any) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 import aoimpact as ao
 
-from twelve import ALL_EDGES, ALUMINIUM, STEEL, box, cube
+from twelve import ALL_EDGES, ALUMINIUM, STEEL, as_meshed, box, cube
 
 LAW = ao.PowerLaw(ao.Hertz.between(STEEL, 0.01, ALUMINIUM, math.inf).k, 1.5)
 POINT = (0.05, 0.05, 0.0)
@@ -23,7 +23,10 @@ def plate(request: Any) -> Any:
 
 
 # Of the whole body after the impact, where it is the point that was asked for.
-pytestmark = pytest.mark.filterwarnings("ignore:the stress may be wrong")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:the stress may be wrong"),
+    pytest.mark.filterwarnings("ignore:.*may be off by"),  # models are compared, not meshes
+]
 
 
 def strike(target: Any, **options: Any) -> ao.Result:
@@ -44,10 +47,10 @@ def test_the_true_error_is_within_the_tolerance(plate: Any, component: str) -> N
         return found.von_mises if component == "von_mises" else found[component]
 
     right = stress(full)
-    assert np.abs(stress(hit) - right).max() <= 2e-2 * np.abs(right).max()
+    assert np.abs(stress(as_meshed(hit)) - right).max() <= 2e-2 * np.abs(right).max()
     assert hit.error.quantity == "stress"
     assert hit.error.model <= 2e-2
-    assert hit.models[1].n < whole.n / 3
+    assert as_meshed(hit).models[1].n < whole.n / 3
 
 
 def test_in_a_scene(plate: Any) -> None:

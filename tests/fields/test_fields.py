@@ -26,7 +26,8 @@ def stretched(*, held: bool = False) -> Field:
     shape = mesh.nodes * [1.0, -STEEL.nu, -STEEL.nu]
     displacement = STRAIN[:, None, None] * shape
     still = np.zeros_like(displacement)
-    moved = displacement, displacement / 1e-5, still, displacement
+    dofs = np.hstack([displacement, still]).reshape(3, -1)
+    moved = displacement, displacement / 1e-5, still, body, dofs
     return Field(body, TIMES, *moved, lambda x: np.zeros((3, len(x), 6)), lambda: None)
 
 

@@ -37,6 +37,12 @@ HELD = {
 }
 
 
+def pressed(cells: tuple[int, int, int]) -> ao.ContactPoint:
+    mesh = ao.box_mesh((0.1, 0.08, 0.005), cells, kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, **HELD["supports"])
+    return body.contact(point=(0.04, 0.03, 0.005), direction=DOWN, radius=5e-3)
+
+
 def plate(held: str, damping: Any = None) -> ao.ContactPoint:
     mesh = ao.box_mesh((0.1, 0.08, 0.005), (5, 4, 1), kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, ALUMINIUM, damping=damping, **HELD[held])
@@ -166,9 +172,10 @@ def test_the_strain_of_a_rod_that_a_mass_strikes() -> None:
 
 @pytest.mark.slow
 def test_a_gauge_on_a_simply_supported_plate() -> None:
-    """30 mm beside the contact and opposite: Kirchhoff's theory under the same force.
+    """30 mm beside the contact and opposite: Mindlin's theory under the same force.
 
-    Navier's modes are each integrated exactly for a force that is straight between the times.
+    Navier's modes are each integrated exactly for a force that is straight between the times. By
+    shear and rotation each has 1 + k² h²/12 (1 + 2/(κ (1 - ν))) times its mass, with κ = 5/6.
     """
     a, b, h, at = 0.3, 0.2, 0.003, (0.18, 0.1)
     mesh = ao.box_mesh((a, b, h), (30, 20, 1), kind="hexahedron20")
@@ -187,9 +194,11 @@ def test_a_gauge_on_a_simply_supported_plate() -> None:
     force = hit.at(t).force
     kx, ky = (x.ravel() for x in np.mgrid[1:60, 1:60] * np.pi / np.reshape([a, b], (2, 1, 1)))
     D = ALUMINIUM.E * h**3 / (12.0 * (1.0 - ALUMINIUM.nu**2))
-    omega = (kx**2 + ky**2) * math.sqrt(D / (ALUMINIUM.rho * h))
+    heavier = 1.0 + (kx**2 + ky**2) * h**2 / 12.0 * (1.0 + 2.4 / (1.0 - ALUMINIUM.nu))
+    omega = (kx**2 + ky**2) * np.sqrt(D / (ALUMINIUM.rho * h * heavier))
     seen = np.sin(kx * at[0]) * np.sin(ky * at[1]) * kx**2
     seen *= np.sin(kx * 0.15) * np.sin(ky * 0.1) * 0.5 * h / (ALUMINIUM.rho * h * a * b / 4.0)
+    seen /= heavier
     c, s = np.cos(omega * t[1]), np.sin(omega * t[1])
     q, v = np.zeros((2, len(omega)))
     known = [0.0]
@@ -199,7 +208,7 @@ def test_a_gauge_on_a_simply_supported_plate() -> None:
         v = drift - off * omega * s + rate * c
         known.append(float(seen @ q))
     gauge = hit.target.gauge((*at, 0.0), (1, 0, 0), 3e-3, times=t).strain
-    np.testing.assert_allclose(gauge, known, atol=0.02 * np.abs(known).max())
+    np.testing.assert_allclose(gauge, known, atol=0.015 * np.abs(known).max())
 
 
 def published_filter(values: FloatArray, cfc: float, dt: float) -> FloatArray:
@@ -268,13 +277,12 @@ def test_the_end_of_a_record_is_not_the_largest_acceleration() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [16, 40])
 def test_errors_of_sensors_are_not_below_the_true_ones(n: int) -> None:
-    """Also of models that few further oscillators add to; against all oscillators."""
-    tip = plate("supports")
+    """Also of models that few further oscillators add to; against elements half as large."""
     run = {"velocity": 1.0, "law": LAW, "duration": 3e-3, "solver": ao.Adaptive(rtol=1e-7)}
-    time = 3e-4
-    model = ao.antioscillators(tip, n, method="krylov", contact_time=time, duration=3e-3)
+    fit = {"method": "krylov", "contact_time": 3e-4, "duration": 3e-3}
     few, every = (
-        ao.simulate(ao.rigid(mass=0.1), of, **run).target for of in (model, ao.antioscillators(tip))
+        ao.simulate(ao.rigid(mass=0.1), ao.antioscillators(tip, of, **fit), **run).target
+        for tip, of in ((pressed((5, 4, 1)), n), (pressed((10, 8, 2)), 80))
     )
     t, at = np.arange(0.0, 3e-3, 5e-6), (0.06, 0.04, 0.0)
 

@@ -128,6 +128,7 @@ def midspan(body):
 
 
 @pytest.mark.filterwarnings("ignore:.*elements of first order")  # models are compared, not meshes
+@pytest.mark.filterwarnings("ignore:velocity of body .* may be off by")
 def test_a_body_struck_in_three_places_is_all_of_its_modes():
     body = slender_body()
     tips = [
@@ -566,7 +567,9 @@ def test_a_body_between_two_others_passes_the_blow_on_whatever_is_left_out():
         three = scene.add(body.contact(point=front, **given))
         scene.connect(one, two.port(0))
         scene.connect(two.port(1), three)
-        runs.append([contact.events.peak_force for contact in scene.simulate().contacts])
+        # As meshed: finer elements are solved for roughly, and the directions differ by 2e-6.
+        run = scene.simulate().beside
+        runs.append([contact.events.peak_force for contact in run.contacts])
     assert runs[0] == pytest.approx(runs[1], rel=1e-6)
     assert runs[0][1] > 0.8 * runs[0][0]
 

@@ -51,13 +51,30 @@ def test_an_upright_sheet_is_struck_like_a_lying_one() -> None:
 
 @pytest.mark.slow
 def test_a_ball_on_a_thin_sheet() -> None:
-    """Elements of 5 mm are nearly three bending waves long, which is said."""
-    body = sheet(1e-3, 60, 0.3)
-    with pytest.warns(ao.AOImpactWarning, match="elements"):
-        hit = ao.simulate(
-            BALL, body.contact(point=(0.15, 0.15, 0)), 1.0, duration=300e-6, quantity="peak_force"
-        )
+    """Elements of 5 mm are nearly three lengths of the bending wave, and finer ones half of it."""
+    tip = sheet(1e-3, 60, 0.3).contact(point=(0.15, 0.15, 0))
+    hit = ao.simulate(BALL, tip, 1.0, duration=300e-6, quantity="peak_force")
     assert hit.peak_force == pytest.approx(83.64, rel=0.015)
+
+
+@pytest.mark.parametrize("n", [2, 4, 8, 16])
+def test_elements_that_outgrow_the_wave_have_an_error_without_bound(n: int) -> None:
+    """A beam of 2 m: its peak is up to 58 % off those of 256 elements, and finer ones miss that."""
+    peaks = []
+    for count in (n, 256):
+        nodes = np.stack([np.linspace(0, 2, count + 1), *np.zeros((2, count + 1))], axis=1)
+        cells = np.column_stack([np.arange(count), np.arange(1, count + 1)])
+        bar = ao.Beam(ao.RectangularSection(0.01, 0.01), STEEL, (0, 0, 1))
+        body = ao.FEModel.from_mesh(
+            ao.Mesh(nodes, cells, "line"), bar, fixed=[([0, count], "xyz", "xyz")]
+        )
+        tip = body.contact(point=(1, 0, 0), direction=(0, 0, -1))
+        with warnings.catch_warnings(record=True) as found:
+            warnings.simplefilter("always")
+            peaks.append(ao.simulate(ao.ball(0.01, STEEL), tip, 1.0))
+            assert (peaks[-1].error["peak_force"].mesh == math.inf) is (count == n)
+        assert any("bending waves" in str(one.message) for one in found) is (count == n)
+    assert peaks[0].peak_force > 1.1 * peaks[1].peak_force
 
 
 @pytest.mark.slow
@@ -211,9 +228,8 @@ def test_the_mesh_error_of_a_spring_at_a_node_of_a_shell() -> None:
         )
         for n in (10, 30)
     )
-    error = coarse.error["peak_force"]
-    assert 0.0 < abs(coarse.peak_force / fine.peak_force - 1.0) < error.total
-    assert error.mesh > 5e-4
+    apart = abs(coarse.peak_force / fine.peak_force - 1.0)
+    assert 0.0 < apart < coarse.error["peak_force"].total
 
 
 def test_a_fold_has_no_normal() -> None:
@@ -272,13 +288,13 @@ def test_a_beam_may_be_touched_between_its_nodes() -> None:
 
 
 def test_a_round_beam_is_curved_across() -> None:
-    n = 10
+    n = 20
     nodes = np.stack([np.linspace(0, 0.5, n + 1), np.zeros(n + 1), np.zeros(n + 1)], axis=1)
     cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
     body = ao.FEModel.from_mesh(
         ao.Mesh(nodes, cells, "line"), ao.Beam(ao.CircularSection(0.01), STEEL)
     )
-    tip = body.contact(node=5, direction=(0, 0, -1))
+    tip = body.contact(node=10, direction=(0, 0, -1))
     hit = ao.simulate(BALL, tip, 1.0, duration=100e-6)
     assert hit.law.k == pytest.approx(
         ao.Hertz.between(STEEL, 0.005, STEEL, (0.01, math.inf)).k, rel=1e-6
@@ -456,13 +472,13 @@ def test_solids_as_flat_as_a_tenth_of_their_width_should_be_shells(
 
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
 @pytest.mark.parametrize(("t", "n", "exact"), [(1e-3, 5, 83.6), (2e-3, 5, 215.1), (2e-3, 3, 215.1)])
-def test_the_error_claimed_of_solids_that_do_not_carry_bending_waves_is_the_true_one(
+def test_the_error_of_solids_that_do_not_carry_bending_waves_has_no_bound(
     t: float, n: int, exact: float
 ) -> None:
     """C. Zener's sheets; the elements are 3 to 10 times as long as (D/(m s²))^(1/4)."""
     hit = ao.simulate(BALL, bricks(t, n), 1.0, duration=50e-6)
-    off = (hit.peak_force - exact) / hit.peak_force
-    assert 0.15 < off < hit.error["peak_force"].mesh < 2.5 * off
+    assert hit.peak_force > 1.15 * exact
+    assert hit.error["peak_force"].mesh == math.inf
 
 
 @pytest.mark.slow

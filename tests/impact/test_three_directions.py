@@ -208,5 +208,6 @@ def test_points_of_a_reduced_body_move_as_those_of_all_of_it(held):
         for body in (held, ao.full(held))
     )
     times = np.linspace(0.0, 1.5e-4, 40)
-    found, right = (of.target.probe(**at, times=times).displacement for of in (hit, full))
+    runs = (hit.beside, full)  # of the given elements
+    found, right = (of.target.probe(**at, times=times).displacement for of in runs)
     np.testing.assert_allclose(found, right, rtol=0, atol=0.02 * abs(right).max())

@@ -32,8 +32,11 @@ def test_a_patch_and_the_law_are_those_of_the_mesh(files: dict[str, Any]) -> Non
         for one in (body, BALL)
         for law in (ao.Hertz.between(STEEL, 0.01, STEEL, np.inf),)
     ]
-    assert hits[0].peak_force == pytest.approx(hits[1].peak_force, rel=1e-9)
-    assert hits[0].error.contact == pytest.approx(hits[1].error.contact, rel=1e-6)
+    runs = [hit.beside for hit in hits]
+    assert runs[0].peak_force == pytest.approx(runs[1].peak_force, rel=1e-9)
+    # Finer models end with their solutions by iteration, which hang on rounding.
+    assert hits[0].peak_force == pytest.approx(hits[1].peak_force, rel=1e-6)
+    assert hits[0].error.contact == pytest.approx(hits[1].error.contact, abs=1e-6)
     assert body.mass == pytest.approx(BALL.mass)
 
 
@@ -63,20 +66,18 @@ def test_matrices_of_a_shell_have_its_contact_stress_and_errors(tmp_path: Path) 
     known = ao.read_matrices(made["K"], made["M"], **given)
     assert repr(known) == repr(plate).replace("800 triangle, ", "").replace(", 0.156 kg", "")
     read = ao.read_matrices(made["K"], made["M"], mesh=mesh, material=layers, **given)
-    hits = [
-        ao.simulate(
-            ao.ball(0.005, STEEL),
-            body.contact(point=(0.05, 0.05, 0)),
-            1.0,
-            duration=100e-6,
-            quantity="peak_force",
-        )
-        for body in (read, plate)
-    ]
-    assert hits[0].peak_force == pytest.approx(hits[1].peak_force, rel=1e-9)
-    assert hits[0].error["peak_force"].mesh == pytest.approx(hits[1].error["peak_force"].mesh)
-    stress = [
-        hit.target.probe((0.05, 0.03, 0), layer="bottom", times=[5e-5]).stress["xx"][0]
-        for hit in hits
-    ]
+    ball, tips = ao.ball(0.005, STEEL), [of.contact(point=(0.05, 0.05, 0)) for of in (read, plate)]
+    one, other = (
+        ao.simulate(ball, tip, 1.0, duration=100e-6, quantity="peak_force") for tip in tips
+    )
+    assert one.peak_force == pytest.approx(other.beside.peak_force, rel=1e-9)
+    assert one.error["peak_force"].mesh is None  # matrices are of no finer elements
+    assert one.error["peak_force"].model == pytest.approx(other.error["peak_force"].model, rel=0.1)
+    stress = []
+    for tip in tips:  # under a load: the law of a contact takes up more where the mass is not known
+        scene = ao.Scene()
+        struck = scene.add(ao.modal(tip, 120))
+        scene.apply(struck, force=([0.0, 5e-5, 1e-4], [0.0, 200.0, 0.0]))
+        found = scene.simulate(duration=1e-4)[struck]
+        stress.append(found.probe((0.05, 0.03, 0), layer="bottom", times=[5e-5]).stress["xx"][0])
     assert stress[0] == pytest.approx(stress[1], rel=1e-6)

@@ -9,7 +9,7 @@ from bodies import mixed_box, rigid_motions
 
 import aoimpact as ao
 from aoimpact.base import MeshError
-from aoimpact.fem import energy_error, gauss_stress, nodal_stress, stiffness_mass
+from aoimpact.fem import gauss_stress, nodal_stress, stiffness_mass
 from aoimpact.mesh import boundary
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
@@ -61,11 +61,6 @@ def test_stress_of_a_constant_strain(order: int) -> None:
     for block in mesh.blocks:
         count = len(block.element.stiffness_rule.weights)
         assert known[block.numbers].sum(axis=1) == pytest.approx(count)
-    body = ao.FEModel.from_mesh(mesh, STEEL)
-    energy = moved.reshape(-1) @ (body.K @ moved.reshape(-1))
-    on_surface = np.zeros(mesh.n_nodes, dtype=bool)
-    on_surface[boundary(mesh).nodes] = True
-    assert energy_error(body, moved, on_surface)[0].sum() < 1e-20 * energy
 
 
 @pytest.mark.parametrize(("order", "rate"), [(1, 2.0), (2, 4.0)])

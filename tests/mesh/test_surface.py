@@ -119,26 +119,6 @@ def test_lines_beside_the_body_and_beyond_reach_pierce_nothing() -> None:
     assert (surface.pierced(points, UP, reach=0.1).face >= 0).tolist() == [False, False, True]
 
 
-def test_normals_at_nodes_of_a_ball_are_radial() -> None:
-    mesh = sphere_mesh(0.01, 0.004)
-    normals = boundary(mesh).node_normals
-    on = mesh.node_sets["surface"]
-    radial = mesh.nodes[on] / 0.01
-    assert np.einsum("ni,ni->n", normals[0, on], radial).min() > 0.999
-    assert not normals[1:].any()
-    assert not normals[0, np.setdiff1d(np.arange(mesh.n_nodes), on)].any()
-
-
-def test_a_corner_of_a_box_has_the_normals_of_its_three_sides() -> None:
-    mesh = box_mesh((1.0, 2.0, 3.0), (2, 2, 2), kind="wedge")
-    normals = boundary(mesh).node_normals
-    corner = int(np.argmin(np.linalg.norm(mesh.nodes - [1.0, 2.0, 0.0], axis=1)))
-    found = sorted(map(tuple, normals[:, corner].tolist()))
-    assert found == [(0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)]
-    edge = int(np.argmin(np.linalg.norm(mesh.nodes - [1.0, 1.0, 0.0], axis=1)))
-    assert np.count_nonzero(normals[:, edge].any(axis=1)) == 2
-
-
 @pytest.mark.parametrize("kind", ["pyramid", "pyramid13"])
 def test_a_flat_side_of_a_pyramid_goes_straight_on_beyond_the_apex(kind: str) -> None:
     """Newton's steps lead there, where the functions of the element have no value."""
@@ -178,5 +158,6 @@ def test_a_side_without_area_is_named() -> None:
     surface = boundary(
         Mesh(np.array(left + right, float), [[0, 4, 6, 2, 1, 5, 7, 3]], "hexahedron")
     )
+    face = np.arange(len(surface.cell))
     with pytest.raises(MeshError, match=r"^mesh"):
-        _ = surface.node_normals
+        surface.normal(face, surface.middle(face))

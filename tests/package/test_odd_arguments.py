@@ -444,7 +444,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "SceneFile.probes": call(FILE.probes, result=HIT),
     "SceneFile.replaced": call(FILE.replaced, values={"velocity": 2.0}),
     "values of SceneFile.replaced": call(lambda **values: FILE.replaced(values), velocity=1.0),
-    "KrylovSpace sharpened": call(_space, sharpened=False, known=None),
+    "KrylovSpace sharpened": call(_space, sharpened=False),
     "KrylovSpace.antioscillators": call(lambda **n: _space().antioscillators(**n), n=2),
     "KrylovSpace.of_vectors": call(lambda **n: _space().of_vectors(**n), n=2),
     "KrylovSpace.include": call(lambda **given: _space().include(**given), duration=1e-3),

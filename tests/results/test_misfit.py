@@ -1,8 +1,6 @@
 """Models fitted to one impact and met by another: warned of where it matters, and only there."""
 
-import re
 import warnings
-from functools import partial
 
 import numpy as np
 import pytest
@@ -35,7 +33,7 @@ def strike(target, **options):
     return ao.simulate(BALL, target, 1.0, law=LAW, duration=250e-6, **options)
 
 
-@pytest.mark.parametrize("contact_time", [45e-6, 180e-6, 260e-6])
+@pytest.mark.parametrize("contact_time", [45e-6, 180e-6, 250e-6])
 def test_within_a_factor_of_three_nothing_is_said(tip, contact_time):
     """And the force is right: six oscillators, half a percent at best."""
     force = strike(fitted(tip, contact_time)).peak_force
@@ -115,31 +113,6 @@ def test_later_contacts_are_told_where_what_is_between_is_not_known(n):
     assert abs(wrong.impulse / right.impulse - 1.0) > 0.1
     cured = ao.simulate(**cantilever(12, contact_time=82e-6, duration=4.9e-4), duration=2e-3)
     assert cured.impulse == pytest.approx(right.impulse, rel=1e-3)
-
-
-def test_displacement_after_the_contact_is_told_when_it_is_asked_for():
-    ball, tip, between, velocity, _ = IMPACTS["held plate"]()
-    strike = partial(ao.simulate, projectile=ball, law=between, velocity=velocity, duration=6e-4)
-    fit = partial(ao.antioscillators, tip, method="krylov", contact_time=96e-6)
-    right = strike(target=ao.antioscillators(tip))
-    hit = strike(target=fit(3))  # without a word: the force is right
-    assert hit.peak_force == pytest.approx(right.peak_force, rel=1e-2)
-    told = r"displacement of target may be off by (\d+)%.*duration=0\.0006"
-    with pytest.warns(ao.AOImpactWarning, match=told) as said:
-        wrong = hit.target.displacement
-    true = right.at(hit.t).target.displacement
-    off = np.abs(wrong - true).max() / np.abs(true).max()
-    (share,) = (int(found[1]) for one in said if (found := re.search(told, str(one.message))))
-    assert 0.15 < off < 0.01 * (share + 1) < 3.0 * off
-    assert hit.at([5e-5]).target.displacement[0] == pytest.approx(
-        right.at([5e-5]).target.displacement[0], rel=0.05
-    )
-    cured = strike(target=fit(12, duration=6e-4))
-    true = right.at(cured.t).target.displacement
-    assert np.abs(cured.target.displacement - true).max() < 0.05 * np.abs(true).max()
-    chosen = strike(target=tip, quantity="target_displacement", rtol=0.05)
-    true = right.at(chosen.t).target.displacement
-    assert np.abs(chosen.target.displacement - true).max() < 0.05 * np.abs(true).max()
 
 
 # ------------------------------------------------------------------------------ what is unbalanced

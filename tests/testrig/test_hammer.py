@@ -65,6 +65,7 @@ def test_an_oscillator_is_its_closed_form(
     np.testing.assert_allclose(found.coherence, 1.0, rtol=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:velocity may be off by")  # of elements that both share
 def test_a_free_beam_agrees_with_the_response_of_its_finite_elements() -> None:
     """Most of all at the first resonance, where the ringing at the end of the record is missed."""
     alu = ao.Material(E=70e9, nu=0.33, rho=2700)
@@ -187,11 +188,14 @@ def test_what_makes_no_response_is_refused(argument: str, given: dict[str, Any])
 
 @pytest.mark.filterwarnings("ignore:velocity may be off")
 def test_what_the_model_of_a_probe_leaves_out_is_claimed() -> None:
-    """A free bar struck on its end, by a model chosen for the force: its own FRF says the rest."""
-    mesh = ao.box_mesh((0.5, 0.01, 0.02), (20, 1, 2), kind="hexahedron20")
+    """A free bar struck on its end, by a model for the force: a finer mesh has the rest."""
     alu, damped = ao.Material(E=70e9, nu=0.33, rho=2700), ao.ModalDamping(0.005)
-    bar = ao.FEModel.from_mesh(mesh, alu, damping=damped)
-    struck, far = (bar.contact(point=(x, 0.005, 0.02)) for x in (0.1, 0.49))
+    meshes = (
+        ao.box_mesh((0.5, 0.01, 0.02), counts, kind="hexahedron20")
+        for counts in ((20, 1, 2), (40, 2, 4))
+    )
+    bar, right = (ao.FEModel.from_mesh(mesh, alu, damping=damped) for mesh in meshes)
+    struck = bar.contact(point=(0.1, 0.005, 0.02))
     hit = ao.simulate(
         ao.rigid(mass=0.02),
         struck,
@@ -205,8 +209,9 @@ def test_what_the_model_of_a_probe_leaves_out_is_claimed() -> None:
     found = ao.testrig.frf(hit, probe)
     seen = (found.frequencies > 50.0) & (found.frequencies < 2000.0)
     f = found.frequencies[seen]
-    exact = bar.frf(excitation=struck, response=far, frequencies=f, kind="accelerance").values
+    here, far = (right.contact(point=(x, 0.005, 0.02)) for x in (0.1, 0.49))
+    exact = right.frf(excitation=here, response=far, frequencies=f, kind="accelerance").values
     off = np.abs(found.values[seen] - exact)
-    assert off.max() > 0.05 * np.abs(exact).max()
+    assert off.max() > 1e-3 * np.abs(exact).max()
     assert (off < found.error[seen]).mean() > 0.9
     assert off.max() < found.error[seen][off.argmax()]

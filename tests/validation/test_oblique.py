@@ -372,7 +372,8 @@ def struck():
 @pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-8])
 def test_to_a_tolerance_momentum_is_kept_to_rounding_and_energy_to_the_tolerance(struck, rtol):
     # The same impact, in which the slide turns; and forces and motion are those of fixed steps.
-    way, ball, block, hit = struck
+    way, ball, block, answer = struck
+    hit = answer.beside  # the more modes, the more friction's energy scatters where sticking begins
     fine = ao.simulate(
         *hit.models,
         way,
@@ -393,7 +394,7 @@ def test_to_a_tolerance_momentum_is_kept_to_rounding_and_energy_to_the_tolerance
 def test_momentum_and_angular_momentum_are_kept(struck):
     way, ball, block, hit = struck
     momentum = block.mass * hit.target.final_velocity
-    assert ball.mass * (hit.projectile.final_velocity - way) == pytest.approx(-momentum, abs=1e-12)
+    assert ball.mass * (hit.projectile.final_velocity - way) == pytest.approx(-momentum, abs=1e-15)
     sides = np.array([0.06, 0.06, 0.03])
     tensor = block.mass / 12.0 * np.diag((sides**2).sum() - sides**2)
     arm = np.array([0.0311, 0.003, 0.03]) - 0.5 * sides

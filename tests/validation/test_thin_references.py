@@ -20,7 +20,6 @@ import scipy.optimize
 from scipy.integrate import solve_ivp
 
 import aoimpact as ao
-from aoimpact.fem import energy_error, missing_energy
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -163,6 +162,7 @@ def backed_plate(skin: bool) -> ao.FEModel:
     return ao.FEModel.from_mesh(mixed, parts, fixed=[(ends, "xyz", "xyz") for ends, _ in fixed])
 
 
+@pytest.mark.filterwarnings("ignore:stress may be off")  # of two bricks over the thickness
 def test_solids_on_a_shell_are_struck() -> None:
     """Force within 1 %, impulse within 0.5 % of solids alone; stress is known everywhere."""
     one, other = (
@@ -399,17 +399,16 @@ def test_frames_yield_exactly_to_static_loads(frame: Any) -> None:
 
 @pytest.mark.parametrize("frame", [PORTAL, DIAMOND], ids=["portal", "diamond"])
 @pytest.mark.parametrize(("n", "s"), [(2, 600.0), (4, 600.0), (4, 2500.0)])
-def test_what_a_mesh_of_beams_lacks_is_known(frame: Any, n: int, s: float) -> None:
-    """Its compliance at i s, against the members' exact stiffness, by the energy said to lack."""
+def test_beams_half_as_long_show_what_a_mesh_of_beams_lacks(frame: Any, n: int, s: float) -> None:
+    """Its compliance at i s, against the members' exact stiffness: the error falls by 4 to 16."""
     body = frame_of_beams(frame, n)
     tip = body.contact(node=2, direction=(1, 0, 0))
     K = np.asarray(frame_stiffness(frame, 1j * s)).real
     load = np.zeros(len(K))
     load[3 * (2 - sum(node < 2 for node in frame[2]))] = 1.0
     exact = np.linalg.solve(K, load) @ load
-    x = body.inverse(s**2).solve(tip.b)
-    lacking = exact - tip.b @ x
-    none = np.zeros(body.mesh.n_nodes, dtype=bool)
-    said = missing_energy(*energy_error(body, body.at_nodes(x), none, s))
+    known = tip.b @ body.inverse(s**2).solve(tip.b)
+    finer = tip.finer
+    lacking, found = exact - known, finer.b @ finer.body.inverse(s**2).solve(finer.b) - known
     assert 1e-5 < lacking / exact < 0.1
-    assert said == pytest.approx(lacking, rel=0.25)
+    assert found < lacking < 4.0 / 3.0 * found

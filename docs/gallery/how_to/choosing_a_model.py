@@ -27,7 +27,7 @@ middle = beam.contact(point=(0.5, 0.01, 0.02))
 # Let the tolerance choose
 # ------------------------
 # A contact point is reduced to a few oscillators, as the *quantity of interest* allows. By default that is the force
-# over the whole record, to 0.2 %, or to as little as 1 % where 1.5 times as many oscillators do not give 0.2 %.
+# over the whole record, to 0.2 %, or to as little as 1 % where the largest models that are tried do not give 0.2 %.
 
 hit = ao.simulate(projectile=tip, target=middle, velocity=1.0)
 print(hit)

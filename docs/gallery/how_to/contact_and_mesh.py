@@ -35,12 +35,12 @@ for ball in balls:
 # What is right
 # -------------
 # Fine axisymmetric finite elements with unilateral contact and no law at all give 1014.7 N and 59.41 µs for these spheres
-# (:doc:`/validation/two_spheres`). On the same meshes, with a patch and with a single node:
+# (:doc:`/validation/two_spheres`). On the same meshes, with the patch that is chosen, of 0.45 mm, and with one of 1.5 mm:
 
 right = []
 for ball in balls:
-    patch, node = (ball.contact(point=(0.01, 0, 0), radius=radius) for radius in ("auto", 0))
-    hits = [ao.simulate(tip, tip, 1.0) for tip in (patch, node)]
+    tips = [ball.contact(point=(0.01, 0, 0), radius=radius) for radius in ("auto", 1.5e-3)]
+    hits = [ao.simulate(tip, tip, 1.0) for tip in tips]
     right.append(hits[0])
     print(
         f"{len(ball.nodes):5d} nodes:",
@@ -53,9 +53,7 @@ for ball in balls:
 # The compliance that was taken out belongs to the contact point. The summary of a result shows the sum of both bodies:
 
 tip = balls[1].contact(point=(0.01, 0, 0), radius=0.003)
-print(
-    f"removed {tip.extraction.removed:.4g} m/N, left {tip.extraction.beyond:.4g} ± {tip.extraction.error:.1g} m/N"
-)
+print(f"removed {tip.extraction.removed:.4g} m/N, left {tip.extraction.beyond:.4g} m/N")
 
 # %%
 

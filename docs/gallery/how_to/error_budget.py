@@ -113,5 +113,5 @@ for of in base.advice:
     print(f"{of.name:12s} {of}{'' if of.within else '   <- beyond'}")
 
 # %%
-# Here the edge matters most, then thickness and velocity, which are easily measured, and the dent under the nose. The estimate of the
-# numerics is on the safe side: a mesh that is finer by half changes the force by less than a percent.
+# Here the edge matters most, then thickness and velocity, which are easily measured. The estimate of the
+# numerics is on the safe side: a mesh that is finer by half changes the force by 1.5 %.

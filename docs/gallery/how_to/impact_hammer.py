@@ -22,17 +22,16 @@ measured = beam.contact(point=(0.6, 0.015, 0.01), direction=(0, 0, -1), radius=0
 # %%
 # The test
 # --------
-# A hammer of 20 g with a tip of 3 MN/m strikes one end, and the other end is measured. The motion of the measured point is
-# the quantity of interest, since a model for the force alone would not ring as the beam does.
+# A hammer of 20 g with a tip of 3 MN/m strikes one end, and the other end is measured. The test is compared with the elements
+# themselves, so that a model of these is given, of 30 natural modes. Without a model finer elements would be run: their fourth
+# resonance is 0.05 % lower, by which its peak changes by a tenth.
 
 hit = ao.simulate(
     projectile=ao.rigid(mass=0.02),
-    target=struck,
+    target=ao.modal(struck, 30),
     velocity=0.5,
     law=ao.Linear(k=3e6),
     duration=0.6,
-    quantity=measured,
-    rtol=1e-4,
 )
 probe = hit.target.probe((0.6, 0.015, 0.01), (0, 0, -1), dt=1e-5)
 test = ao.testrig.frf(hit, probe)

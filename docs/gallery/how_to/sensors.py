@@ -38,7 +38,7 @@ print(hit)
 probe = hit.target.probe(below, (0, 0, -1), dt=5e-6)
 channel = probe.filtered(cfc=1000)
 print(
-    f"largest {np.nanmax(np.abs(channel.acceleration)):.0f} m/s², error of the model {np.nanmax(channel.error):.2%}"
+    f"largest {np.nanmax(np.abs(channel.acceleration)):.0f} m/s², error {np.nanmax(channel.error):.2%}"
 )
 
 # %%

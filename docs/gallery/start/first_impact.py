@@ -92,7 +92,7 @@ print(hit)
 # - *time*: integration in time.
 #
 # The row *error* is the largest error of the force at any time in the record. The models are chosen so that their part of
-# it is below 0.2 %, or below 1 % where 0.2 % would take many more oscillators.
+# it is below 0.2 %, or below 1 % where the largest models that are tried do not give 0.2 %.
 #
 # The contact lasts some 0.1 ms and the ball loses most of its energy to the vibration of the plate: it comes back with
 # a fraction of its velocity, the *restitution*. Every number has its own error. In a script ``plt.show()`` opens the

@@ -76,7 +76,7 @@ print(f"{'finite elements':30s} {1e3 * hit.contact_duration:.3f} ms, published 0
 ax = hit.plot_force()
 
 # %%
-# The finite elements' contact is 1.2 % shorter than the published one, which is within what they say of themselves. Springs for
+# The finite elements' contact is 0.9 % shorter than the published one, which is within what they say of themselves. Springs for
 # bending and contact alone give 4 % less: what they leave out are the plate's shear and its inertia, 18 % of the ball's. At
-# this speed the disc deflects by 0.13 of its thickness, and the membrane matters by 0.4 %. *Not understood*: how the source
+# this speed the disc deflects by 0.14 of its thickness, and the membrane matters by 0.4 %. *Not understood*: how the source
 # counts the plate's mass in its duration.

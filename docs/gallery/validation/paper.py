@@ -7,10 +7,14 @@ something, may the ball be taken as a rigid mass? This page goes through it with
 number beside the printed one. ``aoimpact paper`` does the same in one go, with all figures and tables in a folder.
 """
 
+import warnings
+
 import matplotlib.pyplot as plt
 import numpy as np
 
 import aoimpact as ao
+
+warnings.simplefilter("ignore", ao.AOImpactWarning)  # of the paper's meshes, which are coarse
 
 
 def beside(what, printed, here, unit=""):

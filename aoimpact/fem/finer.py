@@ -1,0 +1,206 @@
+"""The finer body: of solids with the functions of the next degree beside the elements' own.
+
+Its dofs are those of the body, followed by the amplitudes of the added functions, which are zero at
+the body's nodes. So a motion of the body is one of the finer body with zeros appended, and the
+body's K and M are blocks of the finer one's.
+
+Shells and beams, whose elements have no next degree, are cut instead: in four and in two.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..base import ROUNDING, FloatArray, IntArray, sp
+from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver, two_level
+from ..mesh import Surface, enriched, halved
+from .assembly import kept_rows_columns, stiffness_mass, with_int32
+from .composition import taken_material
+from .mechanism import Mechanism
+from .model import FEModel, grounded, summed
+
+
+class _Finer(FEModel):
+    """A body that is made of another, with K and M when they are first needed."""
+
+    own: Any  # where the other body's dofs are among those of this one
+    mean: Any  # values at the functions' nodes, by those at the other body's nodes
+
+    def __reduce__(self) -> Any:
+        """Pickle by the other body."""
+        return _finer_of, (self.given,)
+
+    def restricted(self, x: FloatArray) -> FloatArray:
+        return np.asarray(x[self.own])
+
+    def functional(self, b: FloatArray) -> FloatArray:
+        found = np.zeros((self.n_dofs, *b.shape[1:]))
+        found[self.own] = b
+        return found
+
+    def carried(self, values: FloatArray) -> FloatArray:
+        columns = values.reshape(len(values), -1)
+        return np.asarray((self.mean @ columns).reshape(-1, *values.shape[1:]))
+
+    @cached_property
+    def node_labels(self) -> IntArray | None:
+        return self.given.node_labels
+
+    @cached_property
+    def _momentum(self) -> FloatArray | None:
+        shapes = self.shapes
+        known = self.given._momentum
+        if known is None:
+            return None
+        moved = np.zeros((6 * shapes.n_nodes, 3))
+        n_places = shapes.cells.max() + 1
+        moved[: 3 * n_places] = np.tile(np.eye(3), (n_places, 1))
+        found = self.M @ moved[self.free]
+        ground, _, M = self.held
+        if self.masses is not None:
+            M = M + self.masses[:, ground]
+        found += (M @ moved[ground])[self.free]
+        if not self.assembled:
+            found[: len(known)] = known
+        return np.asarray(found)
+
+
+class FinerBody(_Finer):
+    """A body whose elements have more functions than `mesh`, which has its places."""
+
+    def _matrices(self) -> tuple[Any, Any]:
+        body = self.given
+        material = self.material
+        free = np.asarray(self.free)
+        assert material is not None
+        K, M = stiffness_mass(self.shapes, material)
+        self._set(held=grounded(K, M, free))
+        K, M = (kept_rows_columns(of, np.sort(free)) for of in (K, M))
+        if self.shapes.thin:  # the rotations of shells stand between their functions and the others
+            order = np.searchsorted(np.sort(free), free)
+            K, M = (with_int32(of[order][:, order].sorted_indices()) for of in (K, M))
+        if not body.assembled or body.masses is not None or body.springs is not None:
+            K, M = (_with(of, known) for of, known in ((K, body.K), (M, body.M)))
+        return K, M
+
+    @cached_property
+    def rigid_modes(self) -> FloatArray:
+        return self.appended(self.given.rigid_modes)
+
+    @cached_property
+    def surface(self) -> Surface | None:
+        return self.given.surface
+
+    @cached_property
+    def mechanism(self) -> Mechanism | None:
+        return None
+
+    def translation(self, direction: Any) -> FloatArray:
+        return self.appended(self.given.translation(direction))
+
+    def inverse(
+        self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
+    ) -> LinearSolver:
+        if (found := self._living.get((s2, solver))) is None:
+            coarse = self.given.inverse(s2, solver=solver, solutions=8 * solutions)
+            found = self._living[s2, solver] = two_level(self._pencil.at(s2), coarse)
+        return found
+
+    def appended(self, x: FloatArray) -> FloatArray:
+        return self.functional(x)
+
+    def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
+        n = self.n_dofs
+        return np.hstack([x if len(x) == n else self.appended(x) for x in motions]), self.K
+
+
+class HalvedBody(_Finer):
+    """A body of shells and beams of which each element is cut; the nodes that it had come first."""
+
+    def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
+        n = self.n_dofs
+        return np.hstack([self.restricted(x) if len(x) == n else x for x in motions]), self.given.K
+
+
+def finer_body(body: FEModel) -> FEModel | None:
+    """Return the finer body; None of one without elements that can be made finer."""
+    if body.mesh is None or body.material is None or body.free is None:
+        return None
+    if all(block.element.thin for block in body.mesh.blocks):
+        return _halved(body) if body.assembled else None
+    found = None if isinstance(body, FinerBody) else enriched(body.mesh)
+    if found is None:
+        return None
+    shapes, members, shared = found
+    n = body.mesh.n_nodes
+    added = len(members)
+    moves = np.zeros(3 * n, dtype=bool)
+    moves[body.free[body.free < 3 * n]] = True
+    # A support holds a function where it holds all nodes of its edge or side.
+    loose = moves.reshape(-1, 3)[members].any(axis=1) & ~shared[:, None]
+    free = np.concatenate([_placed(body.free, n, added), 3 * n + np.flatnonzero(loose)])
+    mean = sp.eye_array(shapes.n_nodes, n, format="csr")
+    made = {"shapes": shapes, "own": slice(body.n_dofs), "mean": mean}
+    return _made_of(body, FinerBody, shapes.nodes, free, body.mesh, body.material, made)
+
+
+def _halved(body: Any) -> FEModel:
+    """The body cut finer.
+
+    What is mounted on nodes stays there, and a support holds the nodes between those that it holds.
+    """
+    mesh = body.mesh
+    material = body.material
+    free = body.free
+    mean, cut, parent = halved(mesh)
+    n = mesh.n_nodes
+    added = cut.n_nodes - mesh.n_nodes
+    holds = np.ones(6 * n)
+    holds[free] = 0.0
+    held = np.stack([mean @ of for of in holds.reshape(2, n, 3)])
+    loose = np.flatnonzero(held.ravel() < 1.0 - ROUNDING)
+    own = np.searchsorted(loose, _placed(free, n, added))
+    made = {"parent": parent, "own": own, "mean": mean}
+    return _made_of(body, HalvedBody, cut.nodes, loose, cut, taken_material(material, parent), made)
+
+
+def _made_of(
+    body: FEModel, kind: Any, nodes: FloatArray, free: Any, mesh: Any, material: Any, made: Any
+) -> FEModel:
+    finer: FEModel = object.__new__(kind)
+    finer._set(nodes=nodes, free=free, mesh=mesh, material=material, coarse=body, mass=body.mass)
+    finer._set(damping=body.damping, name=body.name, assembled=body.assembled)
+    vars(finer).update(made)
+    if body.masses is not None:
+        finer._set(masses=_masses(body.masses, body.mesh, len(nodes)))
+    if body.springs is not None:
+        finer._set(springs=finer.functional(body.springs))
+    return finer
+
+
+def _placed(dofs: Any, n: int, added: int) -> Any:
+    """Dofs of a body of n nodes among those with more nodes, after which the rotations come."""
+    return dofs + np.where(dofs < 3 * n, 0, 3 * added)
+
+
+def _masses(masses: Any, mesh: Any, n_nodes: int) -> Any:
+    """The added masses over all dofs of a body with more nodes than those of its mesh."""
+    of = masses.tocoo()
+    size = n_nodes * (6 if mesh.thin else 3)
+    at = tuple(_placed(index, mesh.n_nodes, n_nodes - mesh.n_nodes) for index in of.coords)
+    return sp.csr_array((of.data, at), shape=(size, size))
+
+
+def _finer_of(body: FEModel) -> Any:
+    return body.finer
+
+
+def _with(matrix: Any, block: Any) -> Any:
+    """The matrix with another first block."""
+    n = block.shape[0]
+    change = (block - matrix[:n, :n]).tocsr()
+    change.resize(matrix.shape)
+    return summed(matrix, change)

@@ -1,0 +1,108 @@
+"""Conjugate gradients with a preconditioner."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from ..base import ConvergenceError, FloatArray, SingularError, bar
+
+# Three times what multigrid takes on the worst bodies measured: a cube takes 13, a sheet 150 times
+# as long as thick 142, a cube of ν = .499 169.
+_MOST_ITERATIONS = 500
+
+
+def conjugate_gradients(
+    name: str,
+    what: str,
+    product: Callable[[FloatArray], FloatArray],
+    precondition: Callable[[FloatArray], FloatArray],
+    rhs: FloatArray,
+    tolerance: float,
+    most: float,
+) -> tuple[FloatArray, int]:
+    """Return A⁻¹ `rhs`, shape (n,) or (n, m), and the number of preconditioned residuals it took.
+
+    To half of ‖f - A x‖ / ‖f‖ = `tolerance` in each column, since the residual that is computed
+    afresh comes out slightly larger. With β after Polak and Ribière, which forgives the
+    preconditioner its rounding.
+
+    Parameters
+    ----------
+    name, what : str
+        The method and the matrix, for messages.
+    product, precondition : callable
+        x ↦ A x, and r ↦ about A⁻¹ r, symmetric and positive definite; of shape (n, columns left).
+    rhs : ndarray, shape (n,) or (n, m)
+    tolerance : float
+    most : float
+        Iterations at most.
+
+    Raises
+    ------
+    SingularError
+        If a motion turns out to have no positive stiffness.
+    ConvergenceError
+        If the iterations do not suffice, or the preconditioner is not positive: of a matrix that is
+        nearly singular, by its rounding.
+    """
+    limit, tolerance = max(1, int(min(most, _MOST_ITERATIONS))), 0.5 * tolerance
+    r = rhs.reshape(len(rhs), -1)
+    found, size, taken = np.zeros_like(r), np.sqrt(_inner(r, r)), 0
+    going = np.flatnonzero(size)
+    if not len(going):
+        return found.reshape(rhs.shape), 0
+    r, size = r[:, going], size[going]
+    x = np.zeros_like(r)
+    label, digits = f"{name}, {len(rhs)} dofs", -math.log10(tolerance)
+    with bar(label, digits, unit="digit") as progress:
+        p = z = precondition(r)
+        rz, reached = _inner(r, z), 0.0
+        for _ in range(limit):
+            taken += len(going)
+            along = product(p)
+            curvature = _inner(p, along)
+            if not (rz > 0.0).all():
+                raise ConvergenceError(
+                    f"iterations with {what} have to be given up: it is nearly singular, and the "
+                    "rounding of what speeds them up takes over; take another solver"
+                )
+            if not (curvature > 0.0).all():
+                raise SingularError(
+                    f"{what} is singular or not positive definite: a motion has a stiffness of "
+                    f"{curvature.min():.2g}"
+                )
+            step = rz / curvature
+            x += step * p
+            before, r = r, r - step * along
+            left = np.sqrt(_inner(r, r)) / size
+            if (done := left <= tolerance).any():
+                found[:, going[done]] = x[:, done]
+                if done.all():
+                    return found.reshape(rhs.shape), taken
+                x, r, before, p = (of[:, ~done] for of in (x, r, before, p))
+                going, left, size, rz = going[~done], left[~done], size[~done], rz[~done]
+            digits = -math.log10(left.max())
+            progress.update(max(0.0, digits - reached))
+            reached = max(reached, digits)
+            z = precondition(r)
+            rz_next = _inner(r, z)
+            p = z + (rz_next - _inner(before, z)) / rz * p
+            rz = rz_next
+    raise ConvergenceError(
+        f"solver {name!r} of {what} ({len(rhs)} dofs) reached {left.max():.2g} of the right-hand "
+        f"side in {limit} iterations, {tolerance:g} was asked for: the matrix is nearly singular "
+        "(a mechanism, missing supports, ν near .5) or its elements are flat. Take another solver"
+    )
+
+
+def by_columns(of: Callable[[FloatArray], FloatArray]) -> Callable[[FloatArray], FloatArray]:
+    """Return a function of arrays of shape (n, m) by one of arrays of shape (n,)."""
+    return lambda x: np.column_stack([of(column) for column in x.T])
+
+
+def _inner(a: FloatArray, b: FloatArray) -> FloatArray:
+    """aᵀb of each column without BLAS, as `smoother.inner`."""
+    return np.asarray(np.einsum("ij,ij->j", a, b))
