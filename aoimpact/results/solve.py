@@ -85,7 +85,7 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
             own, mass = contact.law.law, plan.reduced_mass(contact)
             most = removable(own, own.stroke(0.5 * mass * plan.fastest**2))
             wider = 1.2 * max(contact.law.compliance / most, 1.0) * max(radii)
-            cure = f"give the contact points radius={wider:.2g} m or more"
+            cure = f"give the contact points radius={wider:.2g} m or more, or take smaller elements"
         raise LawLimitError(
             f"{error.args[0].partition(': ')[0]}: the compliance of the mesh, "
             f"{contact.law.compliance:.3g} m/N, leaves nothing of the law; {cure}",
