@@ -73,8 +73,10 @@ def errors_left_out(
     contact = _sum_of_changes(quantity, run, [_tried(lambda: by_contact, solver)])
     ends = [(own_law(of.law), *end) for of in run.plan.contacts for end in of.ports]
     tips = [(law, run.plan.bodies[body].touched_at(port)) for law, body, port in ends]
-    if any(tip is not None and _is_bare(law, tip) for law, tip in tips):
-        known = {name: mesh.errors[name]} if quantity.lasting else {}
+    # Shells beside solids are not cut, so that nothing is known of them.
+    mixed = any(of.mesh and len({b.element.thin for b in of.mesh.blocks}) > 1 for of in bodies)
+    if mixed or any(tip is not None and _is_bare(law, tip) for law, tip in tips):
+        known = {name: mesh.errors[name]} if quantity.lasting and not mixed else {}
         mesh = _Change(known, mesh.when)
     larger = max(mesh, contact, key=lambda change: change.errors.get(name, 0.0))
     return LeftOut(mesh.errors, contact.errors, larger.when)

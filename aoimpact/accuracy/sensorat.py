@@ -118,7 +118,7 @@ class StressAt(_AtPoint):
         :meta private:
         """
         tensor = self._tensor
-        _ = tensor.of(body)  # which checks the place
+        tensor.of(body)  # which checks the place
 
         def seen(response: Response, times: FloatArray) -> FloatArray:
             stress = Stress(tensor(response, times)[:, 0], self.point)
@@ -202,7 +202,7 @@ class StrainAt(_AtPoint):
         if self.length:
             return gauge_strain(body, *self.ends, self.where)
         tensor, weights = self._tensor, self._weights
-        _ = tensor.of(body)  # which checks the place
+        tensor.of(body)  # which checks the place
         return lambda response, times: tensor(response, times)[:, 0] @ weights
 
     @property

@@ -108,7 +108,8 @@ def extracted_from_shell(
     cosine = float(tip.direction @ normal)
     pressed = _pressed(body.surface, tip)
     whole = np.abs(body.on_dofs(pressed) - tip.b / cosine).max() <= ROUNDING
-    forces = pressed if whole else tip.forces / cosine  # supports hold a part of it in the body
+    # Supports hold a part of it in the body; added functions of solids beside it are no nodes.
+    forces = (pressed if whole else tip.forces / cosine)[:, : mesh.n_nodes]
     shares, couples = forces[0] @ normal, forces[1]
     loaded, s = shares != 0.0, math.sqrt(solver.pencil.s2)
     parts, slow = pieces(mesh, body.material, Layers), _SLOW * s

@@ -36,9 +36,9 @@ class _Finer(FEModel):
     def restricted(self, x: FloatArray) -> FloatArray:
         return np.asarray(x[self.own])
 
-    def functional(self, b: FloatArray) -> FloatArray:
-        found = np.zeros((self.n_dofs, *b.shape[1:]))
-        found[self.own] = b
+    def functional(self, x: FloatArray) -> FloatArray:
+        found = np.zeros((self.n_dofs, *x.shape[1:]))
+        found[self.own] = x
         return found
 
     def carried(self, values: FloatArray) -> FloatArray:
@@ -109,8 +109,7 @@ class FinerBody(_Finer):
             found = self._living[s2, solver] = two_level(self._pencil.at(s2), coarse)
         return found
 
-    def appended(self, x: FloatArray) -> FloatArray:
-        return self.functional(x)
+    appended = _Finer.functional
 
     def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
         n = self.n_dofs

@@ -687,12 +687,12 @@ class FEModel(Frozen):
         """
         return x
 
-    def functional(self, b: FloatArray) -> FloatArray:
+    def functional(self, x: FloatArray) -> FloatArray:
         """Return a functional of the dofs of `given`, (n,), as one of the body's.
 
         :meta private:
         """
-        return b
+        return x
 
     def carried(self, values: FloatArray) -> FloatArray:
         """Return values at the nodes of `given`, (n, ...), as those of the body's functions.

@@ -549,7 +549,7 @@ def gauge_strain(body: FEModel, ends: FloatArray, along: FloatArray, layer: Laye
     """
     if body.mesh is None or not body.mesh.thin:
         gauge = At(ends, along[None], (2,))
-        _ = gauge.of(body)  # which checks the ends
+        gauge.of(body)  # which checks the ends
         return gauge.elongation
     x, w = np.polynomial.legendre.leggauss(_ALONG)
     places = ends[0] + np.outer(0.5 + 0.5 * x, ends[1] - ends[0])
@@ -744,7 +744,7 @@ class Measured:
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
         shape = places.shape if direction is None else places.shape[:-1]
         at = At(np.atleast_2d(places), axes, shape, chosen)
-        _ = at.of(response.body)  # which checks the places
+        at.of(response.body)  # which checks the places
         tensor = partial(TensorAt, at.places, where, nodes=chosen)
         history = partial(History, source=response, t=wanted)
         histories: list[History[Response]] = [

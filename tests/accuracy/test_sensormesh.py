@@ -16,7 +16,6 @@ ALUMINIUM = ao.Material(E=70e9, nu=0.33, rho=2700)
 UP = (0.0, 0.0, 1.0)
 LAWS: dict[str, Any] = {
     "Hertz": None,
-    "PowerLaw": ao.PowerLaw(3e9, 1.5),
     "Linear": ao.Linear(5e6),
 }
 
@@ -52,25 +51,6 @@ BODIES: dict[str, tuple[Callable[[int], ao.FEModel], Any, Any, float]] = {
         (0.156, 0.0, 0.0),
         3e-4,
     ),
-    "beam": (
-        solid((0.4, 0.02, 0.02), (20, 1, 1), "hexahedron20", STEEL),
-        (0.36, 0.01, 0.02),
-        (0.2, 0.01, 0.0),
-        2e-3,
-    ),
-    "bricks": (
-        solid((0.1, 0.08, 0.01), (10, 8, 1), "hexahedron", ALUMINIUM),
-        (0.05, 0.04, 0.01),
-        (0.07, 0.03, 0.0),
-        3e-4,
-    ),
-    "plate": (
-        solid((0.1, 0.08, 0.01), (6, 5, 1), "hexahedron20", ALUMINIUM),
-        (0.05, 0.048, 0.01),
-        (0.0667, 0.032, 0.0),
-        3e-4,
-    ),
-    "sheet": (sheet, (0.1, 0.075, 0.0), (0.14, 0.05625, 0.0), 1e-3),
 }
 
 

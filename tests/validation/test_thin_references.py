@@ -18,6 +18,7 @@ import pytest
 import scipy.linalg
 import scipy.optimize
 from scipy.integrate import solve_ivp
+from scipy.spatial import cKDTree
 
 import aoimpact as ao
 
@@ -174,6 +175,28 @@ def test_solids_on_a_shell_are_struck() -> None:
     assert one.peak_force == pytest.approx(other.peak_force, rel=0.01)
     assert one.impulse == pytest.approx(other.impulse, rel=5e-3)
     assert np.isfinite(one.target.field().stress().von_mises).all()
+    assert one.error["peak_force"].mesh is None  # the shell is not made finer
+
+
+def test_a_sheet_with_a_boss_is_struck_beside_it() -> None:
+    """As the sheet alone is for 50 µs, in which no wave comes to the boss and back."""
+    sheet, block = (
+        ao.sheet_mesh((0.16, 0.16), (32, 32)),
+        ao.box_mesh((0.02, 0.02, 0.008), (4, 4, 2)),
+    )
+    at = cKDTree(sheet.nodes).query(block.nodes)
+    number = np.where(at[0] < 1e-9, at[1], np.cumsum(at[0] > 1e-9) + sheet.n_nodes - 1)
+    nodes = np.vstack([sheet.nodes, block.nodes[at[0] > 1e-9]])
+    cells = [("quad", sheet.cells), ("hexahedron", number[block.cells])]
+    sets = {"sheet": np.arange(1024), "boss": 1024 + np.arange(32)}
+    parts = {"sheet": ao.Shell(2e-3, STEEL), "boss": STEEL}
+    both = ao.FEModel.from_mesh(ao.Mesh(nodes, cells, cell_sets=sets), parts)
+    alone = ao.FEModel.from_mesh(sheet, parts["sheet"])
+    one, other = (
+        ao.simulate(ao.ball(0.003, STEEL), body.contact(point=(0.1, 0.1, 0.0)), 1.0, duration=50e-6)
+        for body in (both, alone)
+    )
+    assert one.peak_force == pytest.approx(other.peak_force, rel=0.01)
 
 
 def test_a_shell_that_lies_on_solids_is_not_struck() -> None:
