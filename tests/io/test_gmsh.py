@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -119,25 +118,14 @@ DAMAGED = [
 
 
 @pytest.fixture(scope="module")
-def gmsh() -> Iterator[Any]:
-    """Gmsh with two cubes and physical groups that overlap, partly in reverse."""
-    module = pytest.importorskip("gmsh")
-    module.initialize(interruptible=False)
-    try:
-        module.option.setNumber("General.Verbosity", 0)
-        module.model.occ.addBox(0, 0, 0, 1, 1, 1)
-        module.model.occ.addBox(1, 0, 0, 1, 1, 1)
-        module.model.occ.fragment([(3, 1)], [(3, 2)])
-        module.model.occ.synchronize()
-        module.model.addPhysicalGroup(3, [1, -2], 20, "body")
-        module.model.addPhysicalGroup(3, [2], 21, "two")
-        module.model.addPhysicalGroup(2, [1, -7], 10, "fix")
-        module.model.addPhysicalGroup(2, [1], 11)
-        module.model.addPhysicalGroup(0, [1], 5, "a point")
-        module.option.setNumber("Mesh.MeshSizeMax", 0.7)
-        yield module
-    finally:
-        module.finalize()
+def gmsh(gmsh: Any) -> Any:
+    """Two cubes with physical groups that overlap, partly in reverse."""
+    gmsh.model.addPhysicalGroup(3, [1, -2], 20, "body")
+    gmsh.model.addPhysicalGroup(3, [2], 21, "two")
+    gmsh.model.addPhysicalGroup(2, [1, -7], 10, "fix")
+    gmsh.model.addPhysicalGroup(2, [1], 11)
+    gmsh.model.addPhysicalGroup(0, [1], 5, "a point")
+    return gmsh
 
 
 def mesh_of(gmsh: Any, order: int, *, bricks: bool) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import contextlib
 import io
-import signal
 import struct
 import zlib
 from pathlib import Path
@@ -308,36 +307,22 @@ def test_what_exodus_readers_do_not_know(tmp_path: Path, type_: str, side: int) 
 # ------------------------------------------------------------------------------------------ MED
 
 
-def test_groups_and_numbers_of_med(tmp_path: Path) -> None:
+def test_groups_and_numbers_of_med(gmsh: Any, tmp_path: Path) -> None:
     pytest.importorskip("h5py")
-    gmsh = pytest.importorskip("gmsh")
-    gmsh.initialize(interruptible=False)
-    if hasattr(signal, "SIGPIPE"):
-        # gmsh resets it: a later test whose worker process is lost would end this one.
-        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
-    try:
-        gmsh.option.setNumber("General.Verbosity", 0)
-        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
-        gmsh.model.occ.addBox(1, 0, 0, 1, 1, 1)
-        gmsh.model.occ.fragment([(3, 1)], [(3, 2)])
-        gmsh.model.occ.synchronize()
-        gmsh.model.addPhysicalGroup(3, [1, 2], 20, "body")
-        gmsh.model.addPhysicalGroup(3, [2], 21, "two")
-        gmsh.model.addPhysicalGroup(2, [1], 10, "base")
-        gmsh.option.setNumber("Mesh.MeshSizeMax", 0.7)
-        for order, kind in ((1, "tetra"), (2, "tetra10")):
-            gmsh.model.mesh.generate(3)
-            gmsh.model.mesh.setOrder(order)
-            gmsh.write(str(tmp_path / "a.med"))
-            mesh = ao.read_mesh(tmp_path / "a.med")
-            assert mesh.kind == kind
-            assert set(mesh.cell_sets) == {"body", "two"}
-            assert stiffness_mass(mesh.part("two"), no_solid())[1].sum() == pytest.approx(3.0)
-            wanted = gmsh.model.mesh.getNodes(2, 1, includeBoundary=True)[0]
-            assert len(mesh.node_sets["base"]) == len(np.unique(wanted))
-            assert mesh.node_labels is not None
-    finally:
-        gmsh.finalize()
+    gmsh.model.addPhysicalGroup(3, [1, 2], 20, "body")
+    gmsh.model.addPhysicalGroup(3, [2], 21, "two")
+    gmsh.model.addPhysicalGroup(2, [1], 10, "base")
+    for order, kind in ((1, "tetra"), (2, "tetra10")):
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(order)
+        gmsh.write(str(tmp_path / "a.med"))
+        mesh = ao.read_mesh(tmp_path / "a.med")
+        assert mesh.kind == kind
+        assert set(mesh.cell_sets) == {"body", "two"}
+        assert stiffness_mass(mesh.part("two"), no_solid())[1].sum() == pytest.approx(3.0)
+        wanted = gmsh.model.mesh.getNodes(2, 1, includeBoundary=True)[0]
+        assert len(mesh.node_sets["base"]) == len(np.unique(wanted))
+        assert mesh.node_labels is not None
 
 
 @pytest.mark.parametrize(
