@@ -166,10 +166,11 @@ def alterations(run: Run, *, at_nodes: bool) -> list[Scenario | None] | None:
 
 
 def _of_contact(plan: Scenario, number: int, *, at_nodes: bool) -> tuple[float, ...] | None:
-    """The compliances that are not known at a contact, m/N; 0 of models given by numbers.
+    """Three compliances at a contact that are not known, m/N; 0 for models given by numbers.
 
-    What the contact's width changes, what is left in the law and may belong to the mesh, and what
-    belongs to the mesh under a law that does not contain the body's indentation.
+    The change of compliance with the width of the contact; the compliance that is left in the law,
+    although it may belong to the mesh; and the compliance of the mesh under a law that does not
+    contain the body's indentation.
     """
     contact = plan.contacts[number]
     law = own_law(contact.law)
@@ -224,7 +225,7 @@ def finer_plan(plan: Scenario, solver: Solver = "auto", *, every: bool = False) 
         True to return one as well where no body has finer elements; their models have more vectors.
     """
     make = partial(finer_model, linear=solver)
-    of = [b for b in plan.bodies if isinstance(b, Body) and b.tips and not b.body.coarse]
+    of = {b for b in plan.bodies if isinstance(b, Body) and b.tips and not b.body.coarse}
     if not any(every or body.body.finer for body in of):
         return None
     bodies = tuple(_finer(body, make) if body in of else body for body in plan.bodies)

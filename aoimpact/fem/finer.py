@@ -10,6 +10,7 @@ Shells and beams, whose elements have no next degree, are cut instead: in four a
 from __future__ import annotations
 
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -26,15 +27,15 @@ from .model import FEModel, grounded, summed
 class _Finer(FEModel):
     """A body that is made of another, with K and M when they are first needed."""
 
-    own: Any  # where the other body's dofs are among those of this one
+    own: slice | IntArray  # where the other body's dofs are among those of this one
     mean: Any  # values at the functions' nodes, by those at the other body's nodes
 
     def __reduce__(self) -> Any:
         """Pickle by the other body."""
-        return _finer_of, (self.given,)
+        return attrgetter("finer"), (self.given,)
 
     def restricted(self, x: FloatArray) -> FloatArray:
-        return np.asarray(x[self.own])
+        return x[self.own]
 
     def functional(self, x: FloatArray) -> FloatArray:
         found = np.zeros((self.n_dofs, *x.shape[1:]))
@@ -58,14 +59,14 @@ class _Finer(FEModel):
         moved = np.zeros((6 * shapes.n_nodes, 3))
         n_places = shapes.cells.max() + 1
         moved[: 3 * n_places] = np.tile(np.eye(3), (n_places, 1))
-        found = self.M @ moved[self.free]
+        found: FloatArray = self.M @ moved[self.free]
         ground, _, M = self.held
         if self.masses is not None:
             M = M + self.masses[:, ground]
         found += (M @ moved[ground])[self.free]
         if not self.assembled:
             found[: len(known)] = known
-        return np.asarray(found)
+        return found
 
 
 class FinerBody(_Finer):
@@ -73,9 +74,8 @@ class FinerBody(_Finer):
 
     def _matrices(self) -> tuple[Any, Any]:
         body = self.given
-        material = self.material
+        material: Any = self.material
         free = np.asarray(self.free)
-        assert material is not None
         K, M = stiffness_mass(self.shapes, material)
         self._set(held=grounded(K, M, free))
         K, M = (kept_rows_columns(of, np.sort(free)) for of in (K, M))
@@ -105,6 +105,7 @@ class FinerBody(_Finer):
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
     ) -> LinearSolver:
         if (found := self._living.get((s2, solver))) is None:
+            # Each solution takes about 8 of the body's: 5 to 20 iterations, several at once.
             coarse = self.given.inverse(s2, solver=solver, solutions=8 * solutions)
             found = self._living[s2, solver] = two_level(self._pencil.at(s2), coarse)
         return found
@@ -125,7 +126,7 @@ class HalvedBody(_Finer):
 
 
 def finer_body(body: FEModel) -> FEModel | None:
-    """Return the finer body; None of one without elements that can be made finer."""
+    """Return the finer body; None if no element can be made finer."""
     if body.mesh is None or body.material is None or body.free is None:
         return None
     if all(block.element.thin for block in body.mesh.blocks):
@@ -149,10 +150,10 @@ def finer_body(body: FEModel) -> FEModel | None:
 def _halved(body: Any) -> FEModel:
     """The body cut finer.
 
-    What is mounted on nodes stays there, and a support holds the nodes between those that it holds.
+    Masses and springs stay on their nodes. A support also holds the new nodes between those that it
+    holds.
     """
     mesh = body.mesh
-    material = body.material
     free = body.free
     mean, cut, parent = halved(mesh)
     n = mesh.n_nodes
@@ -163,7 +164,8 @@ def _halved(body: Any) -> FEModel:
     loose = np.flatnonzero(held.ravel() < 1.0 - ROUNDING)
     own = np.searchsorted(loose, _placed(free, n, added))
     made = {"parent": parent, "own": own, "mean": mean}
-    return _made_of(body, HalvedBody, cut.nodes, loose, cut, taken_material(material, parent), made)
+    material = taken_material(body.material, parent)
+    return _made_of(body, HalvedBody, cut.nodes, loose, cut, material, made)
 
 
 def _made_of(
@@ -191,10 +193,6 @@ def _masses(masses: Any, mesh: Any, n_nodes: int) -> Any:
     size = n_nodes * (6 if mesh.thin else 3)
     at = tuple(_placed(index, mesh.n_nodes, n_nodes - mesh.n_nodes) for index in of.coords)
     return sp.csr_array((of.data, at), shape=(size, size))
-
-
-def _finer_of(body: FEModel) -> Any:
-    return body.finer
 
 
 def _with(matrix: Any, block: Any) -> Any:

@@ -183,7 +183,7 @@ class FEModel(Frozen):
     assembled: bool = field(init=False, default=False)
     # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
     _soft: FloatArray | None = field(init=False, default=None)
-    # Of a finer body the one that it was made of.
+    # The body that a finer one was made from; None for all others.
     coarse: FEModel | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
@@ -898,7 +898,15 @@ class FEModel(Frozen):
 
 
 def grounded(K: Any, M: Any, free: IntArray) -> tuple[IntArray, Any, Any]:
-    """Return the constrained dofs, and their columns of K and M over all dofs."""
+    """Return the constrained dofs, shape (g,), and their columns of K and M, (all dofs, g).
+
+    Parameters
+    ----------
+    K, M : scipy.sparse.csr_array, shape (all dofs, all dofs)
+        As `stiffness_mass` returns them.
+    free : ndarray of int
+        The dofs that no support holds.
+    """
     ground = np.setdiff1d(np.flatnonzero(np.diff(K.indptr)), free)
     return ground, K[ground].T, M[ground].T
 

@@ -39,16 +39,21 @@ def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> Floa
     """
     basis = vectors
     for _ in range(2):
-        whole = np.sqrt(np.einsum("ij,ij->j", basis, M @ basis).clip(0.0))
+        moved = M @ basis
+        whole = np.sqrt(np.einsum("ij,ij->j", basis, moved).clip(0.0))
         if space is not None and space.shape[1]:
-            basis = basis - space @ (space.T @ (M @ basis))
+            basis = basis - space @ (space.T @ moved)
+            moved = M @ basis
         found, momenta, k = np.empty_like(basis, order="F"), np.empty_like(basis, order="F"), 0
-        for x, size in zip(basis.T, whole, strict=True):
-            x = x - found[:, :k] @ (momenta[:, :k].T @ x)
-            mx = M @ x
+        for x, mx, size in zip(basis.T, moved.T, whole, strict=True):
+            shares = momenta[:, :k].T @ x
+            x = x - found[:, :k] @ shares
+            mx = mx - momenta[:, :k] @ shares
             length = float(np.sqrt(max(x @ mx, 0.0)))
             if length > PRINTED * size:
-                found[:, k], momenta[:, k], k = x / length, mx / length, k + 1
+                found[:, k] = x / length
+                momenta[:, k] = mx / length
+                k += 1
         basis = found[:, :k]
     return np.ascontiguousarray(basis)
 

@@ -30,17 +30,22 @@ def two_level(pencil: Pencil, first: LinearSolver) -> LinearSolver:
     Parameters
     ----------
     pencil : Pencil
-        With `free`.
+        K + s²M of the whole system, with `free`: three dofs of a function stand together there.
     first : LinearSolver
-        Of the first block, at the same shift.
+        The solver of the first block, at the same shift.
+
+    Returns
+    -------
+    LinearSolver
+        It takes right-hand sides of shape (n,) or (n, m), and solves for several at once.
     """
     n = first.pencil.n
     A = pencil.matrix()
     free = pencil.free
     assert free is not None
-    function = np.unique(free[n:] // 3, return_inverse=True)[1]
+    functions, function = np.unique(free[n:] // 3, return_inverse=True)
     axis = free[n:] % 3
-    blocks = np.tile(np.eye(3), (int(function.max(initial=-1)) + 1, 1, 1))
+    blocks = np.tile(np.eye(3), (len(functions), 1, 1))
     rest = A[n:, n:].tocoo()
     row, column = rest.coords
     own = function[row] == function[column]

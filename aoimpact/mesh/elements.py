@@ -376,8 +376,8 @@ _ALL: dict[str, tuple[Cell, str, tuple[_Powers, ...], int, int]] = {
     "pyramid13": (_PYRAMID, "01 12 23 03 04 14 24 34", _PYRAMID_13, 4, 6),
 }
 
-# What `enriched_element` takes the functions of the next degree from, of elements of second order:
-# the trunk space of degree 3 (B. Szabó and I. Babuška, Finite Element Analysis, 1991, section 6.1),
+# Functions of the next degree of elements of second order, for `enriched_element`: the trunk space
+# of degree 3 (B. Szabó and I. Babuška, Finite Element Analysis, 1991, section 6.1),
 # the triangles on which it has a function, and the points of quadrature.
 _TRUNK = _space(3, lambda *powers: sum(n > 1 for n in powers) <= 1)
 _CUBIC: dict[str, tuple[tuple[_Powers, ...], str, int, int]] = {
@@ -424,7 +424,7 @@ def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | No
         The corners of the edge or side of each function. An odd one changes its sign with their
         order.
     None
-        Of a pyramid of second order, and of shells and beams.
+        For a pyramid of second order, and for shells and beams.
     """
     own = reference_element(kind)
     if own.thin or (own.quadratic and kind not in _CUBIC):

@@ -21,7 +21,8 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
     Returns
     -------
     mesh : Mesh
-        Not checked, since the added nodes are no places.
+        Not checked, since the added nodes are no places. Its `cells` are still those of the given
+        mesh: the nodes that are places.
     members : ndarray of int, shape (n_added, width)
         The nodes of the mesh on the edge or side of each function; short rows repeat the first.
     shared : ndarray of bool, shape (n_added,)
@@ -74,7 +75,7 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
             start += n
             if len(corners) == 2 and block.element.quadratic:
                 ends = block.cells[:, corners]
-                signs[:, function] = np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0)
+                signs[:, function] = np.sign(ends[:, 1] - ends[:, 0])
             signs[shared[added], function] = 0.0
         blocks.append(Block(found[0].kind, np.hstack(cells), block.first, signs))
     made = copy(mesh)
