@@ -3,7 +3,7 @@
 For all folders above that hold a body: `contact` takes K, M and the mesh from here.
 """
 
-from .assembly import stiffness_mass
+from .assembly import stiffness_mass, thin_stiffness_mass
 from .audit import Audit, audited
 from .beams import (
     Beam,
@@ -42,4 +42,3 @@ from .stressrows import (
     checked_layer,
 )
 from .supports import RigidMass, selected_nodes
-from .thin import thin_stiffness_mass

@@ -7,7 +7,7 @@ dofs have them, and no entry is ever stored twice.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -19,15 +19,18 @@ import numpy.typing as npt
 from ..base import FloatArray, IntArray, at_once, bar, require, sp
 from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
-from .beams import Beam
+from .beams import Beam, beam_mass, beam_stiffness
 from .composition import AnyMaterial, Piece, pieces
 from .laminate import Layers
 from .material import Material
-from .thin import thin_stiffness_mass
+from .shells import element_mass, element_stiffness, nodal_normals, rigid_ends
 
 # Elements are taken so many at a time that the largest temporary stays in this size, bytes: in the
 # caches.
 _BATCH = 4e6
+
+# Shells that are taken at a time, for the same reason.
+_SHELLS = 512
 
 # Bytes per pair of nodes that share an element: nine entries of K and three of M, each with its
 # column, and M's before they are spread over the dofs.
@@ -99,6 +102,58 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
     return with_int32(K.sorted_indices()), with_int32(M.sorted_indices())
 
 
+def thin_stiffness_mass(
+    nodes: FloatArray, parts: Sequence[tuple[IntArray, Layers | Beam]]
+) -> list[sp.csr_array]:
+    """Return K and M over the dofs 6·node + (u, v, w, θx, θy, θz), rotations right-handed.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (n_nodes, 3)
+        m.
+    parts : sequence of (ndarray of int, Shell, Laminate or Beam)
+        Nodes of elements, shape (n, 2), (n, 3) or (n, 4), and what these are.
+
+    Returns
+    -------
+    list of two scipy.sparse.csr_array, shape (6 n_nodes, 6 n_nodes)
+        N/m, N and N m; kg, kg m and kg m². Exactly symmetric, column indices sorted. Rows of M of
+        rotations about a flat shell's normal are zero.
+    """
+    surfaces = [(cells, part) for cells, part in parts if not isinstance(part, Beam)]
+    joints = rigid_ends(nodes, surfaces) if surfaces else []
+    normals = nodal_normals(nodes, [cells for cells, _ in surfaces]) if surfaces else []
+    constant = len({cells.shape[1] for cells, _ in surfaces}) > 1
+    strips = [strip for _, strip, _ in joints]
+    pattern = _pattern([*(cells for cells, _ in parts), *strips], len(nodes))
+    K, M = np.zeros((2, len(pattern.indices), 6, 6))
+
+    def add(values: FloatArray, place: Any, matrices: FloatArray) -> None:
+        blocks = matrices.reshape(*place.shape[:2], 6, -1, 6).swapaxes(2, 3)
+        at = 36 * place[..., None].astype(np.int64) + np.arange(36)
+        np.add.at(values.reshape(-1), at.reshape(-1), blocks.reshape(-1))
+
+    shells = iter(zip(normals, joints, pattern.place[len(parts) :], strict=True))
+    for (cells, part), place in zip(parts, pattern.place, strict=False):
+        if isinstance(part, Beam):
+            add(K, place, beam_stiffness(nodes[cells], part))
+            add(M, place, beam_mass(nodes[cells], part))
+            continue
+        normal, (ends, strip, links), there = next(shells)
+        for start in range(0, len(cells), _SHELLS):
+            some = slice(start, start + _SHELLS)
+            at, more = nodes[cells[some]], (normal[some], ends[some])
+            add(K, place[some], element_stiffness(at, part, *more, constant=constant))
+            add(M, place[some], element_mass(at, part))
+        if len(strip):
+            add(K, there, element_stiffness(nodes[strip], part, ends=links))
+    found, shape = [], (6 * len(nodes), 6 * len(nodes))
+    for of in (K, M):
+        found.append(sp.bsr_array((of, pattern.indices, pattern.indptr), shape=shape).tocsr())
+        found[-1].eliminate_zeros()
+    return found
+
+
 def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
     """K and M of the solid elements.
 
@@ -106,7 +161,7 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
     Blocks of K for isotropic elasticity: K_ij = ∫ λ ∂iφ ∂jφᵀ + μ ∂jφ ∂iφᵀ + δij μ ∇φ·∇φᵀ dV; else
     K_ij = ∫ C_ikjl ∂kφ ∂lφᵀ dV.
     """
-    pattern = _pattern(mesh)
+    pattern = _pattern([block.cells for block in mesh.blocks], mesh.n_nodes)
     require(
         _BYTES_PER_PAIR * float(len(pattern.indices)),
         f"stiffness and mass of {mesh.n_nodes} nodes",
@@ -189,9 +244,9 @@ def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:
     return full
 
 
-def _pattern(mesh: Mesh) -> _Pattern:
+def _pattern(groups: Sequence[IntArray], n_nodes: int) -> _Pattern:
     """Sort the pairs of nodes of all elements by two transpositions: linear in their number."""
-    blocks = [block.cells.astype(np.int32) for block in mesh.blocks]
+    blocks = [cells.astype(np.int32) for cells in groups]
     cells = np.concatenate([block.reshape(-1) for block in blocks])
     lengths = np.concatenate([np.full(block.size, block.shape[1]) for block in blocks])
     size = int(lengths.sum())
@@ -202,14 +257,14 @@ def _pattern(mesh: Mesh) -> _Pattern:
             np.concatenate([np.repeat(of, of.shape[1], axis=0).reshape(-1) for of in blocks]),
             np.concatenate([[0], np.cumsum(lengths)]),
         ),
-        shape=(cells.size, mesh.n_nodes),
+        shape=(cells.size, n_nodes),
     )
     by_column = entries.tocsc()
     del entries
     # With row (e, a) replaced by its node, transposing back sorts rows and, within them, columns.
     by_row = sp.csc_array(
         (by_column.data, cells[by_column.indices], by_column.indptr),
-        shape=(mesh.n_nodes, mesh.n_nodes),
+        shape=(n_nodes, n_nodes),
     ).tocsr()
     del by_column
     starts_row = np.zeros(size + 1, dtype=bool)

@@ -21,6 +21,7 @@ from ..base import (
     unit_vector,
     warn,
 )
+from ..mesh import plane_of
 
 # The components of strain and stress: VTK's order of a symmetric tensor.
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
@@ -363,12 +364,8 @@ Solid = Material | Orthotropic
 
 @lru_cache(maxsize=256)
 def _half_space(material: Orthotropic, normal: Triple) -> Material:
-    n = np.array(normal)
-    inward, across = np.eye(3)[np.abs(n).argmin()], n
-    first = np.cross(across, inward)
-    first /= np.linalg.norm(first)
-    second = np.cross(across, first)
-    surface = np.zeros((3, 3))
+    n, surface = np.array(normal), np.zeros((3, 3))
+    first, second = plane_of(n)
     for turn in np.pi / _TURNS * np.arange(_TURNS):
         along = math.cos(turn) * first + math.sin(turn) * second
         surface += np.linalg.inv(_barnett_lothe(material.tensor, n, np.cross(n, along)))

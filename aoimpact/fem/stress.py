@@ -135,18 +135,6 @@ def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
     """
     places = layout(mesh, material)
     chosen = shown(places, material)
-    strain = averaged_strain(mesh, material, places, displacement)[..., chosen]
-    stress = np.empty((*strain.shape[1:], 6))
-    for number, of in enumerate(each_of(material)):
-        on = places.which[chosen] == number
-        stress[..., on, :] = np.moveaxis(hooke(strain[..., on], of), 0, -1)
-    return Stress(stress, mesh.nodes[: len(chosen)])
-
-
-def averaged_strain(
-    mesh: Mesh, material: AnyMaterial, places: Layout, displacement: FloatArray
-) -> FloatArray:
-    """Return the mean strain of the elements that meet at each place, shape (6, ..., n_places)."""
     count = len(places.node)
     averaged, elements = np.zeros((6, *displacement.shape[:-2], count)), np.zeros(count)
     for piece in pieces(mesh, material):
@@ -158,8 +146,12 @@ def averaged_strain(
             shares = (strain @ to_nodes).reshape(-1, at.size)
             for total, share in zip(averaged.reshape(-1, count), shares, strict=True):
                 total += np.bincount(at, share, count)
-    averaged /= np.maximum(elements, 1.0)
-    return averaged
+    strain = (averaged / np.maximum(elements, 1.0))[..., chosen]
+    stress = np.empty((*strain.shape[1:], 6))
+    for number, of in enumerate(each_of(material)):
+        on = places.which[chosen] == number
+        stress[..., on, :] = np.moveaxis(hooke(strain[..., on], of), 0, -1)
+    return Stress(stress, mesh.nodes[: len(chosen)])
 
 
 def strain_at(points: FloatArray, mesh: Mesh, piece: Piece, displacement: FloatArray) -> ArrayPair:

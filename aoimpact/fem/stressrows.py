@@ -9,10 +9,9 @@ surface. Stress of a beam belongs to its element: it jumps where members meet, a
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -153,7 +152,8 @@ class StressRows:
         places, layer = np.concatenate([place for place, _, _ in self._sections]), self._layer.of
         cuts = np.cumsum([len(place) for place, _, _ in self._sections])[:-1]
         strains = values[first:].T.reshape(len(found), -1, 6)
-        for some in _batches(len(found), max(1, _BATCH // len(places))):
+        step = max(1, _BATCH // len(places))
+        for some in (slice(first, first + step) for first in range(0, len(found), step)):
             sizes, tensors = [], []
             each = zip(self._sections, np.split(strains[some], cuts, axis=1), strict=True)
             for (_, axes, beam), own in each:
@@ -273,11 +273,27 @@ def body_stress_rows(
             "sides and places are of beams with an orientation, within the section"
         )
     known = wanted.chosen >= 0
-    beams = list(_of_beams(wanted))
-    rows = sp.csr_array(sp.vstack([_averaged(wanted), *(strains for _, strains in beams)]))
-    for part, _ in beams:
-        known[part[0]] = True
-    return StressRows(rows, known, tuple(part for part, _ in beams), layer, strain)
+    (cell, place), rows, sections = wanted.held, [_averaged(wanted)], list[_Sections]()
+    shells = [part.numbers for part in pieces(mesh, material, Layers)]
+    free = ~np.isin(wanted.chosen, np.concatenate([[-2], *shells]))
+    cell, place = cell[free[place]], place[free[place]]
+    for part in pieces(mesh, material, Beam):
+        own = np.isin(cell, part.numbers)
+        if not wanted.has(part.of) or not own.any():
+            continue
+        if isinstance(part.of.section, BeamSection) and len(part.of.section.points) == 1:
+            warn("stress of a BeamSection without points leaves out bending; give its points=[...]")
+        row = np.searchsorted(part.numbers, cell[own])
+        ends = part.cells[row]
+        share = np.asarray(weights[place[own], ends[:, 1]]).ravel()
+        at_ends = beam_rows(mesh.nodes[part.cells], part.of, np.array([0.0, 1.0]))[row]
+        strains = at_ends[:, 0] + share[:, None, None] * (at_ends[:, 1] - at_ends[:, 0])
+        shape = (6 * len(row), 6 * mesh.n_nodes)
+        rows.append(_by_dofs(np.arange(len(row)), ends, strains, shape))
+        axes = beam_frames(mesh.nodes[part.cells], part.of)[0][row]
+        sections.append((place[own], axes, part.of))
+        known[place[own]] = True
+    return StressRows(sp.csr_array(sp.vstack(rows)), known, tuple(sections), layer, strain)
 
 
 def _averaged(wanted: _Wanted) -> sp.csr_array:
@@ -285,72 +301,49 @@ def _averaged(wanted: _Wanted) -> sp.csr_array:
 
     The mean over the elements of one smooth surface of a shell, or of one solid.
     """
-    mesh, chosen = wanted.mesh, wanted.chosen
+    mesh, layer, strain, chosen = wanted.mesh, wanted.layer, wanted.strain, wanted.chosen
     known = chosen >= 0
     nodes = np.zeros(mesh.n_nodes, dtype=bool)
     nodes[mesh.cells[chosen[known]]] = True
-    spots, corners = _corners(wanted, nodes)
+    near, places = np.asarray(nodes[mesh.cells].any(axis=1)), layout(mesh, wanted.material)
+    # A spot is a node of one smooth surface of one shell, or of one solid material.
+    spots = np.full(mesh.cells.shape, -1)
+    shells, of_shells = _shell_pieces(mesh, wanted.material, near)
+    shells = [piece for piece in shells if wanted.has(piece[0].of)]
+    for part, _, own in shells:
+        spots[part.numbers, : own.shape[1]] = own
+    solids = [of.taken(near[of.numbers]) for of in pieces(mesh, wanted.material)]
+    solids = [of for of in solids if wanted.has(of.of)]
+    for of in solids:
+        spots[of.numbers, : of.element.own.n_nodes] = len(of_shells) + places.of(of)
     count = np.bincount(spots[spots >= 0], minlength=1)
     means = sp.csr_array((6 * len(count), (6 if mesh.thin else 3) * mesh.n_nodes))
-    for spot, ends, rows in corners:
-        means += _by_dofs(spot, ends, rows / count[spot][:, None, None], means.shape)
+    for part, strains, own in shells:
+        by_strain, turn = _station(part.of, layer.of or "top", strain)
+        cells, corners = np.nonzero(nodes[part.cells])
+        to_corners = np.linalg.pinv(strains.shape)
+        for start in range(0, len(cells), _BATCH):
+            cell, corner = (of[start : start + _BATCH] for of in (cells, corners))
+            at = np.einsum("nq,nqsd->nsd", to_corners[corner], strains.rows[cell, :, :8])
+            rows = np.einsum("sc,nsd->ncd", by_strain, at)
+            frames = strains.frames[cell] if turn is None else turn[None].swapaxes(1, 2)
+            rows = np.einsum("ncb,nbd->ncd", _turning(frames), rows)
+            rows /= count[spot := own[cell, corner]][:, None, None]
+            means += _by_dofs(spot, part.cells[cell], rows, means.shape)
+    for of in solids:
+        by_slope = UNIT_STRAINS if strain else hooke(UNIT_STRAINS, of.of)
+        for batch in batches(of):
+            cell, corner = np.nonzero(nodes[batch.cells[:, : of.element.own.n_nodes]])
+            slopes = slopes_at_nodes(mesh, batch)[cell, corner]
+            rows = np.einsum("cik,nai->ncak", by_slope, slopes).reshape(len(cell), 6, -1)
+            rows /= count[spot := spots[batch.numbers[cell], corner]][:, None, None]
+            means += _by_dofs(spot, batch.cells[cell], rows, means.shape)
     at = wanted.weights.tocoo()
     place, node = (each[known[at.coords[0]]] for each in at.coords)
     corner = (mesh.cells[chosen[place]] == node[:, None]).argmax(axis=1)
     shares = (at.data[known[at.coords[0]]], (place, spots[chosen[place], corner]))
     mixed = sp.csr_array(shares, shape=(len(known), len(count)))
     return sp.csr_array(sp.kron(mixed, np.eye(6)) @ means)
-
-
-def _corners(
-    wanted: _Wanted, nodes: BoolArray
-) -> tuple[IntArray, Iterator[tuple[IntArray, IntArray, FloatArray]]]:
-    """Return the spots of elements at some nodes, and for corners there the rows of stress.
-
-    A spot is a node of one smooth surface of one shell, or of one solid material.
-
-    Returns
-    -------
-    spots : ndarray of int, shape of `Mesh.cells`
-        -1 where they are not known.
-    corners : iterator
-        Spots, (m,), nodes of the elements, (m, k), and rows, (m, 6, 3 k or 6 k).
-    """
-    mesh, layer, strain = wanted.mesh, wanted.layer, wanted.strain
-    near, places = np.asarray(nodes[mesh.cells].any(axis=1)), layout(mesh, wanted.material)
-    spots = np.full(mesh.cells.shape, -1)
-    shells, of_shells = _shell_pieces(mesh, wanted.material, near)
-    shells = [piece for piece in shells if wanted.has(piece.part.of)]
-    for piece in shells:
-        spots[piece.part.numbers, : piece.places.shape[1]] = piece.places
-    solids = [of.taken(near[of.numbers]) for of in pieces(mesh, wanted.material)]
-    solids = [of for of in solids if wanted.has(of.of)]
-    for of in solids:
-        spots[of.numbers, : of.element.own.n_nodes] = len(of_shells) + places.of(of)
-
-    def corners() -> Iterator[tuple[IntArray, IntArray, FloatArray]]:
-        for piece in shells:
-            by_strain, turn = _station(piece.part.of, layer.of or "top", strain)
-            cell, corner = np.nonzero(nodes[piece.part.cells])
-            to_corners = np.linalg.pinv(piece.strains.shape)
-            for some in _batches(len(cell)):
-                own = piece.strains.rows[cell[some], :, :8]
-                at = np.einsum("nq,nqsd->nsd", to_corners[corner[some]], own)
-                rows = np.einsum("sc,nsd->ncd", by_strain, at)
-                frames = piece.strains.frames[cell[some]]
-                frames = frames if turn is None else turn[None].swapaxes(1, 2)
-                rows = np.einsum("ncb,nbd->ncd", _turning(frames), rows)
-                yield piece.places[cell[some], corner[some]], piece.part.cells[cell[some]], rows
-        for of in solids:
-            by_slope = UNIT_STRAINS if strain else hooke(UNIT_STRAINS, of.of)
-            for batch in batches(of):
-                ends = batch.cells
-                cell, corner = np.nonzero(nodes[ends[:, : of.element.own.n_nodes]])
-                slopes = slopes_at_nodes(mesh, batch)[cell, corner]
-                rows = np.einsum("cik,nai->ncak", by_slope, slopes).reshape(len(cell), 6, -1)
-                yield spots[batch.numbers[cell], corner], ends[cell], rows
-
-    return spots, corners()
 
 
 def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, FloatArray | None]:
@@ -375,29 +368,6 @@ def _turning(frames: FloatArray) -> FloatArray:
     unit = np.eye(6)[:, PLACES]
     found: FloatArray = np.einsum("nai,cab,nbj->ncij", frames, unit, frames)[..., *SIX]
     return found.swapaxes(1, 2)
-
-
-def _of_beams(wanted: _Wanted) -> Iterator[tuple[_Sections, sp.csr_array]]:
-    """Sections of beams' elements at places that no shell has, and rows of their strains."""
-    mesh, (cell, place) = wanted.mesh, wanted.held
-    shells = [part.numbers for part in pieces(mesh, wanted.material, Layers)]
-    free = ~np.isin(wanted.chosen, np.concatenate([[-2], *shells]))
-    cell, place = cell[free[place]], place[free[place]]
-    for part in pieces(mesh, wanted.material, Beam):
-        own = np.isin(cell, part.numbers)
-        if not wanted.has(part.of) or not own.any():
-            continue
-        if isinstance(part.of.section, BeamSection) and len(part.of.section.points) == 1:
-            warn("stress of a BeamSection without points leaves out bending; give its points=[...]")
-        row = np.searchsorted(part.numbers, cell[own])
-        ends = part.cells[row]
-        share = np.asarray(wanted.weights[place[own], ends[:, 1]]).ravel()
-        at_ends = beam_rows(mesh.nodes[part.cells], part.of, np.array([0.0, 1.0]))[row]
-        strains = at_ends[:, 0] + share[:, None, None] * (at_ends[:, 1] - at_ends[:, 0])
-        shape = (6 * len(row), 6 * mesh.n_nodes)
-        rows = _by_dofs(np.arange(len(row)), ends, strains, shape)
-        axes = beam_frames(mesh.nodes[part.cells], part.of)[0][row]
-        yield (place[own], axes, part.of), rows
 
 
 def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> FloatArray:
@@ -436,25 +406,9 @@ def _dofs(cells: IntArray, n_nodes: int) -> IntArray:
     return both.reshape(len(cells), 6 * cells.shape[1])
 
 
-def _batches(count: int, step: int = _BATCH) -> Iterator[slice]:
-    for start in range(0, count, step):
-        yield slice(start, start + step)
-
-
-class _ShellPiece(NamedTuple):
-    """The elements of one kind of one shell, and the surfaces on which their corners lie.
-
-    Attributes
-    ----------
-    part : Piece
-    strains : Strains
-    places : ndarray of int, shape (n, nodes)
-        For each corner the number of its node on its smooth surface, through all pieces.
-    """
-
-    part: Piece
-    strains: Strains
-    places: IntArray
+# The elements of one kind of one shell, their strains, and for each corner, (n, nodes), the number
+# of its node on its smooth surface, through all pieces.
+_ShellPiece = tuple[Piece, Strains, IntArray]
 
 
 def _shell_pieces(
@@ -492,5 +446,5 @@ def _shell_pieces(
         corners = mesh.nodes[some.cells]
         strains = strain_rows(corners, part.of, normal[rows], link[rows], constant=constant)
         at = own.reshape(part.cells.shape)[rows]
-        found.append(_ShellPiece(some, strains, at))
+        found.append((some, strains, at))
     return found, places[:, 0].astype(np.int64)

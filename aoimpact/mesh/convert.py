@@ -68,8 +68,7 @@ def of_second_order(mesh: Mesh) -> Mesh:
     surface = boundary(mesh)
     outside = np.zeros(n, dtype=bool)
     outside[surface.nodes] = True
-    around = surface.nodes[:, :4]  # a triangle repeats its first node
-    skin = np.sort(np.stack([around, np.roll(around, -1, axis=1)], axis=2), axis=2)
+    skin = surface.ends(np.arange(len(surface.cell)))
     on_surface = np.isin(keys, (skin @ [n, 1]).reshape(-1))
     node_sets = {}
     for name, ids in mesh.node_sets.items():

@@ -241,10 +241,8 @@ def _linked(joined: sp.csr_array, start: BoolArray) -> BoolArray:
 
 def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_array, FloatArray]:
     """Return which of the faces share an edge that is not sharp, and `_Region.bends`."""
-    corners = surface.corners(face)
-    following = np.roll(corners, -1, axis=1)
-    key = np.sort(np.stack([corners, following], axis=2).reshape(-1, 2), axis=1)
-    row = np.repeat(np.arange(len(face)), corners.shape[1])
+    key = surface.ends(face).reshape(-1, 2)
+    row = np.repeat(np.arange(len(face)), 4)
     normal = surface.normal(face[row], surface.edge_middles(face).reshape(-1, 2))
     two, one = (of[key[of, 0] < key[of, 1]] for of in twins(key))
     cosine = np.einsum("ni,ni->n", normal[one], normal[two])

@@ -193,6 +193,11 @@ class Surface:
         corners[triangle, 3] = corners[triangle, 0]
         return corners
 
+    def ends(self, face: IntArray) -> IntArray:
+        """Return the nodes at both ends of edges from each of `corners`, sorted, (n, 4, 2)."""
+        corners = self.corners(face)
+        return np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
+
     def edge_middles(self, face: IntArray) -> FloatArray:
         """Return the coordinates (u, v) of the middles of edges from each of `corners`."""
         edges = np.zeros((len(face), 4, 2))
@@ -261,8 +266,7 @@ class Surface:
         normal = self.normal(face, self.middle(face))
         level = sp.csr_array(np.abs(normal @ normal.T) > SHARP)
         count, skin = sp.csgraph.connected_components(level, directed=False)
-        corners = self.corners(face)
-        ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
+        ends = self.ends(face)
         a, b = self.mesh.nodes[ends[..., 0]], self.mesh.nodes[ends[..., 1]]
         lengths = [np.linalg.norm(of, axis=2) for of in (a - x, b - x, b - a)]
         through = (lengths[0] + lengths[1] <= lengths[2] + PRINTED * size) & (lengths[2] > 0.0)
