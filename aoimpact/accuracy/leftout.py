@@ -6,8 +6,8 @@ run for each cause gives the change: a compliance in series for what changes whi
 grows, a stiffer law by the error of the curvatures, and the law that is left whole on a shell.
 
 A law that is not like Hertz's is taken as it is at a node. The indentation of the mesh there is
-then part of the result: that of solids doubles where elements are halved. Of what lasts it is the
-mesh's error. The force itself has no limit to be compared with, and its error is not known.
+then part of the result: that of solids doubles where elements are halved. So the result has no
+limit to be compared with, and its error is not known.
 
 A model that gives the force need not vibrate as its body does afterwards. Its error in any history,
 of a displacement, a velocity, a sensor or what follows from these, is estimated by the same two
@@ -19,13 +19,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..base import AOImpactError, Found, held_warnings
 from ..contact import ContactPoint
+from ..fem import Layers
 from ..laws import ContactLaw, Hertz, HertzianLaw, PatchLaw, own_law, removable
 from ..linalg import Solver
 from ..reduction import Body, BodyModel, FullModel, finer_model
@@ -51,34 +52,36 @@ def errors_left_out(
     solver : Adaptive or Newmark, optional
         As of the run.
     """
+    meshed = run.beside or run
     full = [body.body for body in run.plan.bodies if isinstance(body, FullModel)]
     if full:
         if any(body.mesh is None for body in full) or not any(of.contacts for of in run.events):
             return LeftOut()
-        run = _with_models(run.beside or run)
+        run = meshed = _with_models(meshed)
         solver = None
-    bodies = [of.body for of in (run.beside or run).plan.bodies if of.tips]
+    bodies = [of.body for of in meshed.plan.bodies if of.tips]
     if any(of.mesh is not None and of.finer is None for of in bodies):
         return LeftOut()  # of elements that cannot be made finer, or are so already
     other = compared_run(run, solver)
     with held_warnings():  # the quantity has had its warnings
         quantity = interest()
-    plans = alterations(run, at_nodes=quantity.lasting)
-    if plans is None:
+    altered = _altered_laws(run)
+    if altered is None:
         return LeftOut()
-    (by_mesh, by_contact), name = plans, quantity.name
-    too_long = math.inf if any(outgrown(run)) else None
-    runs = [too_long, other, _tried(lambda: by_mesh, solver)]
-    mesh = _sum_of_changes(quantity, run, runs)
+    by_contact = None
+    if altered != tuple(run.plan.contacts):
+        by_contact = replace(run.plan, contacts=altered, energies=False)
+    # Where the bodies as meshed leave nothing of a law, they were run with all of it.
+    whole = meshed.plan.bounded != run.plan.bounded
+    unknown = math.inf if whole or any(outgrown(run)) else None
+    mesh = _sum_of_changes(quantity, run, [unknown, other])
     contact = _sum_of_changes(quantity, run, [_tried(lambda: by_contact, solver)])
-    ends = [(own_law(of.law), *end) for of in run.plan.contacts for end in of.ports]
-    tips = [(law, run.plan.bodies[body].touched_at(port)) for law, body, port in ends]
+    touched = [(of.law, tip) for of in run.plan.contacts for *_, tip in run.plan.touched(of)]
     # Shells beside solids are not cut, so that nothing is known of them.
     mixed = any(of.mesh and len({b.element.thin for b in of.mesh.blocks}) > 1 for of in bodies)
-    if mixed or any(tip is not None and _is_bare(law, tip) for law, tip in tips):
-        known = {name: mesh.errors[name]} if quantity.lasting and not mixed else {}
-        mesh = _Change(known, mesh.when)
-    larger = max(mesh, contact, key=lambda change: change.errors.get(name, 0.0))
+    if mixed or any(_is_bare(*of) for of in touched):
+        mesh = _Change({}, mesh.when)
+    larger = max(mesh, contact, key=lambda change: change.errors.get(quantity.name, 0.0))
     return LeftOut(mesh.errors, contact.errors, larger.when)
 
 
@@ -121,81 +124,45 @@ def _with_models(run: Run) -> Run:
     times = [end - start for events in run.events for start, end in events.contacts]
     shortest = min((time for time in times if time > 0.0), default=run.duration)
     slow = run.duration if run.duration > shortest else None
-    made: dict[FullModel, Any] = {}
-    bodies: list[BodyModel] = []
-    for body in run.plan.bodies:
-        if isinstance(body, FullModel):
-            if body not in made:
-                made[body] = model_hierarchy(body, shortest, slow).finished(_IN_PLACE_OF_ALL)
-            body = made[body]
-        bodies.append(body)
-    plan = replace(run.plan, bodies=tuple(bodies), energies=False)
-    return solve(plan, None)
+
+    @cache
+    def model(body: FullModel) -> Body:
+        return model_hierarchy(body, shortest, slow).finished(_IN_PLACE_OF_ALL)
+
+    bodies = tuple(model(of) if isinstance(of, FullModel) else of for of in run.plan.bodies)
+    return solve(replace(run.plan, bodies=bodies, energies=False), None)
 
 
-def alterations(run: Run, *, at_nodes: bool) -> list[Scenario | None] | None:
-    """Return the plans that show the errors of a run by its meshes and by its contacts.
+def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
+    """Return the contacts with laws that are off by what is not known; None where that is not.
 
-    None in place of one that changes nothing, and of both where a compliance is not known.
-
-    Parameters
-    ----------
-    run : Run
-    at_nodes : bool
-        True to count the mesh's indentation at nodes as its error under laws that leave it.
+    The compliance that changes with the width of the contact is taken out of the law, or that which
+    is left in it although it may belong to the mesh.
     """
     plan = run.plan
-    by_mesh = list[Contact]()
-    by_contact = list[Contact]()
+    contacts = list[Contact]()
     for number, (contact, events) in enumerate(zip(plan.contacts, run.events, strict=True)):
-        start, end = events.peak_contact or (0.0, 0.0)
-        found = _of_contact(plan, number, at_nodes=at_nodes) if end > start else (0.0, 0.0, 0.0)
-        if found is None:
-            return None
-        varying, left, bare = found
         law = own_law(contact.law)
+        varying = left = 0.0
+        for body, port in contact.ports if events.peak_force else ():
+            tip = plan.bodies[body].touched_at(port)
+            if tip is None or _is_bare(law, tip):
+                continue  # numbers, or a law that does not contain the bodies' indentation
+            known = extraction_of(law, plan.bodies[body], port)
+            if known is None:
+                return None  # a rigid model leaves out all, and a sharp edge is not known
+            if known.removed and not isinstance(contact.law, PatchLaw):
+                left += known.removed  # the errors of one that is left are within its two bounds
+            else:
+                varying += known.varying
         most = min(left, removable(law, run.deepest(number))) if left else -varying
-        by_mesh.append(contact._replace(law=_altered(contact.law, bare)))
-        by_contact.append(contact._replace(law=_altered(contact.law, most, contact.law_error)))
-    return [
-        None
-        if all(one.law == other.law for one, other in zip(altered, plan.contacts, strict=True))
-        else replace(plan, contacts=tuple(altered), energies=False)
-        for altered in (by_mesh, by_contact)
-    ]
-
-
-def _of_contact(plan: Scenario, number: int, *, at_nodes: bool) -> tuple[float, ...] | None:
-    """Three compliances at a contact that are not known, m/N; 0 for models given by numbers.
-
-    The change of compliance with the width of the contact; the compliance that is left in the law,
-    although it may belong to the mesh; and the compliance of the mesh under a law that does not
-    contain the body's indentation.
-    """
-    contact = plan.contacts[number]
-    law = own_law(contact.law)
-    varying = left = bare = 0.0
-    for body, port in contact.ports:
-        model = plan.bodies[body]
-        tip = model.touched_at(port)
-        at_node = tip is not None and _is_bare(law, tip)
-        if tip is None or (at_node and not at_nodes):
-            continue  # numbers, or a law that does not contain the bodies' indentation
-        known = model.extraction_at(port) if at_node else extraction_of(law, model, port)
-        if known is None:
-            return None  # a rigid model leaves out all, and a sharp edge is not known
-        if at_node:
-            bare += abs(known.removed)
-        elif known.removed and not isinstance(contact.law, PatchLaw):
-            left += known.removed  # the errors of one that is left are within its two bounds
-        else:
-            varying += known.varying
-    return varying, left, bare
+        contacts.append(contact._replace(law=_altered(contact.law, most, contact.law_error)))
+    return tuple(contacts)
 
 
 def _is_bare(law: ContactLaw, tip: ContactPoint) -> bool:
     """True if a solid mesh's indentation at a node stays in series with a law."""
-    return not (tip.patch or tip.thin or isinstance(law, HertzianLaw))
+    return not (tip.patch or tip.thin or isinstance(own_law(law), HertzianLaw))
 
 
 def _altered(law: ContactLaw, change: float, error: float = 0.0) -> ContactLaw:
@@ -229,19 +196,23 @@ def finer_plan(plan: Scenario, solver: Solver = "auto", *, every: bool = False) 
     if not any(every or body.body.finer for body in of):
         return None
     bodies = tuple(_finer(body, make) if body in of else body for body in plan.bodies)
+    shells = [
+        [isinstance(tip.thin, Layers) for *_, tip in plan.touched(of)] for of in plan.contacts
+    ]
+    bounded = frozenset(number for number in plan.bounded if any(shells[number]))
     contacts = []
-    for contact in plan.contacts:
+    for number, contact in enumerate(plan.contacts):
         law = own_law(contact.law) if any(contact.removed) else contact.law
         known = contact._replace(law=law, removed=(0.0, 0.0))
-        known = known.of_models(bodies, bounded=plan.bounded)
+        known = known.of_models(bodies, bounded=number in bounded)
         more = 0.0  # a node's indentation, under a law that leaves it, is that of the mesh as given
         for body, port in known.ports:
             tip = plan.bodies[body].touched_at(port)
-            if tip is not None and _is_bare(own_law(law), tip):
+            if tip is not None and _is_bare(law, tip):
                 one, other = (own[body].extraction_at(port) for own in (bodies, plan.bodies))
                 more += one.removed - other.removed if one and other else 0.0
         contacts.append(known._replace(law=_altered(known.law, more)))
-    return replace(plan, bodies=bodies, contacts=tuple(contacts))
+    return replace(plan, bodies=bodies, contacts=tuple(contacts), bounded=bounded)
 
 
 def compared_run(run: Run, solver: TimeSolver | None, *, every: bool = False) -> Run | float | None:

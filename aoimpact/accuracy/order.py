@@ -41,10 +41,6 @@ _EASED = 1.1
 # more than this factor; and the largest number of fits.
 _REFIT, _MOST_FITS = 2.0, 4
 
-# Where contacts exceed their patches with this many sets of models, each larger, the error is
-# raised: larger models would not help.
-_TOO_WIDE = 3
-
 # The order of each different hierarchy.
 _Orders = tuple[int, ...]
 
@@ -181,12 +177,10 @@ class Search:
         Raises
         ------
         LawLimitError
-            Where contacts exceed their patches with larger and larger models.
+            Where contacts are stiffer than their meshes: so they are with larger models.
         """
         if self.run is None and isinstance(self._failure, LawLimitError):
-            self._too_wide += 1
-            if self._too_wide == _TOO_WIDE:
-                raise self._failure
+            raise self._failure
         if max(self.orders) > self.most or not self._smaller:
             return False
         orders, poor = self.orders, []
@@ -226,7 +220,7 @@ class Search:
                 make = partial(body.body.kept.get, key, make)
             self._made.append(make())
         self.orders = tuple([one.first + self._first for one in self._made])
-        self._scales, self._fits, self._too_wide = scales, self._fits + 1, 0
+        self._scales, self._fits = scales, self._fits + 1
         self._runs: dict[_Orders, Run | None] = {}
         self._failure: AOImpactError | None = None
 

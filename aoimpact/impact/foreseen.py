@@ -6,7 +6,7 @@ The patches of contact points whose radius was left out follow from that, and so
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -59,19 +59,17 @@ class Foreseen:
         gaps = max(contact.gap for contact in plan.contacts)
         return RecordLength(max(times) + max([*ways, gaps / plan.fastest]), given=False)
 
-    def fitted(
-        self, names: Sequence[str], *, wider: bool = False, bounded: bool = False
-    ) -> Scenario:
+    def fitted(self, names: Sequence[str], eased: Mapping[Any, str]) -> Scenario:
         """Return the plan with the patches, widths and directions that its contacts have.
 
         Parameters
         ----------
         names : sequence of str
             Of the bodies, for messages.
-        wider : bool, optional
-            True for wider patches than two bodies alone would need.
-        bounded : bool, optional
-            See `Contact.of_models`.
+        eased : mapping of int to str
+            Contacts that are stiffer than their meshes, by number: "wider" for a wider patch than
+            two bodies alone would need, and "whole" for the whole law as well; see
+            `Contact.of_models`.
         """
         plan, bodies = self._plan, list(self._plan.bodies)
         if not plan.meshed:
@@ -86,13 +84,14 @@ class Foreseen:
             for of, port in contact.ports:
                 key = bodies[of], port
                 if key not in fits:
-                    fits[key] = self._fit(*key, number, wider)
+                    fits[key] = self._fit(*key, number, number in eased)
                 bodies[of] = fits[key]
         around = _around(plan, names)
         for i, body in enumerate(bodies):
             # A model with several contact points needs the direction of travel of each.
             if len(body.tips) > 1 or plan.oblique is not None:
                 bodies[i], around[i] = body.turned(around[i]), ()
+        bounded = frozenset(number for number, way in eased.items() if way == "whole")
         fitted = replace(
             plan, bodies=tuple(bodies), contacts=tuple(contacts), around=around, bounded=bounded
         )

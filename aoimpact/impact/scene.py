@@ -29,6 +29,7 @@ from ..base import (
     bar,
     boolean,
     finite_array,
+    held_warnings,
     positive,
     real,
     text,
@@ -487,8 +488,8 @@ class Scene:
         """Run the bodies as they are, or small models of them that give a quantity to a tolerance.
 
         A contact stiffer than its meshes gets a wider patch: supports, loads and other bodies press
-        contacts further than two bodies alone would. Where no patch on a shell helps, the law is
-        bounded.
+        contacts further than two bodies alone would. Where no patch helps, the bodies as meshed
+        keep the whole law, and the finer ones give the answer; that on a shell is a bound.
 
         Parameters
         ----------
@@ -513,21 +514,17 @@ class Scene:
             record = RecordLength(positive("duration", duration, unit="s"), given=True)
         record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
         names = [member.called for member in self._members]
-        ways = [(False, False)]
-        if plan.meshed:
-            tips = [tip for body in plan.bodies for tip in body.tips]
-            automatic = any(tip.automatic for tip in tips)
-            layered = any(isinstance(tip.thin, Layers) for tip in tips)
-            ways += [*[(True, False)] * automatic, *[(True, True)] * layered]
-        for wider, bounded in ways:
-            fitted = foreseen.fitted(names, wider=wider, bounded=bounded)
+        eased: dict[int | None, str] = {}  # contacts that are stiffer than their meshes
+        said = list[str]()
+        while True:
+            fitted = foreseen.fitted(names, eased)
             interest = partial(self._interest, quantity, fitted)
             try:
                 if not chosen:
                     made = fitted.of_models(fitted.bodies, energies=plan.energies)
                     run = record.run(made, solver)
                     break
-                with bar("models", unit="solution"):
+                with held_warnings() as said, bar("models", unit="solution"):
                     run = choose_models(
                         fitted,
                         interest,
@@ -541,16 +538,25 @@ class Scene:
                 spent = perf_counter() - began - run.recorder.seconds
                 run = replace(run, modelled=max(spent, 0.0))
                 break
-            except LawLimitError:
-                if (wider, bounded) == ways[-1]:
+            except LawLimitError as error:
+                number = error.contact
+                ends = [] if number is None else plan.touched(plan.contacts[number])
+                widen = any(tip.automatic for *_, tip in ends)
+                whole = any(
+                    isinstance(tip.thin, Layers) or (chosen and tip.body.finer) for *_, tip in ends
+                )
+                ways = ["", *["wider"] * widen, *["whole"] * whole]
+                left = ways[ways.index(eased.get(number, "")) + 1 :]
+                if not left:
                     raise
+                eased[number] = left[0]
         if plan.meshed:
             if run.chosen is None:
                 warn_of_misfit(run, names)
                 find = partial(errors_left_out, interest=interest, solver=solver)
                 run = replace(run, left_out=find) if run.plan.contacts else run
             run = replace(run, other_run=partial(compared_run, solver=solver, every=True))
-        for message in run.said:
+        for message in (*said, *run.said):
             warn(message)
         if duration is None:
             record.warn_if_cut()

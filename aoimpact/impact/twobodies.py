@@ -199,5 +199,5 @@ def plan_impact(
 ) -> Scenario:
     """Check the arguments of `pair`, and return them as the solvers take them."""
     _, plan = pair(projectile, target, law=law, **more)
-    plan = Foreseen(plan).fitted(ROLES)
+    plan = Foreseen(plan).fitted(ROLES, {})
     return replace(plan.of_models(plan.bodies, energies=plan.energies), duration=duration)

@@ -150,7 +150,7 @@ class Contact(NamedTuple):
         bodies : sequence of BodyModel
             Those of the scene.
         bounded : bool, optional
-            True to leave a contact on a shell its whole law, where it is stiffer than its mesh. Its
+            True to leave a contact that is stiffer than its meshes its whole law. On a shell its
             force is a bound; with the compliance taken out as far as it can be it is another.
 
         Raises
@@ -161,9 +161,7 @@ class Contact(NamedTuple):
         known = [extraction_of(self.law, bodies[body], port) for body, port in self.ports]
         friction = self.friction and self.friction.between(self.materials(bodies), known)
         removed = tuple(0.0 if of is None else of.removed_for(self.width) for of in known)
-        tips = [bodies[body].touched_at(port) for body, port in self.ports]
-        shells = any(of and tip and tip.thin for of, tip in zip(known, tips, strict=True))
-        left = bounded and shells and math.fsum(removed) > 0.0
+        left = bounded and math.fsum(removed) > 0.0
         if left or isinstance(self.law, PatchLaw):  # the caller has taken it out
             return self._replace(friction=friction)
         law = effective_law(self.law, math.fsum(removed))

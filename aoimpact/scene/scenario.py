@@ -68,8 +68,8 @@ class Scenario:
     around : sequence of tuples of int
         For each body the ports whose direction of travel is reversed; none of a scene whose bodies
         are known by numbers alone.
-    bounded : bool
-        See `Contact.of_models`.
+    bounded : frozenset of int
+        Numbers of the contacts that keep their whole laws; see `Contact.of_models`.
     """
 
     bodies: Sequence[BodyModel]
@@ -84,7 +84,7 @@ class Scenario:
     names: Sequence[str] = ()
     oblique: Oblique | None = None
     around: Sequence[tuple[int, ...]] = ()
-    bounded: bool = False
+    bounded: frozenset[int] = frozenset()
 
     def of_models(self, models: Sequence[BodyModel], *, energies: bool) -> Scenario:
         """Return the plan of models in place of the bodies, with laws to suit.
@@ -99,7 +99,9 @@ class Scenario:
             turned = zip(models, self.around, strict=True)
             bodies = tuple([of.turned(ports) for of, ports in turned])
         if self.around or self.oblique:
-            contacts = tuple([of.of_models(bodies, bounded=self.bounded) for of in contacts])
+            contacts = tuple(
+                [of.of_models(bodies, bounded=i in self.bounded) for i, of in enumerate(contacts)]
+            )
         for contact in contacts if models is not self.bodies else ():
             if all(math.isinf(bodies[body].static_mass) for body, _ in contact.ports):
                 raise InputError(

@@ -285,7 +285,7 @@ def compare(
     # The finite-element bodies that models were made of; AO models by numbers as they are. Over the
     # same patches: `simulate` would fit those of full models alone.
     bodies = tuple(whole(body.tips) if body.tips else body for body in plan.bodies)
-    bodies = tuple(Foreseen(replace(plan, bodies=bodies)).fitted(ROLES).bodies)
+    bodies = tuple(Foreseen(replace(plan, bodies=bodies)).fitted(ROLES, {}).bodies)
 
     def quick(models: Models) -> Result:
         with held_warnings():
