@@ -129,9 +129,6 @@ def main() -> None:
     extra, ends = [1 - x for x in nodes], [mp.mpf(0), *nodes]
     (edges, edge_weights), (checks, check_weights) = edge_rule(STAGES), edge_rule(CHECKS)
 
-    def beside(x: mp.mpf) -> Row:
-        return [lagrange(ends, x)[0], *lagrange(nodes, x)]
-
     print("/* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal")
     print(" * polynomial of node j, P_k the shifted Legendre polynomial. */")
     print('#include "motion/radau.h"')
@@ -152,21 +149,11 @@ def main() -> None:
         [on_part(nodes, c) for c in nodes],
     )
     declare(
-        "Weights of the extra points, 1 - node, in the quadrature on these and the nodes.",
-        "extra_weight[AOI_NODES]",
-        weights([*nodes, *extra])[STAGES:],
-    )
-    declare(
-        "There the polynomial that is 1 at the start and 0 at the nodes, and l_j, by columns.",
-        "at_extra[AOI_NODES + 1][AOI_NODES]",
-        by_columns([beside(x) for x in extra]),
-    )
-    declare(
         "Slopes at the nodes of the cardinal polynomials of 0 and the nodes, by columns.",
         "slope_at_node[AOI_NODES + 1][AOI_NODES]",
         by_columns(slopes(ends, nodes)),
     )
-    declare("Points at an edge.", "edge_point[2][AOI_NODES]", edges)
+    declare("Points at an edge; the nodes.", "edge_point[3][AOI_NODES]", [*edges, nodes])
     declare(
         "Cardinal polynomials of 0 and the nodes at the points of an edge, by columns.",
         "indentation_at_edge[2][AOI_NODES + 1][AOI_NODES]",
@@ -177,11 +164,16 @@ def main() -> None:
         "edge_projection[2][AOI_NODES][AOI_NODES]",
         [by_columns(projection(nodes, points, edge_weights)) for points in edges],
     )
-    declare("Weights of the finer rule at an edge.", "check_weight[AOI_EDGE_CHECKS]", check_weights)
+    rest = (CHECKS - STAGES) * [mp.mpf(0)]
     declare(
-        "At its points the polynomial that is 1 at the start and 0 at the nodes, and l_j.",
-        "at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1]",
-        [[beside(x) for x in points] for points in checks],
+        "Points of the finer rule at an edge; 1 - node.",
+        "check_point[3][AOI_EDGE_CHECKS]",
+        [*checks, [*extra, *rest]],
+    )
+    declare(
+        "Weights there; those of 1 - node in the quadrature on these and the nodes.",
+        "check_weight[3][AOI_EDGE_CHECKS]",
+        [check_weights, check_weights, [*weights([*nodes, *extra])[STAGES:], *rest]],
     )
 
 

@@ -158,8 +158,7 @@ double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double
  * high (NaN: as after it and before it). */
 static double interpolated(const double *of, int first, double place, double low, double from, double high, double to)
 {
-    const enum aoi_edge edge = (enum aoi_edge)of[AOI_TRACK_EDGE];
-    const double *points = edge == AOI_EDGE_NONE ? aoi_radau_node : aoi_radau_edge_point[edge];
+    const double *points = aoi_radau_edge_point[(enum aoi_edge)of[AOI_TRACK_EDGE]];
     for (size_t k = 0; k < AOI_NODES; k++) {
         const double value = of[first + 1 + (int)k];
         if (points[k] <= place && points[k] > low) {

@@ -37,7 +37,7 @@ static void write_contact(const aoi_adaptive_contact *contact, const aoi_contact
 static void write_friction(aoi_sliding *sliding, const aoi_contact *contact, const aoi_contact_step *entry, double *of)
 {
     const int edge = entry->edge != AOI_EDGE_NONE;
-    const double *points = edge ? aoi_radau_edge_point[entry->edge] : aoi_radau_node;
+    const double *points = aoi_radau_edge_point[entry->edge];
     of[AOI_TRACK_SLIDE_WORK] = sliding->work;
     for (size_t i = 0; i < 2; i++) {
         double *tangent = of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;

@@ -77,6 +77,12 @@ typedef struct aoi_collocation_error {
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry, aoi_collocation_error *error);
 
+/* Points of a step where the law's force is compared with the polynomial's. */
+static inline size_t aoi_edge_checks(enum aoi_edge edge)
+{
+    return edge == AOI_EDGE_NONE ? AOI_NODES : AOI_EDGE_CHECKS;
+}
+
 /* The least-squares polynomial, at the nodes, of values at the quadrature points of an edge; in place, too. */
 static inline void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
 {

@@ -232,56 +232,42 @@ static void impulse_responses(const aoi_response *response, const aoi_contact *c
     }
 }
 
-/* By how much a value at the start is more than the polynomial through those at the nodes has there. */
-static double gap_of(double start, const double *nodes) { return start - aoi_nodes_at_start(nodes); }
-
-/* The law's force minus the polynomial's between the nodes. */
+/* The law's force minus the polynomial's at the points where they are compared. */
 static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, double *beyond)
 {
-    const double *at = aoi_radau_at_extra[0];
-    double indentation[AOI_NODES], rate[AOI_NODES] = {0.0}, force[AOI_NODES];
-    aoi_law_values there;
-    aoi_nodes_multiply_from(gap_of(entry->start, entry->indentation), at, entry->indentation, indentation);
+    const size_t checks = aoi_edge_checks(entry->edge);
+    const double *place = aoi_radau_check_point[entry->edge];
+    double force[AOI_NODES], rate[AOI_NODES + 1], there[AOI_EDGE_CHECKS], rates[AOI_EDGE_CHECKS] = {0.0};
+    aoi_nodes_to_legendre(entry->force, force);
+    aoi_legendre_at_points(AOI_NODES, force, checks, place, beyond);
+    aoi_legendre_at_points(AOI_NODES + 1, entry->legendre, checks, place, there);
     if (law->depends_on_rate) {
-        aoi_nodes_multiply_from(gap_of(entry->start_rate, entry->rate), at, entry->rate, rate);
+        aoi_legendre_fit(entry->start_rate, entry->rate, rate);
+        aoi_legendre_at_points(AOI_NODES + 1, rate, checks, place, rates);
     }
-    aoi_nodes_multiply(aoi_radau_at_extra[1], entry->force, force);
-    aoi_law_forces(law, entry->memory, entry->piece, indentation, rate, &there);
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        beyond[i] = there.force[i] - force[i];
-    }
-}
-
-/* The same in a step with an edge, at the points of a finer quadrature rule. */
-static void find_beyond_edge(const aoi_law *law, const aoi_contact_step *entry, double *beyond)
-{
-    const double gap = gap_of(entry->start, entry->indentation);
-    const double rate_gap = law->depends_on_rate ? gap_of(entry->start_rate, entry->rate) : 0.0;
-    for (size_t k = 0; k < AOI_EDGE_CHECKS; k++) {
-        const double *at = aoi_radau_at_check[entry->edge][k];
-        const double indentation = at[0] * gap + aoi_nodes_dot(at + 1, entry->indentation);
-        const double rate = law->depends_on_rate ? at[0] * rate_gap + aoi_nodes_dot(at + 1, entry->rate) : 0.0;
+    for (size_t k = 0; k < checks; k++) {
         aoi_law_value value;
-        aoi_law_force(law, entry->memory, entry->piece, indentation, rate, &value);
-        beyond[k] = value.force - aoi_nodes_dot(at + 1, entry->force);
+        aoi_law_force(law, entry->memory, entry->piece, there[k], rates[k], &value);
+        beyond[k] = value.force - beyond[k];
     }
 }
 
-/* The errors by these differences. */
+/* The errors by these differences: what is left of a step at such a point is as long as the way to a node, or to the point of
+ * the other edge. */
 static void add_errors(const aoi_contact_step *entry, double h, const double *beyond, const double *answer,
                        aoi_collocation_error *error)
 {
-    const int edge = entry->edge != AOI_EDGE_NONE;
-    const double gap = gap_of(0.0, answer);
-    for (size_t k = 0, count = edge ? AOI_EDGE_CHECKS : AOI_NODES; k < count; k++) {
-        const double weighted = h * (edge ? aoi_radau_check_weight[k] : aoi_radau_extra_weight[k]) * beyond[k];
+    const size_t checks = aoi_edge_checks(entry->edge);
+    double series[AOI_NODES + 1], there[AOI_EDGE_CHECKS];
+    if (entry->edge != AOI_EDGE_NONE) {
+        aoi_legendre_fit(0.0, answer, series);
+        aoi_legendre_at_points(AOI_NODES + 1, series, checks, aoi_radau_check_point[AOI_EDGE_END - entry->edge], there);
+        answer = there;
+    }
+    for (size_t k = 0; k < checks; k++) {
+        const double weighted = h * aoi_radau_check_weight[entry->edge][k] * beyond[k];
         error->impulse += weighted;
-        if (edge) { /* what is left of the step is as long as the way to the point of the other edge */
-            const double *at = aoi_radau_at_check[AOI_EDGE_END - entry->edge][k];
-            error->indentation += weighted * (at[0] * gap + aoi_nodes_dot(at + 1, answer));
-        } else {
-            error->indentation += weighted * answer[k];
-        }
+        error->indentation += weighted * answer[k];
     }
 }
 
@@ -292,14 +278,14 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
     double answer[AOI_NODES];
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
     impulse_responses(response, contact, entry->axis, answer);
+    aoi_legendre_fit(entry->start, entry->indentation, entry->legendre);
     if (entry->sliding) { /* as aoi_sliding_check has found */
         add_errors(entry, h, entry->sliding->beyond[entry->axis], answer, error);
     } else if (entry->piece != AOI_SLACK) {
         double beyond[AOI_EDGE_CHECKS];
-        (entry->edge == AOI_EDGE_NONE ? find_beyond : find_beyond_edge)(contact->law, entry, beyond);
+        find_beyond(contact->law, entry, beyond);
         add_errors(entry, h, beyond, answer, error);
     }
-    aoi_legendre_fit(entry->start, entry->indentation, entry->legendre);
     const double *c = entry->legendre;
     /* A term may vanish by symmetry: its neighbour counts a fifth. */
     const double last = fabs(c[AOI_NODES]) + 0.2 * fabs(c[AOI_NODES - 1]);

@@ -68,12 +68,11 @@ static void direction_of(const aoi_sliding *of, const motion *along, double n[2]
 static stops stops_of(const aoi_sliding *of, enum aoi_edge edge, const motion *along)
 {
     stops made = {.count = 0};
-    const double *point = edge == AOI_EDGE_NONE ? aoi_radau_node : aoi_radau_edge_point[edge];
     const double slope = of->rub.friction.mu / of->rub.friction.ratio;
     double n[2];
     direction_of(of, along, n);
     for (size_t k = 0; k < AOI_NODES; k++) {
-        add_stop(&made, point[k], k);
+        add_stop(&made, aoi_radau_edge_point[edge][k], k);
     }
     for (int i = 0; i < 4; i++) {
         const double bound = i % 2 ? slope : -slope, sign = i / 2 ? 1.0 : -1.0;
@@ -86,12 +85,6 @@ static stops stops_of(const aoi_sliding *of, enum aoi_edge edge, const motion *a
         }
     }
     return made;
-}
-
-/* A place of an edge's finer rule: its cardinal polynomials stand for the linear function as well. */
-static double check_place(enum aoi_edge edge, size_t k)
-{
-    return aoi_nodes_dot(aoi_radau_at_check[edge][k] + 1, aoi_radau_node);
 }
 
 static void copy_path(const aoi_slide_path *from, aoi_slide_path *to)
@@ -322,32 +315,28 @@ int aoi_sliding_check(aoi_sliding *of, const aoi_contact_step *entry)
     const enum aoi_edge edge = entry->edge;
     stops to = stops_of(of, edge, &along);
     finds found;
-    /* Where the force is compared with the polynomial: the start has the first of the nodes mirrored. */
-    const size_t checks = edge == AOI_EDGE_NONE ? AOI_NODES : AOI_EDGE_CHECKS;
+    const size_t checks = aoi_edge_checks(edge);
     copy_path(&of->path[1], &of->trial);
     for (size_t k = 0; k < checks; k++) {
-        if (edge != AOI_EDGE_NONE) {
-            add_stop(&to, check_place(edge, k), AOI_NODES + k);
-        } else if (k + 1 < AOI_NODES) {
-            add_stop(&to, 1.0 - aoi_radau_node[k], AOI_NODES + k);
+        if (aoi_radau_check_point[edge][k] > 0.0) {
+            add_stop(&to, aoi_radau_check_point[edge][k], AOI_NODES + k);
         }
     }
+    /* At the start, where the last of the nodes is mirrored to: */
     memcpy(found.at[2 * AOI_NODES - 1].force, of->trial.force, sizeof of->trial.force);
     const int status = follow(of, &along, &to, 1, 0, NULL, &of->trial, &found);
     for (size_t i = 0; i < 3 && status == AOI_OK; i++) {
-        double force[AOI_NODES], there[AOI_NODES];
+        double force[AOI_NODES], series[AOI_NODES], there[AOI_EDGE_CHECKS];
         for (size_t k = 0; k < AOI_NODES; k++) {
             force[k] = found.at[k].force[i];
         }
-        if (edge == AOI_EDGE_NONE) {
-            aoi_nodes_multiply(aoi_radau_at_extra[1], force, there);
-        } else {
+        if (edge != AOI_EDGE_NONE) {
             aoi_edge_project(edge, force, force);
         }
+        aoi_nodes_to_legendre(force, series);
+        aoi_legendre_at_points(AOI_NODES, series, checks, aoi_radau_check_point[edge], there);
         for (size_t k = 0; k < checks; k++) {
-            const double by_nodes =
-                edge == AOI_EDGE_NONE ? there[k] : aoi_nodes_dot(aoi_radau_at_check[edge][k] + 1, force);
-            of->beyond[i][k] = found.at[AOI_NODES + k].force[i] - by_nodes;
+            of->beyond[i][k] = found.at[AOI_NODES + k].force[i] - there[k];
         }
     }
     return status;

@@ -34,22 +34,43 @@ double aoi_legendre_evaluate(size_t count, const double *coefficient, double at,
     return value;
 }
 
-void aoi_legendre_at_nodes(const double *coefficient, double from, double length, double *values)
+/* Clenshaw's recurrence at a constant number of points, so that compilers vectorise over these. */
+static inline void at_points(size_t count, const double *restrict coefficient, size_t points,
+                             const double *restrict place, double *restrict values)
 {
-    double xi[AOI_NODES], before[AOI_NODES], here[AOI_NODES];
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        before[i] = 1.0;
-        here[i] = xi[i] = 2.0 * (from + length * aoi_radau_node[i]) - 1.0;
-        values[i] = coefficient[0];
+    double xi[AOI_EDGE_CHECKS], after[AOI_EDGE_CHECKS], here[AOI_EDGE_CHECKS];
+    for (size_t i = 0; i < points; i++) {
+        xi[i] = 2.0 * place[i] - 1.0;
+        after[i] = 0.0;
+        here[i] = coefficient[count - 1];
     }
-    for (size_t k = 1; k < AOI_NODES; k++) {
-        for (size_t i = 0; i < AOI_NODES; i++) {
-            values[i] += coefficient[k] * here[i];
-            const double next = (of_last[k] * xi[i]) * here[i] - of_one_before[k] * before[i];
-            before[i] = here[i];
-            here[i] = next;
+    for (size_t k = count - 1; k-- > 0;) {
+        const double by_next = of_last[k], by_after = of_one_before[k + 1], own = coefficient[k];
+        for (size_t i = 0; i < points; i++) {
+            const double sum = own + (by_next * xi[i]) * here[i] - by_after * after[i];
+            after[i] = here[i];
+            here[i] = sum;
         }
     }
+    memcpy(values, here, points * sizeof *values);
+}
+
+void aoi_legendre_at_points(size_t count, const double *coefficient, size_t points, const double *place, double *values)
+{
+    if (points == AOI_NODES) {
+        at_points(count, coefficient, AOI_NODES, place, values);
+    } else {
+        at_points(count, coefficient, AOI_EDGE_CHECKS, place, values);
+    }
+}
+
+void aoi_legendre_at_nodes(const double *coefficient, double from, double length, double *values)
+{
+    double place[AOI_NODES];
+    for (size_t i = 0; i < AOI_NODES; i++) {
+        place[i] = from + length * aoi_radau_node[i];
+    }
+    at_points(AOI_NODES, coefficient, AOI_NODES, place, values);
 }
 
 /* P_k' = 2 ((2k-1) P_(k-1) + (2k-5) P_(k-3) + ...). */

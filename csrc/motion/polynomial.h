@@ -8,6 +8,9 @@
  * with respect to at; count <= AOI_NODES + 1. */
 double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope);
 
+/* Values of count <= AOI_NODES + 1 coefficients at AOI_NODES or AOI_EDGE_CHECKS places. */
+void aoi_legendre_at_points(size_t count, const double *coefficient, size_t points, const double *place, double *values);
+
 /* Values of AOI_NODES coefficients at the nodes of a part, from a place on and so long. */
 void aoi_legendre_at_nodes(const double *coefficient, double from, double length, double *values);
 

@@ -10,13 +10,11 @@ extern const double aoi_radau_node[AOI_NODES];
 extern const double aoi_radau_to_legendre[AOI_NODES][AOI_NODES];
 extern const double aoi_radau_series[2 * AOI_RADAU_MOMENTS][AOI_NODES];
 extern const double aoi_radau_on_part[AOI_NODES][AOI_NODES][AOI_NODES];
-extern const double aoi_radau_extra_weight[AOI_NODES];
-extern const double aoi_radau_at_extra[AOI_NODES + 1][AOI_NODES];
 extern const double aoi_radau_slope_at_node[AOI_NODES + 1][AOI_NODES];
-extern const double aoi_radau_edge_point[2][AOI_NODES];
+extern const double aoi_radau_edge_point[3][AOI_NODES];
 extern const double aoi_radau_indentation_at_edge[2][AOI_NODES + 1][AOI_NODES];
 extern const double aoi_radau_edge_projection[2][AOI_NODES][AOI_NODES];
-extern const double aoi_radau_check_weight[AOI_EDGE_CHECKS];
-extern const double aoi_radau_at_check[2][AOI_EDGE_CHECKS][AOI_NODES + 1];
+extern const double aoi_radau_check_point[3][AOI_EDGE_CHECKS];
+extern const double aoi_radau_check_weight[3][AOI_EDGE_CHECKS];
 
 #endif
