@@ -5,6 +5,7 @@ interface (recorder.py). `results` runs plans by them (solve.py); other
 folders take the solvers' settings and `Events` from here.
 """
 
+from .comparison import touch_alike
 from .events import Events
 from .fixed_steps import SteppedRecorder, rigid_contact_time, solve_newmark
 from .motion import Motion

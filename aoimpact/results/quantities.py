@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from ..base import FloatArray, Found, InputError, InputTypeError
-from ..integrate import Events
+from ..integrate import Events, touch_alike
 from .errors import suggestion
 
 if TYPE_CHECKING:
@@ -321,7 +321,8 @@ def number_errors(
     on_the_way : bool, optional
         True to take, of numbers that sum up the force, no less than what the momentum differs by
         while the bodies touch, the root of its mean square: two forces that differ may have the
-        same integral by chance.
+        same integral by chance. They have no bound where one run touches more often than the other:
+        the true motion may touch more often than both.
     """
     before = np.array(run.plan.velocities)
 
@@ -337,7 +338,8 @@ def number_errors(
             apart.append(times * np.abs(_relative(ours - theirs, scales)))
             if on_the_way and quantity.by_momentum is not None:
                 change = quantity.by_momentum(run, _momentum_apart(run, other))[: len(values)]
-                apart.append(times * np.nan_to_num(_relative(change, scales)))
+                change = np.nan_to_num(_relative(change, scales), posinf=math.inf)
+                apart.append(times * change)
         most = np.max(apart, axis=0)
         return math.nan if math.isnan(values[at]) else float(most[at])
 
@@ -347,7 +349,7 @@ def number_errors(
 def _momentum_apart(run: Run, other: Run) -> FloatArray:
     """By how much the momentum that each contact passes on differs while bodies touch, N s.
 
-    The root of its mean square, shape (contacts,).
+    The root of its mean square, shape (contacts,); infinite where one run touches more often.
     """
     first, last = run.touching or (0.0, 0.0)
     times = np.linspace(first, last, _ON_THE_WAY)
@@ -355,7 +357,8 @@ def _momentum_apart(run: Run, other: Run) -> FloatArray:
     assert force is not None
     apart = (force(run, times) - force(other, times))[run.plan.layout.normal]
     passed = np.cumsum(apart, axis=1) * (last - first) / _ON_THE_WAY
-    return np.asarray(np.sqrt((passed**2).mean(axis=1)))
+    alike = [touch_alike(*of) for of in zip(run.events, other.events, strict=True)]
+    return np.where(alike, np.sqrt((passed**2).mean(axis=1)), math.inf)
 
 
 def all_numbers(run: Run) -> Mapping[str, float]:
@@ -400,8 +403,14 @@ def _of_bodies(run: Run, momenta: FloatArray) -> FloatArray:
     found = np.zeros(len(run.plan.bodies))
     for contact, momentum in zip(run.plan.contacts, momenta, strict=True):
         for body, _ in contact.ports:
-            found[body] += momentum / run.plan.bodies[body].static_mass
+            mass = run.plan.bodies[body].static_mass
+            found[body] += momentum / mass if math.isfinite(mass) else 0.0
     return np.where(_speeds(run, found).still, 0.0, found)
+
+
+def _unbounded(run: Run, momenta: FloatArray) -> FloatArray:
+    """Changes of a number of each body: no less than 0, and infinite with those of momenta."""
+    return np.full(len(run.plan.bodies), math.inf if np.isinf(momenta).any() else 0.0)
 
 
 def _restitution(of: Speeds) -> FloatArray:
@@ -526,8 +535,16 @@ _ALL = (
         each="",
         sliding=True,
         least=lambda _: _LEAST_REBOUND,
+        by_momentum=_unbounded,
     ),
-    Quantity("final_spin", "rad/s", of_run=_final_spins, each="bodies", sliding=True),
+    Quantity(
+        "final_spin",
+        "rad/s",
+        of_run=_final_spins,
+        each="bodies",
+        sliding=True,
+        by_momentum=_unbounded,
+    ),
     _displacement("projectile_displacement", 0),
     _displacement("target_displacement", 1),
 )

@@ -70,14 +70,6 @@ def test_a_rigid_sphere_gives_the_beams_displacement_but_not_the_force(paper, co
         assert QUANTITIES[quantity].difference(as_meshed(hit), full) <= 3e-2
 
 
-def test_error_says_what_models_and_what_time_integration_add(paper):
-    hit = paper(duration=250e-6, quantity="force", rtol=1e-2)
-    assert 1e-4 < hit.error.model <= 1e-2
-    assert hit.error.time <= 1e-3
-    full = paper(target=whole(paper.keywords["target"]), duration=250e-6)
-    assert QUANTITIES["force"].difference(as_meshed(hit), full) <= 1e-2
-
-
 def test_quantity_and_tolerance_have_defaults(paper):
     by_default = paper(duration=250e-6)
     assert by_default.error.quantity == "force"

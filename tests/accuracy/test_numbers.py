@@ -45,6 +45,7 @@ def test_the_error_said_of_every_number_is_true(name, rtol):
         before = np.array(right.plan.velocities)
         scale = max(abs(exact), 0.0 if quantity.least is None else quantity.least(before))
         assert abs(found - exact) <= (1.5 * hit.error[name].model + 1e-3) * scale, name
+    assert QUANTITIES["force"].difference(as_meshed(hit), right) < 2.0 * hit.error["force"].model
     if len(as_meshed(hit).contacts) != len(right.contacts):
         assert hit.error["contact_count"].model > 0.0
 
@@ -132,13 +133,6 @@ def test_an_error_says_first_what_a_user_asks_first():
         re.match(r"ErrorEstimate\(peak_force: at least (\S+) % \(mesh ", told)[1]
     ) == pytest.approx(100.0 * hit.error.least, rel=0.05)
     assert len(told) < 250
-
-
-def test_the_force_has_its_error_whatever_was_asked_for():
-    hit, right = strike("held plate", quantity="restitution"), whole("held plate")
-    true = QUANTITIES["force"].difference(as_meshed(hit), right)
-    assert hit.error["force"].model > 0.5 * true > 1e-4
-    assert hit.error.model == hit.error["restitution"].model <= 1e-2
 
 
 def test_a_number_that_the_run_has_not_is_refused_with_one_that_it_has():
