@@ -116,6 +116,7 @@ def test_a_history_of_several_contacts_says_in_which_it_is_off_most() -> None:
     assert 1 < int(said.group(1)) <= int(said.group(2)) == len(again.contacts)
 
 
+@pytest.mark.slow
 def test_a_patch_wider_than_a_plate_is_thick_is_refused() -> None:
     """Its mean displacement is that of a softer place than the contact's."""
     mesh = ao.box_mesh((0.2, 0.15, 0.006), (16, 12, 1), kind="hexahedron20")
@@ -126,6 +127,7 @@ def test_a_patch_wider_than_a_plate_is_thick_is_refused() -> None:
     assert abs(wide.peak_force / 656.3 - 1.0) < wide.error["peak_force"].total  # of fine meshes
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_a_contact_over_an_edge_has_a_large_error() -> None:
     """An edge cuts off a part of its disc of 0.48 mm."""

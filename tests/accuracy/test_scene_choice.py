@@ -58,7 +58,7 @@ def three(request):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rtol", [1e-1, pytest.param(1e-2, marks=pytest.mark.slow), 1e-3])
+@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3])
 def test_forces_of_a_body_touched_in_three_places(three, rtol):
     within, _, struck, full = three
     run = within(rtol)
@@ -69,7 +69,8 @@ def test_forces_of_a_body_touched_in_three_places(three, rtol):
     assert run[struck].port_displacements.shape[0] == 3
 
 
-@pytest.mark.parametrize("rtol", [1e-1, pytest.param(1e-2, marks=pytest.mark.slow), 1e-3])
+@pytest.mark.slow
+@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3])
 def test_displacement_of_one_of_the_places(three, rtol):
     _, scene, struck, full = three
     run = scene.simulate(duration=DURATION, quantity=struck.port(1), rtol=rtol)
@@ -148,9 +149,8 @@ def free_plate():
     return plate.contact(point=(0.05, 0.05, 0.004))
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param("rebound_velocity", marks=pytest.mark.slow), "restitution"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rebound_velocity", "restitution"])
 def test_a_scene_of_two_has_what_an_impact_has(name):
     """The same models and errors; seen from a train, the same restitution (Galilei)."""
     tip, ball = free_plate(), ao.ball(0.01, STEEL)

@@ -35,7 +35,8 @@ def strike(target: Any, **options: Any) -> ao.Result:
 
 
 @pytest.mark.filterwarnings("ignore:.*elements of first order")
-@pytest.mark.parametrize("component", ["xx", pytest.param("von_mises", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("component", ["xx", "von_mises"])
 def test_the_true_error_is_within_the_tolerance(plate: Any, component: str) -> None:
     hit = strike(plate, quantity=ao.StressAt(plate, POINT, component), rtol=2e-2)
     whole = ao.antioscillators(plate)
@@ -53,6 +54,7 @@ def test_the_true_error_is_within_the_tolerance(plate: Any, component: str) -> N
     assert as_meshed(hit).models[1].n < whole.n / 3
 
 
+@pytest.mark.slow
 def test_in_a_scene(plate: Any) -> None:
     scene = ao.Scene()
     ball = scene.add(ao.rigid(mass=0.01), velocity=1.0)

@@ -117,6 +117,7 @@ def test_warnings_come_once_and_name_the_case() -> None:
 # ----------------------------------------------------------------------------------- streams
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keep", ["peak_force", peak])
 def test_bodies_of_past_cases_are_forgotten(keep: Any) -> None:
     """Cases of a generator are drawn as it goes; some 3 MB of 200 whole results are not held."""

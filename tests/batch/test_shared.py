@@ -52,6 +52,7 @@ def test_each_is_what_simulate_gives_within_their_errors() -> None:
     check_errors(balls(), kept_of_balls())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [
@@ -66,6 +67,7 @@ def test_so_it_is_for_other_arguments(changes: dict[str, Any]) -> None:
     check_errors(cases, ao.simulate_many(cases, keep=NAMES))
 
 
+@pytest.mark.slow
 def test_two_meshed_bodies_share_both_models() -> None:
     mesh = ao.sphere_mesh(0.01, 0.008)
     ball = ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.0, 0.0, -0.01))

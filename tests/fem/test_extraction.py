@@ -99,6 +99,7 @@ def test_what_finer_elements_remove_is_the_compliance_of_their_patch(kind: str) 
     assert found.removed + found.beyond == pytest.approx(G, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_elements_that_are_long_and_thin_hardly_change_it() -> None:
     """With w to a residual of 3e-2, R lacks 0.007/(E* a) there."""
     mesh = ao.box_mesh((1.0, 1.0, 1.0), (10, 8, 6), kind="hexahedron20")
@@ -142,15 +143,7 @@ def test_its_error_falls_with_twice_the_order_of_the_elements(
     assert math.log2(errors[0] / errors[1]) > 2.0 * order - 1.0
 
 
-@pytest.mark.parametrize(
-    "radius",
-    [
-        0.0,
-        pytest.param(1.0 * A, marks=pytest.mark.slow),
-        pytest.param(1.4 * A, marks=pytest.mark.slow),
-        3.0 * A,
-    ],
-)
+@pytest.mark.parametrize("radius", [0.0, 1.0 * A, 1.4 * A, 3.0 * A])
 def test_what_is_removed_and_what_is_beyond_are_the_compliance_of_any_patch(radius: float) -> None:
     """c + R = G; R does not know over which nodes the force is spread, and c has all of that."""
     body = block("hexahedron20", (4, 4, 2))
@@ -355,15 +348,10 @@ def test_a_force_aslant_finds_mindlin_s_share_of_the_half_space() -> None:
     assert aslant / across == pytest.approx(0.64 + 0.36 * ratio, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "divisions"),
-    [
-        ("hexahedron", (6, 6, 4)),
-        *(
-            pytest.param(*of, marks=pytest.mark.slow)
-            for of in (("tetra", (6, 6, 4)), ("tetra10", (4, 4, 3)))
-        ),
-    ],
+    [("hexahedron", (6, 6, 4)), ("tetra", (6, 6, 4)), ("tetra10", (4, 4, 3))],
 )
 def test_near_an_edge_meshes_agree_on_how_a_normal_force_moves_the_surface_sideways(
     kind: str, divisions: tuple[int, int, int]

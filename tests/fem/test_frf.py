@@ -60,8 +60,9 @@ def test_all_modes_give_the_solutions_of_the_full_matrices(damped: str, held: st
         assert abs(value - known) <= 1e-6 * abs(known)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("held", SUPPORTS)
-@pytest.mark.parametrize("damped", [pytest.param("undamped", marks=pytest.mark.slow), "Rayleigh"])
+@pytest.mark.parametrize("damped", ["undamped", "Rayleigh"])
 def test_few_modes_and_a_series_do_as_well(damped: str, held: str) -> None:
     body, first, second = plate(DAMPING[damped], held, 10)
     assert body.n_dofs > 1000
@@ -101,6 +102,7 @@ def test_the_bound_holds_beside_a_resonance_without_damping(off: float) -> None:
     assert abs(found.values[0] - known) <= found.error[0]
 
 
+@pytest.mark.slow
 def test_modal_damping_of_a_large_body_is_within_its_bound() -> None:
     """Against the sum over all modes."""
     damping = ao.ModalDamping(0.02)

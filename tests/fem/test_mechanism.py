@@ -78,6 +78,7 @@ def test_elements_joined_at_random(seed: int) -> None:
         assert found(body) == motions_without_force(body)
 
 
+@pytest.mark.slow
 def test_every_edge_of_a_staircase_is_a_hinge() -> None:
     """More motions of parts than dense matrices are taken for."""
     stairs = blocks([(i, 0, i) for i in range(90)], each=(1, 1, 1))

@@ -150,6 +150,7 @@ def test_axial_strain_and_stress_of_a_bar() -> None:
     assert found.strain["yy"][0] == pytest.approx(-0.3 * stress / 210e9, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_stiffener_has_its_own_stress() -> None:
     """σ = M z/I about the axis common to a strip and its rib, in both."""
     t, width, height = 2e-3, 0.04, 0.02

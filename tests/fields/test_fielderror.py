@@ -57,6 +57,7 @@ def wrong(hit: ao.Result, name: str) -> FloatArray:
     return np.asarray(np.sqrt(off / whole.max()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BODIES)
 @pytest.mark.parametrize(("n", "fit"), [(3, {}), (8, {}), (8, {"duration": LONG}), (20, {})])
 def test_the_error_said_is_about_the_true_one_at_any_time(n: int, fit: Any, name: str) -> None:
@@ -69,6 +70,7 @@ def test_the_error_said_is_about_the_true_one_at_any_time(n: int, fit: Any, name
     assert (said < 2.0 * true).all(), said / true
 
 
+@pytest.mark.slow
 def test_a_right_force_and_a_wrong_stress_afterwards_is_said() -> None:
     hit, place = struck(model("cantilever", 3)), (0.0, 0.01, 0.02)
     with pytest.warns(ao.AOImpactWarning, match=r"^stress"):
@@ -81,6 +83,7 @@ def test_a_right_force_and_a_wrong_stress_afterwards_is_said() -> None:
     _ = right("cantilever").target.probe(place, times=TIMES).stress
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [3, 20])
 def test_a_probe_is_judged_where_it_is(n: int) -> None:
     """By a model that gives the motion of the struck point, and not yet that of the rest."""

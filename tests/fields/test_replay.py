@@ -47,6 +47,7 @@ def full_cantilever() -> ao.Result:
     return impact(ao.full(cantilever()), ao.Newmark(dt=5e-7, estimate=False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "solver", [ao.Adaptive(rtol=1e-8), ao.Newmark(dt=5e-7, estimate=False)], ids=["a", "n"]
 )

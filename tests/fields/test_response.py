@@ -170,6 +170,7 @@ def test_results_that_were_looked_at_survive_pickling(solver: str) -> None:
     np.testing.assert_array_equal(copied.stress.components, seen.stress.components)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", [ao.Adaptive(), ao.Newmark(dt=1e-6, estimate=False)])
 def test_at_rest_under_its_weight_a_body_carries_the_static_stress(solver: Any) -> None:
     """Few shapes fitted to a contact miss a part of the deflection; at rest none are needed."""

@@ -54,9 +54,8 @@ def impulse(force: FloatArray, dt: float) -> FloatArray:
     return np.concatenate([[0.0], np.cumsum(0.5 * dt * (force[1:] + force[:-1]))])
 
 
-@pytest.mark.parametrize(
-    "reduced", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["reduced", "full"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("reduced", [True, False], ids=["reduced", "full"])
 @pytest.mark.parametrize("held", HELD)
 def test_reactions_change_the_momentum(held: str, reduced: bool) -> None:
     tip = plate(held)

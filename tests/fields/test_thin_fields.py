@@ -167,6 +167,7 @@ def test_plies_have_their_own_stress_along_their_fibres() -> None:
         field.stress(layer=(4, "top"))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 @pytest.mark.filterwarnings("ignore:stress may be off")  # by smaller models of the meshed body
 def test_stress_at_a_point_as_the_quantity() -> None:

@@ -72,6 +72,7 @@ def test_oscillators_of_it_leave_as_much_to_the_law(modes: ao.Body) -> None:
     assert one.extraction_at().removed == first.extraction_at().removed
 
 
+@pytest.mark.slow
 def test_the_surface_under_the_contact_moves_as_by_all_modes(modes: ao.Body) -> None:
     """Under patches about as wide as an element: the field of narrower ones takes more modes."""
     (tip,) = modes.tips

@@ -127,6 +127,7 @@ def midspan(body):
     return body.contact(point=(0.15, 0.01, 0.02), direction=(0.0, 0.0, -1.0), radius=0)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*elements of first order")  # models are compared, not meshes
 @pytest.mark.filterwarnings("ignore:velocity of body .* may be off by")
 def test_a_body_struck_in_three_places_is_all_of_its_modes():

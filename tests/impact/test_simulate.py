@@ -23,6 +23,7 @@ def hit(**changes):
     return ao.simulate(**(arguments | changes))
 
 
+@pytest.mark.slow
 def test_a_model_made_before_the_impact_suits_a_plate():
     """A patch as wide as an element of 7.5 mm, of 6 mm depth, gives 2.9 % more."""
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)

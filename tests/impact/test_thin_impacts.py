@@ -22,6 +22,7 @@ def sheet(
     return ao.FEModel.from_mesh(mesh, ao.Shell(t, of), **given)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("t", "peak", "rebound", "tolerance"),
     [(2e-3, 215.10, -0.1936, 0.015), (4e-3, 347.72, -0.665, 0.015)],
@@ -37,6 +38,7 @@ def test_a_ball_on_a_sheet(t: float, peak: float, rebound: float, tolerance: flo
     assert hit.error["peak_force"].total < 0.02
 
 
+@pytest.mark.slow
 def test_an_upright_sheet_is_struck_like_a_lying_one() -> None:
     """Normals then have components of rounding, along rotations without mass."""
     mesh = ao.sheet_mesh((0.1, 0.1), (20, 20))
@@ -114,6 +116,7 @@ def peak(body: Any, point: Any, **given: Any) -> float:
     return float(ao.simulate(BALL, body.contact(point=point, **given), 1.0).peak_force)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [{}, {"radius": 5e-4}], ids=["point", "patch"])
 def test_a_curved_shell_may_be_touched_anywhere_on_an_element(given: Any) -> None:
     """Half a tube, R/t = 7.5, elements of 2 t: at a node, on edges and within elements alike."""
@@ -126,6 +129,7 @@ def test_a_curved_shell_may_be_touched_anywhere_on_an_element(given: Any) -> Non
         assert peak(body, (x, *place), **given) == pytest.approx(node, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [5.0, 20.0])
 def test_a_fold_may_be_touched_anywhere(degrees: float) -> None:
     c, s = np.cos(np.radians(degrees / 2)), np.sin(np.radians(degrees / 2))
@@ -217,6 +221,7 @@ def test_a_skin_is_struck_over_and_beside_a_web_as_solids_are(place: float) -> N
         assert abs(hit.peak_force / known - 1.0) < min(hit.error["peak_force"].total, 0.02)
 
 
+@pytest.mark.slow
 def test_the_mesh_error_of_a_spring_at_a_node_of_a_shell() -> None:
     """Deflection by shear depends on the mesh under any law; a finer one is within the error."""
     coarse, fine = (
@@ -331,6 +336,7 @@ def test_a_contact_wider_than_a_shell_is_thick_is_said() -> None:
         assert 0.0 < hit.error["peak_force"].total < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")  # of a coarse mesh
 def test_a_skin_over_a_web_has_one_side() -> None:
     """However its elements were drawn; the web stands on it as it did, and no skin is turned."""
@@ -349,6 +355,7 @@ def test_a_skin_over_a_web_has_one_side() -> None:
     assert force[1] == pytest.approx(force[0], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_flying_laminate_is_touched_on_the_side_ahead_of_it() -> None:
     """Along its normal its top is ahead, as where no direction is given; turned over, the other."""
     plies = [ao.Ply(1e-3, STEEL), ao.Ply(2e-3, ao.Material(E=70e9, nu=0.33, rho=2700))]
@@ -362,6 +369,7 @@ def test_a_flying_laminate_is_touched_on_the_side_ahead_of_it() -> None:
     assert force[1:] == pytest.approx(force[:1] * 2, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_law_between_layers_is_that_by_default() -> None:
     """A laminate is touched on its top ply, a shell on its material, a ply across its fibres."""
     carbon = ao.Orthotropic((135e9, 9e9, 9e9), (5e9, 5e9, 3.2e9), (0.3, 0.3, 0.4), rho=1550)
@@ -378,6 +386,7 @@ def test_a_law_between_layers_is_that_by_default() -> None:
         ao.Hertz.between(STEEL, 0.005, "carbon", math.inf)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", [1.8e-3, 3.5e-3])
 def test_a_given_radius_hardly_matters_on_a_thick_laminate(radius: float) -> None:
     """A clamped plate of 5 mm, orthotropic, under 5 kg at 3 J: quadratic bricks have 7308 N.
@@ -475,6 +484,7 @@ def bricks(t: float, n: int, layers: int = 1, size: float = 0.1) -> Any:
     return ao.FEModel.from_mesh(mesh, STEEL, rims).contact(point=(size / 2, size / 2, t))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "layers", "said"), [(5, 1, True), (10, 2, True), (6, 1, False)])
 def test_solids_as_flat_as_a_tenth_of_their_width_should_be_shells(
     n: int, layers: int, said: bool

@@ -24,6 +24,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return {name: files[name] for name in ("K", "M", "dofs", "nodes")}
 
 
+@pytest.mark.slow
 def test_a_patch_and_the_law_are_those_of_the_mesh(files: dict[str, Any]) -> None:
     body = ao.read_matrices(**files, mesh=MESH, material=STEEL)
     wall = ao.rigid(np.inf)
@@ -57,6 +58,7 @@ def test_another_mesh_is_refused(files: dict[str, Any]) -> None:
         ao.read_matrices(**files, material=STEEL)
 
 
+@pytest.mark.slow
 def test_matrices_of_a_shell_have_its_contact_stress_and_errors(tmp_path: Path) -> None:
     """Rotations about the normal have no mass; the rim is simply supported."""
     mesh, layers = ao.sheet_mesh((0.1, 0.1), (20, 20), kind="triangle"), ao.Shell(2e-3, STEEL)

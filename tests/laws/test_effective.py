@@ -34,15 +34,10 @@ def sphere(mesh: str, radius: float) -> ao.AOModel:
     return ao.antioscillators(tip(mesh, radius), n=1, method="krylov", contact_time=60e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mesh", "radius"),
-    [
-        ("coarse", 0.0),
-        ("coarse", 0.0045),
-        ("paper", 0.0),
-        pytest.param("paper", 0.002, marks=pytest.mark.slow),
-        pytest.param("paper", 0.004, marks=pytest.mark.slow),
-    ],
+    [("coarse", 0.0), ("coarse", 0.0045), ("paper", 0.0), ("paper", 0.002), ("paper", 0.004)],
 )
 def test_two_spheres_meet_as_the_resolved_contact_does(mesh: str, radius: float) -> None:
     """Over a patch of any radius, and at a single node."""

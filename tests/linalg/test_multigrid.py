@@ -181,6 +181,7 @@ def test_the_number_of_cores_changes_no_bit():
     assert len(found[0].split()) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bar, coarse", "hexahedron", "partly held", "few dofs"])
 def test_a_smaller_shift_has_the_finest_level_of_the_first(name):
     """Solutions at each are those of a multigrid of its own, also where the two alternate."""

@@ -67,6 +67,7 @@ def test_few_antioscillators_give_the_force_on_the_papers_beam(paper_beam):
     assert space.solves == 29  # one factorisation, and each of the four models
 
 
+@pytest.mark.slow
 def test_the_bodys_own_contact_time_does_as_well(paper_beam):
     tip, full, _ = paper_beam
     star = ao.antioscillators(tip, 5, method="krylov")

@@ -141,12 +141,9 @@ def test_residual_mass_of_the_whole_star_is_that_of_the_bare_contact(rigid):
     assert 1 / star.m0 == pytest.approx(la.inv(M.toarray())[3, 3], rel=1e-9)
 
 
-@pytest.mark.parametrize("n", [5, pytest.param(40, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(
-    "fixed",
-    [pytest.param([("xmin", "xyz")], marks=pytest.mark.slow), []],
-    ids=["constrained", "free"],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [5, 40])
+@pytest.mark.parametrize("fixed", [[("xmin", "xyz")], []], ids=["constrained", "free"])
 def test_the_heaviest_oscillators_of_all_are_found_without_all(n, fixed):
     """On a plate, where masses do not fall with the frequency; LAPACK has all oscillators."""
     mesh = ao.box_mesh((0.2, 0.1, 0.01), (10, 5, 1), kind="hexahedron20")

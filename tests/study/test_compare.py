@@ -25,6 +25,7 @@ def table():
     )
 
 
+@pytest.mark.slow
 def test_every_model_has_its_row_relative_to_the_full_one(table):
     assert [row.model for row in table.rows] == [
         "rigid", "AO(1)", "AO(3)", "AO(8)", "modal(20)", "full",

@@ -115,6 +115,7 @@ def deviations(count: int) -> np.ndarray:
     return np.abs(found)
 
 
+@pytest.mark.slow
 def test_true_parameters_are_within_two_standard_errors() -> None:
     assert 0.9 <= (deviations(21) < 2.0).mean() <= 0.99
 

@@ -82,6 +82,7 @@ def test_a_contact_wider_than_the_laminate_is_thick(energy: float, n: int) -> No
         assert error < 0.06
 
 
+@pytest.mark.slow
 def test_yang_and_sun_unload_from_beyond_their_critical_indentation() -> None:
     """The peak is that of Hertz's law, and the rebound slower."""
     ply = ao.Orthotropic((120e9, 7.9e9, 7.9e9), (5.5e9, 5.5e9, 2.7e9), (0.3, 0.3, 0.46), rho=1580)

@@ -30,13 +30,8 @@ PAIRS = {
 }
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        name if name.startswith("two") else pytest.param(name, marks=pytest.mark.slow)
-        for name in PAIRS
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PAIRS)
 def test_two_contacts_on_a_massless_point(name):
     """Balls of 1 kg at 1 m/s, the second 0.1 mm behind, by the campaign's integration."""
     balls = Body(1.0, velocity=1.0), Body(1.0, velocity=1.0)

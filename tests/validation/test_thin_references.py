@@ -178,6 +178,7 @@ def test_solids_on_a_shell_are_struck() -> None:
     assert one.error["peak_force"].mesh is None  # the shell is not made finer
 
 
+@pytest.mark.slow
 def test_a_sheet_with_a_boss_is_struck_beside_it() -> None:
     """As the sheet alone is for 50 µs, in which no wave comes to the boss and back."""
     sheet, block = (
