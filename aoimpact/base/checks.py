@@ -15,14 +15,17 @@ import operator
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from reprlib import repr as _short
-from typing import Any
+from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
 import numpy.typing as npt
 
 from .errors import InputError, InputTypeError
+
+T = TypeVar("T")
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -478,6 +481,12 @@ def read_only(array: FloatArray) -> FloatArray:
     """Return an array after making it read-only."""
     array.flags.writeable = False
     return array
+
+
+@dataclass_transform(frozen_default=True, eq_default=False)
+def record(made: type[T]) -> type[T]:
+    """Return a class as a frozen dataclass that is compared by identity: arrays have no truth."""
+    return dataclass(frozen=True, eq=False)(made)
 
 
 class Frozen:

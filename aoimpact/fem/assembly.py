@@ -8,7 +8,6 @@ dofs have them, and no entry is ever stored twice.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray, at_once, bar, require, sp
+from ..base import FloatArray, IntArray, at_once, bar, record, require, sp
 from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
 from .beams import Beam, beam_mass, beam_stiffness
@@ -43,7 +42,7 @@ _BYTES_PER_BLOCK = 2 * 2 * 36 * 12
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Pattern:
     """The pairs of nodes that share an element, by rows.
 

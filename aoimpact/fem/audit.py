@@ -5,13 +5,12 @@ Only K and M, and the coordinates and labels of their rows, are looked at.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy
 
-from ..base import FloatArray, aligned, sp, with_unit
+from ..base import FloatArray, aligned, record, sp, with_unit
 from ..mesh import motions_at
 from .labels import axes_of
 
@@ -51,7 +50,7 @@ _SAMPLE = 2000
 _MOST_MISSING = 0.5
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Audit:
     """A body's figures, by which mistakes of units and files are seen.
 

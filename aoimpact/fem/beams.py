@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,10 @@ from ..base import (
     finite_array,
     positive,
     sequence,
+    within,
 )
-from .laminate import FAR_OFF
+from ..mesh import unit
+from .laminate import FAR_OFF, direction_or_none
 from .material import Material
 
 # Moments are linear and interpolated displacements cubic along an element.
@@ -32,6 +34,8 @@ _STIFFNESS_RULE, _MASS_RULE = (np.polynomial.legendre.leggauss(n) for n in (2, 4
 
 # Sine of the angle between a beam and its orientation below which the axes are rounding.
 _PARALLEL = 1e-6
+
+_length = partial(positive, unit="m")
 
 # Places on half a side of a rectangle at which stress is looked for: a parabola over the side that
 # falls to 0 at half a side from its largest value is missed by 1/(2 n)² of that at most, 0.4 %.
@@ -77,15 +81,10 @@ class BeamSection:
 
     def __post_init__(self) -> None:
         checked(self, area=positive, Iy=positive, Iz=positive, J=positive, points=_points)
-        given = sequence("shear_factors", self.shear_factors)
-        rigid = [isinstance(one, float) and one == math.inf for one in given]
-        shares = [1.0 if no else one for one, no in zip(given, rigid, strict=True)]
-        finite = finite_array("shear_factors", shares, shape=(2,)).tolist()
-        if not all(0.0 < one <= 1.0 for one in finite):
-            raise InputError(
-                f"shear_factors must be in (0, 1], or infinite, got {finite[0]:g} and {finite[1]:g}"
-            )
-        factors = (math.inf if no else one for one, no in zip(finite, rigid, strict=True))
+        given = enumerate(sequence("shear_factors", self.shear_factors))
+        factors = [positive(f"shear_factors[{i}]", one, infinite=True) for i, one in given]
+        if len(factors) != 2 or any(1.0 < one < math.inf for one in factors):
+            raise InputError(f"shear_factors must be two in (0, 1], or infinite, got {factors}")
         object.__setattr__(self, "shear_factors", tuple(factors))
 
     curvature = 0.0  # of the surface across the axis, 1/m: taken as flat
@@ -204,9 +203,8 @@ class TubularSection:
     def __post_init__(self) -> None:
         checked(self, radius=_length, thickness=_length)
         if self.thickness > self.radius:
-            raise InputError(
-                f"thickness must be at most radius={self.radius:g} m, got {self.thickness:g} m"
-            )
+            most = f"at most radius={self.radius:g} m"
+            raise InputError(f"thickness must be {most}, got {self.thickness:g} m")
 
     @property
     def curvature(self) -> float:
@@ -225,8 +223,8 @@ class TubularSection:
         :meta private:
         """
         outwards = np.stack([-strains[..., 2], strains[..., 1]], axis=-1)
-        size = np.linalg.norm(outwards, axis=-1, keepdims=True)
-        outwards = np.where(size > 0.0, outwards / np.where(size > 0.0, size, 1.0), [1.0, 0.0])
+        bent = outwards.any(axis=-1, keepdims=True)
+        outwards = np.where(bent, unit(outwards), [1.0, 0.0])
         across = np.stack([-outwards[..., 1], outwards[..., 0]], axis=-1)
         sides = self.radius * np.stack([outwards, -outwards, across, -across], axis=-2)
         inside = (self.radius - self.thickness) * np.stack([across, -across], axis=-2)
@@ -330,20 +328,12 @@ class Beam:
 
     def __post_init__(self) -> None:
         kinds = (BeamSection, RectangularSection, TubularSection)
-        checked(self, section=kinds, material=(Material,))
-        along_y, along_z = finite_array("offset", self.offset, shape=(2,), unit="m").tolist()
+        checked(self, section=kinds, material=(Material,), orientation=direction_or_none)
+        along = finite_array("offset", self.offset, shape=(2,), unit="m").tolist()
         most = FAR_OFF * math.sqrt(self.section.with_nu(self.material.nu).area)
-        if max(abs(along_y), abs(along_z)) > most:
-            raise InputError(
-                f"offset must be within ±{most:g} m ({FAR_OFF:g} √area), got {self.offset} m"
-            )
-        object.__setattr__(self, "offset", (along_y, along_z))
-        if self.orientation is not None:
-            axis = finite_array("orientation", self.orientation, shape=(3,))
-            if not axis.any():
-                raise InputError("orientation must not be zero")
-            object.__setattr__(self, "orientation", tuple(axis.tolist()))
-        else:
+        offset = tuple(within(f"offset[{i}]", one, -most, most) for i, one in enumerate(along))
+        object.__setattr__(self, "offset", offset)
+        if self.orientation is None:
             of = self.section
             alike = isinstance(of, TubularSection)  # along all directions across the beam
             if isinstance(of, BeamSection):
@@ -592,10 +582,6 @@ def _rectangle_twisted(y: FloatArray, z: FloatArray, short: float, long: float) 
     along_y = -(share * (above - below) * np.cos(n * y[:, None])).sum(axis=1)
     along_z = 2.0 * y - (share * (above + below) * np.sin(n * y[:, None])).sum(axis=1)
     return along_y, along_z
-
-
-def _length(name: str, value: Any) -> float:
-    return positive(name, value, unit="m")
 
 
 def _points(name: str, value: Any) -> tuple[tuple[float, ...], ...]:

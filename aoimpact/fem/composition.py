@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, Frozen, InputError, InputTypeError, IntArray, plain, with_unit
+from ..base import (
+    FloatArray,
+    Frozen,
+    InputError,
+    InputTypeError,
+    IntArray,
+    plain,
+    record,
+    with_unit,
+)
 from ..mesh import Block, Mesh, ReferenceElement, group
 from .beams import Beam
 from .labels import label_of
@@ -26,7 +34,7 @@ _FITTING: dict[str, tuple[str, Any]] = {
 _SOLID: tuple[str, Any] = ("a Material or an Orthotropic", Solid)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Materials(Frozen):
     """The materials of a body that has several.
 
@@ -146,7 +154,7 @@ def taken_material(material: AnyMaterial, cells: IntArray) -> AnyMaterial:
     return Materials(material.groups, tuple(material.materials[i] for i in used), index)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Piece:
     """Elements of one kind and one material.
 
@@ -225,7 +233,7 @@ def thickness_of_cells(mesh: Mesh, material: AnyMaterial) -> FloatArray:
     return found
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Layout:
     """The nodes of a mesh, one for each material that meets there: stress jumps between them.
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..base import HUGE, InputError, InputTypeError, finite_array, nonnegative
+from ..base import HUGE, InputError, InputTypeError, checked, finite_array, nonnegative
 
 
 def _coefficient(name: str, value: Any, unit: str = "") -> float:
@@ -44,8 +45,7 @@ class Rayleigh:
     beta: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "alpha", _coefficient("alpha", self.alpha, "1/s"))
-        object.__setattr__(self, "beta", _coefficient("beta", self.beta, "s"))
+        checked(self, alpha=partial(_coefficient, unit="1/s"), beta=partial(_coefficient, unit="s"))
 
     def decay(self, omega: npt.ArrayLike) -> Any:
         """Return σ = (α + β ω²)/2, 1/s, of modes x'' + 2σx' + ω²x = f.
@@ -80,7 +80,7 @@ class ModalDamping:
     ratio: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "ratio", _coefficient("ratio", self.ratio))
+        checked(self, ratio=_coefficient)
 
     def decay(self, omega: npt.ArrayLike) -> Any:
         """Return σ = ζω, 1/s, of modes x'' + 2σx' + ω²x = f; takes ω as `Rayleigh.decay` does.

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy
 
-from ..base import PRINTED, FloatArray, InputError, plain, sp, warn
-from ..mesh import Mesh
+from ..base import FloatArray, InputError, plain, sp, warn
+from ..mesh import Mesh, unit
 from .beams import Beam
 from .composition import AnyMaterial, pieces
 from .laminate import Layers
@@ -20,8 +19,6 @@ _NEARLY_INCOMPRESSIBLE = 0.45
 
 # Relative difference of mass between the surface of the nodes and the middle surface.
 _CURVED = 0.01
-
-_TINY = float(np.finfo(float).tiny)
 
 
 def warn_of_locking(mesh: Mesh, material: AnyMaterial) -> None:
@@ -75,7 +72,7 @@ def warn_of_curved_offsets(mesh: Mesh, material: AnyMaterial) -> None:
     normals = np.zeros_like(mesh.nodes)
     for part in shells:
         np.add.at(normals, part.cells, _areas(mesh.nodes[part.cells])[:, None])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), _TINY)
+    normals = unit(normals)
     mass, true = 0.0, 0.0
     for part in shells:
         moved = mesh.nodes + part.of.offset * normals
@@ -107,14 +104,7 @@ def warn_of_separate_parts(mesh: Mesh, masses: Any) -> None:
         return
     of_cell = part[mesh.cells[:, 0]]
     sizes = np.bincount(of_cell, minlength=count)
-    other = int(np.flatnonzero(of_cell != sizes.argmax())[0])
-    place = plain(mesh.nodes[mesh.cells[other]].mean(axis=0))
-    pairs = scipy.spatial.KDTree(mesh.nodes).query_pairs(PRINTED * mesh.size, output_type="ndarray")
-    cure = "make a body of each, by part="
-    if len(pairs):
-        cure = f"merge the {len(pairs)} pairs of nodes that lie at the same place"
-    warn(
-        f"the mesh has {count} parts that share no nodes: {sizes.max()} of {mesh.n_cells} "
-        f"elements, and others such as near {place} m. Mass and centre of mass are those of all: "
-        f"{cure}"
-    )
+    place = plain(mesh.nodes[mesh.cells[(of_cell != sizes.argmax()).argmax()]].mean(axis=0))
+    which = f"{sizes.max()} of {mesh.n_cells} elements, and others such as near {place} m"
+    cure = "merge nodes that lie at the same place, or make a body of each, by part="
+    warn(f"the mesh has {count} parts that share no nodes: {which}. All are one body here: {cure}")

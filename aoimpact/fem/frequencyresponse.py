@@ -36,6 +36,7 @@ from ..base import (
     InputTypeError,
     choice,
     finite_array,
+    given_axes,
 )
 from ..linalg import lowest
 from .damping import Damping, ModalDamping, Rayleigh
@@ -110,10 +111,7 @@ class FrequencyResponse(Frozen):
         >>> end = chain.contact(dof=1)
         >>> ax = chain.frf(excitation=end, frequencies=np.linspace(1, 500, 100)).plot()
         """
-        if ax is None:
-            from matplotlib import pyplot as plt  # slow to import
-
-            ax = plt.subplots()[1]
+        ax = given_axes(ax)
         ax.semilogy(self.frequencies, np.abs(self.values), **kwargs)
         ax.set(xlabel="frequency [Hz]", ylabel=f"{self.kind} [{KINDS[self.kind]}]")
         return ax

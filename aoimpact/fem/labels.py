@@ -136,10 +136,7 @@ def missing_node(name: str, labels: IntArray, node: int) -> InputError:
     known = np.unique(labels[labels > 0])
     if not len(known):
         return InputError(f"{name} {node}: no row of K has the label of a node")
-    near = known[np.argsort(np.abs(known - node), kind="stable")[:3]]
-    return InputError(
-        f"{name}: there is no node {node}"
-        + (" with a row in K, supports may hold it" if (labels < 0).any() else "")
-        + f"; the {len(known)} labelled nodes run from {known[0]} to {known[-1]}, near are "
-        f"{', '.join(map(str, sorted(near.tolist())))}"
-    )
+    near = known[np.abs(known - node).argmin()]
+    held = " with a row in K, supports may hold it" if (labels < 0).any() else ""
+    run = f"the {len(known)} labelled nodes run from {known[0]} to {known[-1]}"
+    return InputError(f"{name}: there is no node {node}{held}; {run}, the nearest number is {near}")

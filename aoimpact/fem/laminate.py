@@ -12,14 +12,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, checked, finite_array, instance, positive, real
-from ..base import sequence as listed
+from ..base import FloatArray, InputError, checked, finite_array, instances, real, within
 from .material import Material, Orthotropic, Solid
 
 _AXES = Orthotropic.axes
@@ -27,8 +26,8 @@ _AXES = Orthotropic.axes
 # Components of plane stress, and (xz, yz), in the order xx, yy, zz, xy, yz, xz.
 _PLANE, _SHEAR = [0, 1, 3], [5, 4]
 
-# Range of thicknesses, m, of which stiffness is computed.
-_THINNEST, _THICKEST = 1e-9, 1e3
+# Thicknesses, m, of which stiffness is computed.
+_thickness = partial(within, low=1e-9, high=1e3)
 
 # Offset over the thickness from which on it is in another unit: millimetres make it a thousand.
 FAR_OFF = 100.0
@@ -93,6 +92,10 @@ class Layers:
     plies: tuple[Ply, ...]
     offset: float
 
+    def _check_offset(self) -> None:
+        most = FAR_OFF * self.total_thickness
+        checked(self, offset=partial(within, low=-most, high=most))
+
     @property
     def reference(self) -> FloatArray | None:
         """The direction whose projection is the local x axis; None if any is as good.
@@ -117,7 +120,9 @@ class Layers:
 
         :meta private:
         """
-        return self.offset != 0.0 or len(self.plies) > 1 or self.plies[0].angle_deg != 0.0
+        plies = [(ply.thickness, ply.material, ply.angle_deg % 180.0) for ply in self.plies]
+        over = [(*of_ply, -angle % 180.0) for *of_ply, angle in plies[::-1]]
+        return self.offset != 0.0 or over != plies
 
     @property
     def narrowest(self) -> float:
@@ -291,7 +296,7 @@ class Shell(Layers):
 
     def __post_init__(self) -> None:
         checked(self, thickness=_thickness, material=(Material, Orthotropic))
-        object.__setattr__(self, "offset", _offset(self.offset, self.thickness))
+        self._check_offset()
 
     @cached_property
     def plies(self) -> tuple[Ply, ...]:  # type: ignore[override]
@@ -342,21 +347,13 @@ class Laminate(Layers):
     offset: float = 0.0
 
     def __post_init__(self) -> None:
-        stack = tuple(
-            instance(f"plies[{i}]", ply, Ply) for i, ply in enumerate(listed("plies", self.plies))
-        )
-        if not stack:
+        checked(self, plies=partial(instances, kind=Ply), fibre_axis=direction_or_none)
+        if not self.plies:
             raise InputError("plies must have at least one Ply, got none")
-        fibre_axis = self.fibre_axis
-        if fibre_axis is not None:
-            fibre_axis = tuple(finite_array("fibre_axis", fibre_axis, shape=(3,)).tolist())
-            if not any(fibre_axis):
-                raise InputError("fibre_axis must not be zero")
-        object.__setattr__(self, "plies", stack)
-        object.__setattr__(self, "fibre_axis", fibre_axis)
-        if fibre_axis is None and any(isinstance(ply.material, Orthotropic) for ply in stack):
+        fibrous = any(isinstance(ply.material, Orthotropic) for ply in self.plies)
+        if self.fibre_axis is None and fibrous:
             raise InputError("fibre_axis: orthotropic plies need the direction of 0 degrees")
-        object.__setattr__(self, "offset", _offset(self.offset, self.total_thickness))
+        self._check_offset()
 
     @property
     def reference(self) -> FloatArray | None:
@@ -367,19 +364,11 @@ class Laminate(Layers):
         return None if self.fibre_axis is None else np.array(self.fibre_axis)
 
 
-def _thickness(name: str, value: Any) -> float:
-    thickness = positive(name, value, unit="m")
-    if not _THINNEST <= thickness <= _THICKEST:
-        raise InputError(
-            f"{name} must be within {_THINNEST:g} … {_THICKEST:g} m, got {thickness:g} m"
-        )
-    return thickness
-
-
-def _offset(value: Any, thickness: float) -> float:
-    offset, most = real("offset", value, unit="m"), FAR_OFF * thickness
-    if abs(offset) > most:
-        raise InputError(
-            f"offset must be within ±{most:g} m ({FAR_OFF:g} thicknesses), got {offset:g} m"
-        )
-    return offset
+def direction_or_none(name: str, value: Any) -> tuple[float, ...] | None:
+    """Return a direction, of any length but zero, as a tuple; None as it is."""
+    if value is None:
+        return None
+    axis = finite_array(name, value, shape=(3,))
+    if not axis.any():
+        raise InputError(f"{name} must not be zero")
+    return tuple(axis.tolist())

@@ -111,16 +111,10 @@ class Material:
     def __post_init__(self) -> None:
         given = ["E", "rho"]
         given += [name for name in _OPTIONAL if getattr(self, name) is not None]
-        for name in given:
-            object.__setattr__(
-                self, name, positive(name, getattr(self, name), unit=_SOLIDS[name][0])
-            )
-        nu = real("nu", self.nu)
-        if not -1.0 < nu < 0.5:
-            raise InputError(
-                f"nu must lie between -1 and 0.5, both excluded, got {nu:g}; take 0.499 at most"
-            )
-        object.__setattr__(self, "nu", nu)
+        checks = {name: partial(positive, unit=_SOLIDS[name][0]) for name in given}
+        checked(self, **checks, nu=real)
+        if not -1.0 < self.nu < 0.5:
+            raise InputError(f"nu must lie between -1 and 0.5, got {self.nu:g}; 0.499 is the most")
         for name in given:
             warn_of_units(name, getattr(self, name))
 

@@ -9,12 +9,11 @@ several edges together may, and so may pieces around a ring: that is a question 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..base import ROUNDING, FloatArray, IntArray, sp
+from ..base import ROUNDING, FloatArray, IntArray, plain, record, sp
 from ..linalg import lowest, m_orthonormal
 from ..mesh import Surface, motions_at
 
@@ -30,7 +29,7 @@ _UNRESISTED = 1e-8
 _FIRST_BLOCK = 32
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Mechanism:
     """Motions of a body without elastic force that are not rigid-body motions.
 
@@ -58,17 +57,10 @@ class Mechanism:
         places, part, (joint, *sides), turns = self._known
         turn = turns @ (b @ self.motions)
         apart = np.linalg.norm(turn[sides[0]] - turn[sides[1]], axis=1)
-        pair = [int(side[apart.argmax()]) for side in sides]
-        sizes = np.bincount(part)
-        small, large = sorted(pair, key=sizes.__getitem__)
-        first = int(np.flatnonzero(part == small)[0])
-        nodes = np.unique(joint[np.isin(sides, pair).all(axis=0)])
-        place = ", ".join(f"{x:.4g}" for x in places[nodes[0]])
-        shared = f"node {nodes[0]}" if len(nodes) == 1 else f"{len(nodes)} nodes on a line"
-        return (
-            f"{sizes[small]} of {len(part)} elements, the first is element {first}, share no "
-            f"side with the others, but {shared} near ({place}) m with {sizes[large]} of them"
-        )
+        most, sizes = apart.argmax(), np.bincount(part)
+        node, small = joint[most], min((side[most] for side in sides), key=sizes.__getitem__)
+        which = f"{sizes[small]} of {len(part)} elements, the first is {(part == small).argmax()}"
+        return f"{which}, share no side with others, but nodes as near {plain(places[node])} m"
 
 
 def mechanism_of(

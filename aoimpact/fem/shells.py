@@ -20,12 +20,11 @@ K = Σ w Bᵀ C B, and strains of a deformed body follow from the same B.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from ..base import PRINTED, ArrayPair, FloatArray, InputError, IntArray, plain
-from ..mesh import dot, pairs, sides
+from ..base import PRINTED, ArrayPair, FloatArray, InputError, IntArray, plain, record
+from ..mesh import dot, pairs, parted, sides, unit
 from .laminate import Layers
 
 # Stiffness against the drilling strain over the membrane's shear stiffness. It is small so that
@@ -69,7 +68,7 @@ _NATURAL = np.array(
 )
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Strains:
     """Generalised strains of some elements as functions of their nodes' freedoms.
 
@@ -155,16 +154,16 @@ def element_frames(corners: FloatArray, layers: Layers | None) -> ArrayPair:
     else:  # along r and s, in the middle
         first = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
         second = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
-    normal = _unit(np.cross(first, second))
+    normal = unit(np.cross(first, second))
     reference = None if layers is None else layers.reference
-    along = _unit(first if reference is None else np.broadcast_to(reference, first.shape))
-    across = along - np.einsum("ni,ni->n", along, normal)[:, None] * normal
+    along = unit(first if reference is None else np.broadcast_to(reference, first.shape))
+    across = along - dot(along, normal)[:, None] * normal
     if count := np.count_nonzero(np.linalg.norm(across, axis=1) < _ACROSS):
         raise InputError(
             f"fibre_axis or axis 1, {plain(along[0])}, is normal to {count} elements; "
             "give a direction along the surface"
         )
-    x = _unit(across)
+    x = unit(across)
     frames = np.stack([x, np.cross(normal, x), normal], axis=1)
     local = np.einsum("nij,naj->nai", frames, corners - corners.mean(axis=1, keepdims=True))
     return frames, local
@@ -187,10 +186,7 @@ def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatAr
     for one, other in pairs(at):
         cosine = dot(normal[one], normal[other])
         total[one] += np.where(np.abs(cosine) > FOLD, np.sign(cosine), 0.0)[:, None] * normal[other]
-    mean = _unit(total)
-    ends = np.cumsum([cells.size for cells in groups])[:-1]
-    parts = np.split(mean, ends)
-    return [part.reshape(*cells.shape, 3) for part, cells in zip(parts, groups, strict=True)]
+    return parted(unit(total), groups)
 
 
 def _facets(nodes: FloatArray, groups: Sequence[IntArray]) -> FloatArray:
@@ -226,14 +222,14 @@ def rigid_ends(
         elements' corners. The strips, shape (any, 4), are elements between these and the line that
         stretch, bend and twist along it, and their links have the shape (any, 4, 3).
     """
-    sizes = [cells.size for cells, _ in parts]
-    at, edge, inside, away = sides(nodes, [cells for cells, _ in parts])
+    groups = [cells for cells, _ in parts]
+    at, edge, inside, away = sides(nodes, groups)
     depth = np.linalg.norm(away, axis=1)
     m = away / depth[:, None]
-    n = _facets(nodes, [cells for cells, _ in parts])
-    half, offset = np.repeat(
-        [(0.5 * of.total_thickness, of.offset) for _, of in parts], sizes, axis=0
-    ).T
+    n, rows = _facets(nodes, groups), parted(np.arange(len(at)), groups)
+    half, offset = np.empty((2, len(at)))
+    for of, (_, layers) in zip(rows, parts, strict=True):
+        half[of], offset[of] = 0.5 * layers.total_thickness, layers.offset
     reach, through = np.zeros(len(at)), np.zeros(len(at), dtype=bool)
     for one, other in pairs(edge):
         cosine = dot(m[one], m[other])
@@ -243,9 +239,9 @@ def rigid_ends(
         reach[one] = np.maximum(reach[one], np.where(np.abs(cosine) <= FOLD, start, 0.0))
         through[one] |= cosine < -FOLD
     moved = np.minimum(np.where(through, 0.5, 1.0) * reach, 2.0 * _ENDS * depth)[:, None] * m
-    rows, ends = np.split(np.arange(len(at)), np.cumsum(sizes)[:-1]), np.zeros_like(m)
-    for (cells, _), of in zip(parts, rows, strict=True):
-        ends[of] = moved[of] + np.roll(moved[of].reshape(*cells.shape, 3), 1, axis=1).reshape(-1, 3)
+    ends = np.zeros_like(m)
+    for of in rows:
+        ends[of] = moved[of] + np.roll(moved[of], 1, axis=1)
     # Corners of elements that have only a node on the line go with their neighbours'.
     own, total, count = ends.any(axis=1), np.zeros_like(ends), np.zeros(len(at))
     for one, other in pairs(at[:, 0]) if own.any() else ():
@@ -255,10 +251,9 @@ def rigid_ends(
         count[one[follows]] += 1.0
     ends[~own] = total[~own] / np.maximum(count[~own], 1.0)[:, None]
     found = []
-    for (cells, _), of in zip(parts, rows, strict=True):
-        on = of[moved[of].any(axis=1)]
-        strip = at[on][:, [0, 1, 1, 0]], moved[on][:, None] * _ON_ELEMENT
-        found.append((ends[of].reshape(*cells.shape, 3), *strip))
+    for of in rows:
+        on = of[moved[of].any(axis=2)]
+        found.append((ends[of], at[on][:, [0, 1, 1, 0]], moved[on][:, None] * _ON_ELEMENT))
     return found
 
 
@@ -292,7 +287,7 @@ def linked(corners: FloatArray, normals: FloatArray, shape: FloatArray) -> Float
     bulge = 0.5 * shape * after / np.where(beside > 0.0, beside, 1.0)
     edge = bulge[..., None] * (np.roll(corners, -1, axis=0) - corners)
     arms = np.cross(edge - np.roll(edge, 1, axis=1), normals)
-    return _unit(shape @ normals)[:, :, None, None] * arms[:, None]
+    return unit(shape @ normals)[:, :, None, None] * arms[:, None]
 
 
 def strain_rows(
@@ -360,7 +355,7 @@ def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -
     cross[..., 0, 2], cross[..., 2, 0] = -x, x
     cross[..., 1, 2], cross[..., 2, 1] = -y, y
     turn = np.eye(3) + cross + cross @ cross / (1.0 + z)[..., None, None]
-    turn[..., 2, :] = _unit(normals + np.array([0.0, 0.0, 1.0]))
+    turn[..., 2, :] = unit(normals + np.array([0.0, 0.0, 1.0]))
     if nodes == 3:
         slopes = np.linalg.inv(local[:, 1:, :2] - local[:, :1, :2]) @ _LINEAR
     else:
@@ -389,11 +384,6 @@ def _mean_membrane(stiffness: FloatArray) -> tuple[float, float]:
     across, shear = float(stiffness[0, 1]), float(stiffness[2, 2])
     ratio = (direct + 6.0 * across - 4.0 * shear) / (3.0 * direct + 2.0 * across + 4.0 * shear)
     return ratio, (direct - 2.0 * across + 4.0 * shear) / 8.0
-
-
-def _unit(vectors: FloatArray) -> FloatArray:
-    unit: FloatArray = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return unit
 
 
 def _condensed(

@@ -14,13 +14,13 @@ the ground as one moves the body as one, φ = g, and R is what changes its momen
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import scipy
 
-from ..base import ArrayPair, FloatArray, InputError, IntArray, SingularError, sp
+from ..base import ArrayPair, FloatArray, InputError, IntArray, SingularError, record, sp
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from ..mesh import motions_at
 from .model import FEModel
@@ -132,7 +132,7 @@ def whole_motion(model: FEModel) -> ArrayPair:
     return functionals, momenta
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class VirtualMotion:
     """The body's static displacement where the ground moves, for m motions of the ground.
 

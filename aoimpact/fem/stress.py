@@ -12,12 +12,11 @@ that of the stiffest.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, IntArray, choice
+from ..base import ArrayPair, FloatArray, IntArray, choice, record
 from ..mesh import Mesh, cofactors, jacobians, reference_element
 from .composition import AnyMaterial, Layout, OneMaterial, Piece, each_of, layout, pieces
 from .material import PAIRS, PLACES, Material
@@ -35,7 +34,7 @@ UNIT_STRAINS = np.eye(6)[:, PLACES] / ANGLE[:, None, None]
 _BATCH = 16e6
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Tensor:
     """A symmetric tensor at points of a body.
 
@@ -67,7 +66,7 @@ class Tensor:
         return np.asarray(np.linalg.eigvalsh(self.tensor), dtype=np.float64)[..., ::-1]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Stress(Tensor):
     """Stress at points of a body, Pa; see `Tensor`."""
 
@@ -79,7 +78,7 @@ class Stress(Tensor):
         return np.asarray(np.sqrt(0.5 * direct + 3.0 * (xy**2 + yz**2 + xz**2)))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Strain(Tensor):
     """Strain at points of a body; see `Tensor`. Shears are those of the tensor, half of γ."""
 

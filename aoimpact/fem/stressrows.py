@@ -22,11 +22,12 @@ from ..base import (
     InputError,
     IntArray,
     finite_array,
+    record,
     sp,
     text,
     warn,
 )
-from ..mesh import Mesh, group
+from ..mesh import Mesh, group, parted
 from .beams import Beam, BeamSection, beam_frames, beam_rows
 from .composition import AnyMaterial, Piece, layout, pieces
 from .laminate import Layers
@@ -114,7 +115,7 @@ def checked_layer(layer: Any = None, part: Any = None) -> Layer:
 _Sections = tuple[IntArray, FloatArray, Beam]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StressRows:
     """Stress, or strain, at places of a body by its dofs.
 
@@ -175,7 +176,7 @@ class StressRows:
         return found
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Wanted:
     """Places of a body of shells and beams, and which stress is wanted there.
 
@@ -435,9 +436,7 @@ def _shell_pieces(
         for of, on in [(part.cells.ravel(), normal.reshape(-1, 3).round(_ALIKE) + 0.0)]
     ]
     places, place = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
-    ends = np.cumsum([part.cells.size for part in parts])[:-1]
-    found = []
-    split = np.split(place.reshape(-1), ends)
+    found, split = [], parted(place.reshape(-1), [part.cells for part in parts])
     for part, normal, (link, *_), own in zip(parts, normals, joints, split, strict=True):
         rows = wanted[part.numbers]
         some = part.taken(rows)
@@ -445,6 +444,5 @@ def _shell_pieces(
             continue
         corners = mesh.nodes[some.cells]
         strains = strain_rows(corners, part.of, normal[rows], link[rows], constant=constant)
-        at = own.reshape(part.cells.shape)[rows]
-        found.append((some, strains, at))
+        found.append((some, strains, own[rows]))
     return found, places[:, 0].astype(np.int64)

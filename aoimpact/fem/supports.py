@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -13,7 +12,6 @@ import numpy.typing as npt
 
 from ..base import (
     PRINTED,
-    BoolArray,
     FloatArray,
     InputError,
     InputTypeError,
@@ -24,6 +22,7 @@ from ..base import (
     nearest,
     place,
     positive,
+    record,
     sp,
     warn,
 )
@@ -42,13 +41,6 @@ _FAR = 50.0
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
 Support = tuple[Selector, str] | tuple[Selector, str, str]
-
-
-def constrained(free: IntArray, n_nodes: int) -> BoolArray:
-    """Return True for each component of a node that a support holds, shape (n_nodes, 3)."""
-    mask = np.ones(3 * n_nodes, dtype=bool)
-    mask[free[free < len(mask)]] = False
-    return mask.reshape(-1, 3)
 
 
 def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
@@ -218,7 +210,7 @@ def selected_nodes(
     return np.flatnonzero(mask)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class RigidMass:
     """A rigid part of a machine on some nodes: a mass with a centre and moments of inertia.
 
@@ -369,7 +361,8 @@ def spring_stiffness(
     """
     how = 'give a list such as [("mounts", "z", 1e6)]: nodes, letters, N/m'
     total = np.zeros((mesh.n_nodes, 3))
-    held = constrained(free, mesh.n_nodes)
+    held = np.ones((mesh.n_nodes, 3), dtype=bool)
+    held.reshape(-1)[free[free < held.size]] = False
     for name, (selector, letters, stiffness) in entries("springs", springs, (3,), how):
         ids = nodes_of_mesh(name, selector, mesh)
         share = _bounded(f"{name}: the stiffness", stiffness, "N/m") / len(ids)

@@ -7,6 +7,5 @@ this folder, but for `FEModel.from_mesh`, which takes the path of a mesh.
 
 from .matrices import load_matrices, read_matrices
 from .raw import RawMatrix
-from .read import load, paper_sphere_mesh, read_for, read_mesh
-from .readsections import read_sections
+from .read import load, paper_sphere_mesh, read_for, read_mesh, read_sections
 from .write import write_matrices

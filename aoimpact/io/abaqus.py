@@ -20,8 +20,9 @@ from typing import Any, Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..base import FloatArray, IntArray, MeshError, nearest, warn
+from ..base import FloatArray, IntArray, MeshError, nearest, record, warn
 from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
+from ..mesh import dot
 from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
@@ -183,7 +184,7 @@ def _kind(name: str) -> str:
 # ----- parts, instances and the assembly
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class AbaqusDeck:
     """Keywords of a deck beyond its mesh.
 
@@ -434,7 +435,7 @@ def _warn(file: Path, deck: AbaqusDeck, shown: set[str]) -> None:
 # ----- nodes, elements and sets
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Elements:
     """Elements of one type.
 
@@ -603,7 +604,9 @@ class Scope:
             towards = name[0] == "B" and [len(row) for row in keyword.rows[:1]] == [n + 2]
             table = keyword.connectivity(n + towards)[:, : n + 1]
         else:  # between instances, nodes have names
-            numbers = [keyword.integers(i, keyword.rows[i][:1]) for i in keyword.begun]
+            ends = enumerate(["", *keyword.data[:-1]])  # of the lines before
+            begun = [i for i, end in ends if keyword.data and not end.endswith(",")]
+            numbers = [keyword.integers(i, keyword.rows[i][:1]) for i in begun]
             kind, table = "", np.reshape(np.array(numbers, dtype=np.int64), (-1, 1))
         keyword.labels = table[:, 0]
         new = _Elements(name, kind, dim, table[:, 0], table[:, 1:], keyword, towards)
@@ -770,7 +773,7 @@ _ELASTIC: dict[str, tuple[int, Callable[..., Solid]]] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Section:
     """A section's card, the turn of the instance where it is, and its cells there."""
 
@@ -870,8 +873,7 @@ class _Section:
         """Return the angle, degrees, from a direction to axis 1 of a ply's own orientation."""
         normals = self.source.directions(self.members)
         first, own = (across(v, normals) for v in (reference, self.along(name)))
-        sine = np.einsum("ni,ni->n", np.cross(first, own), normals)
-        angles = np.arctan2(sine, np.einsum("ni,ni->n", first, own))
+        angles = np.arctan2(dot(np.cross(first, own), normals), dot(first, own))
         if np.abs(np.exp(1j * angles) - np.exp(1j * angles[0])).max() > _ANGLE:
             raise self.card.error(f"the orientation {name} is at several angles to the first ply")
         return float(np.degrees(angles[0]))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
-from .raw import columns, number, read_text, refused
+from .raw import columns, number, numbers, read_text, refused
 
 # Numbers of a data line that has no room for more.
 _FULL = 16
@@ -33,6 +33,7 @@ _WITH_INPUT = frozenset(("NODE", "ELEMENT", "NSET", "ELSET"))
 
 # Keywords that a mesh begins with.
 _FIRST = frozenset(("HEADING", "NODE", "ELEMENT", "PART", "INCLUDE", "PREPRINT", "NSET", "ELSET"))
+_KEYWORD = re.compile(r"\s*\*(?!\*)")
 _BEGIN = re.compile(r"(?:\s*\*\*.*\n)*\s*\*\s*([A-Za-z][A-Za-z -]*)")
 
 
@@ -84,12 +85,6 @@ class Keyword:
             if each:
                 found[key(name)] = value.strip()
         return found
-
-    @cached_property
-    def begun(self) -> list[int]:
-        """Numbers of the data lines that are not the continuation of another."""
-        ends = ["", *self.data]
-        return [i for i in range(len(self.data)) if not ends[i].endswith(",")]
 
     @cached_property
     def rows(self) -> list[list[str]]:
@@ -170,20 +165,15 @@ class Keyword:
             first = np.searchsorted(end - own, (end - own)[row] // width * width)
             why = f"the element must have {n_nodes} nodes; a line goes on after a comma"
             raise self.error(why, int(first))
-        cuts = np.flatnonzero(end % width == 0) + 1
-        whole = [",".join(lines[start:stop]) for start, stop in pairwise([0, *cuts.tolist()])]
-        table = columns(whole, width, ",")
-        written = "".join(lines)  # 3.0 is no integer
-        if (
-            table is None
-            or re.search(r"[^\d\s,+]", written)
-            or (table != table.clip(1, MOST)).any()
-        ):
+        written = ",".join(lines)  # 3.0 is no integer
+        words = written.encode("latin-1", "replace").split(b",") if lines else []
+        table = numbers(np.array(words, "S"))
+        if re.search(r"[^\d\s,+]", written) or (table != table.clip(1, MOST)).any():
             for row, texts in enumerate(self.rows):
                 if not all(0 < each <= MOST for each in self.integers(row, texts)):
                     raise self.error("numbers must be positive, and below 2^53", row)
             raise self.error("its numbers cannot be read")
-        return table.astype(np.int64)
+        return table.astype(np.int64).reshape(-1, width)
 
 
 def padded(row: list[Any], fill: list[Any]) -> list[Any]:
@@ -256,11 +246,7 @@ def read_keywords(main: Path) -> list[Keyword]:
     def add(file: Path, outer: tuple[Path, ...]) -> None:
         """Add the keywords of a file; the last one of `outer` is the file itself."""
         lines = read_text(file).split("\n")
-        starts = [
-            i
-            for i, line in enumerate(lines)
-            if "*" in line and (text := line.lstrip())[:1] == "*" and text[1:2] != "*"
-        ]
+        starts = [i for i, line in enumerate(lines) if "*" in line and _KEYWORD.match(line)]
         for start, stop in pairwise([-1, *starts, len(lines)]):
             after = 0
             if start >= 0:

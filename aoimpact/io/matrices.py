@@ -36,7 +36,7 @@ from .entries import is_market, is_nodal, is_triples, read_market, read_nodal, r
 from .nastran import NastranDeck, is_dmig, read_dmig
 from .nastrandeck import is_nastran
 from .op4 import is_op4, read_op4
-from .raw import RawMatrix, at, codes, columns, naming, rows_of, spoilt
+from .raw import RawMatrix, at, codes, columns, naming, repeats, rows_of, spoilt
 from .read import existing, load, read_mesh
 
 # Units of length and mass, in m and kg: from nanometres and -grams to beyond any.
@@ -515,8 +515,8 @@ def _labelled(where: str, table: FloatArray) -> Places:
     labels, order = table[:, 0].astype(np.int64), np.argsort(table[:, 0], kind="stable")
     if (labels != table[:, 0]).any():
         raise InputError("nodes: the first of four columns must be labels, integers")
-    for twice in np.flatnonzero(np.diff(labels[order]) == 0)[:1]:
-        raise InputError(f"{where}: node {labels[order][twice]} is there twice; give one part")
+    for twice in labels[repeats(labels)][:1]:
+        raise InputError(f"{where}: node {twice} is there twice; give one part")
     return labels[order], table[order, 1:]
 
 

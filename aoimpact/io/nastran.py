@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, IntArray, MeshError, sp, warn
+from ..base import ArrayPair, FloatArray, IntArray, MeshError, record, sp, warn
 from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
 from ..mesh import jacobian_range, reference_element
 from .nastrandeck import INTEGER, BulkData, Card, Lines, Table, read_deck
@@ -292,7 +292,7 @@ def _beside(raw: RawMesh, bulk: BulkData) -> str:
 _Definition = tuple[tuple[str, tuple[int, ...], tuple[float, ...]], Callable[[str], MeshError]]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Grids:
     """Nodes by ascending labels, and the coordinate systems.
 
@@ -472,11 +472,9 @@ def _sets(control: Lines, bulk: BulkData) -> dict[str, tuple[tuple[str, ...], st
 
 # ----- sections
 
-# Fields of surface elements, from their number on, by the kind of all their nodes: angle or system
-# of the material, offset, and thickness at the nodes.
+# Field of surface elements, from their number on, by the kind of all their nodes: angle or system
+# of the material; the offset follows. Thickness at the nodes is in fields 10 to 12 or 13.
 _THETA = {"quad": 6, "triangle": 5, "triangle6": 8, "quad8": 14}
-_ZOFFS = {kind: at + 1 for kind, at in _THETA.items()}
-_NODAL = {kind: slice(10, 14 if kind.startswith("quad") else 13) for kind in _THETA}
 
 _WTMASS = re.compile(rb"\s*PARAM[\s,*]+WTMASS[\s,]+([^\s,]+)")
 
@@ -616,9 +614,10 @@ class NastranDeck:
         """Return what ZOFFS of all elements is, in metres; refuse thickness at nodes."""
         found = []
         for table, layout in self.entries(own):
-            nodal = np.any(~table.blank[:, _NODAL[layout]], axis=1)
+            last = 14 if layout.startswith("quad") else 13
+            nodal = np.any(~table.blank[:, 10:last], axis=1)
             table.refuse_first(nodal, "thickness at the nodes is not read; give it in the property")
-            found.append(table.reals(_ZOFFS[layout], 1)[:, 0])
+            found.append(table.reals(_THETA[layout] + 1, 1)[:, 0])
         offsets = np.concatenate(found)
         if np.any(offsets != offsets[0]):
             raise card.error("ZOFFS of its elements differs; give properties of their own")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from itertools import zip_longest
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..base import BoolArray, FloatArray, IntArray, MeshError, decoded, require
+from ..base import BoolArray, FloatArray, IntArray, MeshError, decoded, record, require
 from .raw import number, numbers, read_text, refused
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
@@ -51,9 +51,6 @@ _DEFAULTS = {"GRID": "GRDSET", "CBAR": "BAROR", "CBEAM": "BEAMOR"}
 # Entries of four fields, of which one may have two.
 _PAIRS = ["CROD", "CTUBE", "CORD1R", "CORD1C", "CORD1S"]
 
-# First characters of BEGIN and CEND.
-_SECTIONS = frozenset((b"B", b"C", b" "))
-
 _NAME = re.compile(rb"[A-Z][A-Z0-9]*")
 
 # Relative difference from a number with few digits, such as 0.833 for 5/6.
@@ -65,7 +62,7 @@ def is_nastran(content: bytes) -> bool:
     return _BULK.search(decoded(content) or "") is not None
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Lines:
     """Lines in capitals, without comments, tabs and blank lines.
 
@@ -105,11 +102,8 @@ def read_deck(file: Path) -> tuple[Lines, BulkData]:
     MemoryLimitError
     """
     lines = _all_lines(file)
-    found: dict[bytes, list[int]] = {b"BEGIN": [], b"CEND": []}
-    for i, line in enumerate(lines.text):
-        if line[:1] in _SECTIONS and (name := _SECTION.match(line)):
-            found[name[1]].append(i)
-    begins, cends = found.values()
+    marks = [(i, of[1]) for i, line in enumerate(lines.text) if (of := _SECTION.match(line))]
+    begins, cends = ([i for i, of in marks if of == name] for name in (b"BEGIN", b"CEND"))
     if cends and not begins:
         raise lines.refused(cends[0], "CEND", "BEGIN BULK is missing after it")
     for i in begins:
@@ -320,7 +314,7 @@ def read_bulk_data(lines: Lines) -> BulkData:
     return BulkData(lines, names)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Card:
     """An entry of bulk data by itself, with its fields from field 2 on."""
 
@@ -366,7 +360,7 @@ class Card:
             raise self.error(f"{what}={value:g} is not supported; only {wanted:g} is")
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class BulkData:
     """Entries of bulk data by name, each with the lines that continue it."""
 
@@ -400,24 +394,21 @@ class BulkData:
         table.refuse_first(np.array(surplus), "it has more fields than entries of this kind")
         for name, default in _DEFAULTS.items():
             if name in widths and {name, default} <= self.names.keys():
-                table = self._with_defaults(table, name, self.table(**{default: 8}))
+                given = self.table(**{default: 8})
+                given.refuse_first(np.arange(len(given)) > 0, "another one is there")
+                blank = table.blank & (table.names == name)[:, None]
+                blank[:, 8:] = False
+                if name != "GRID":  # an integer X1 is the node G0, without X2 and X3
+                    real = table.blank[:, 4] | (np.char.count(table.fields[:, 4], b".") > 0)
+                    blank[:, 5:7] &= real[:, None]
+                filled = np.where(blank, np.resize(given.fields[0], width), table.fields)
+                table = replace(table, fields=filled)
         pairs = np.isin(table.names, _PAIRS)
         second = pairs & ~table.blank[:, 4:8].all(axis=1)
         every = table.select(np.append(np.arange(len(found)), np.flatnonzero(second)))
         every.fields[len(found) :] = np.roll(table.fields[second], -4, axis=1)
         every.fields[np.append(pairs, second[second]), 4:] = b""
         return every
-
-    def _with_defaults(self, table: Table, name: str, given: Table) -> Table:
-        """Return a table with the fields of an entry where those of one name are blank."""
-        given.refuse_first(np.arange(len(given)) > 0, "another one is there")
-        blank = table.blank & (table.names == name)[:, None]
-        blank[:, 8:] = False
-        if name != "GRID":  # an integer X1 is the node G0, without X2 and X3
-            real = table.blank[:, 4] | (np.char.count(table.fields[:, 4], b".") > 0)
-            blank[:, 5:7] &= real[:, None]
-        default = np.resize(given.fields[0], table.fields.shape[1])
-        return replace(table, fields=np.where(blank, default, table.fields))
 
     def quads(self, name: str) -> tuple[Table, IntArray]:
         """Return the data fields of entries of any length by fours, and the entry of each four."""
@@ -439,7 +430,7 @@ class BulkData:
                 yield Card(name, texts, self.lines, entry[0].line)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Table:
     """Entries of one kind in the order of the deck.
 

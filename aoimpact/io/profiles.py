@@ -9,12 +9,12 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError
+from ..base import FloatArray, InputError, record
 from ..fem import CircularSection, RectangularSection, TubularSection
 
 # Distance between the ends of a closed ARBITRARY section, over its longest wall, that is rounding;
@@ -29,7 +29,7 @@ _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 _COARSER, _LEVELS, _FAR = 4.0, 7, 4.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Profile:
     """A cross-section in its figure's axes h and v.
 

@@ -9,7 +9,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import PRINTED, FloatArray, InputError, IntArray, MeshError, decoded, sp
+from ..base import PRINTED, FloatArray, InputError, IntArray, MeshError, decoded, record, sp
 from ..mesh import KINDS, reference_element
 
 # Kinds of cells by their numbers of nodes.
@@ -52,7 +52,7 @@ _COMPONENTS, _LARGEST_NODE = 64, 2**40
 _COMPRESSION = 1100
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class RawBlock:
     """Cells of one kind, of any dimension, in the order of the file.
 
@@ -77,7 +77,7 @@ class RawBlock:
         return _SHAPES.get(self.kind.rstrip("0123456789"), (3, 0))[0]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class RawMesh:
     """Nodes, cells and named groups of a file.
 
@@ -204,12 +204,10 @@ def listed(names: Iterable[str] | Mapping[str, int]) -> str:
 
 def once(labels: IntArray, places: Any, refuse: Callable[[int], MeshError]) -> IntArray:
     """Return rows by ascending labels, one for each; refuse a row that repeats one elsewhere."""
-    order = np.argsort(labels, kind="stable")
-    again = np.flatnonzero(np.diff(labels[order]) == 0) + 1
-    moved = again[(places[order[again]] != places[order[again - 1]]).any(axis=1)]
-    for row in order[moved][:1].tolist():
+    _, first, own = np.unique(labels, return_index=True, return_inverse=True)
+    for row in np.flatnonzero((places != places[first[own]]).any(axis=1))[:1].tolist():
         raise refuse(row)
-    return np.delete(order, again)
+    return first
 
 
 @contextmanager
@@ -364,7 +362,7 @@ def opened_hdf5(file: Path) -> Iterator[Any]:
 # ------------------------------------------------------------------------------- matrices
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class RawMatrix:
     """A matrix as its file has it.
 

@@ -1,4 +1,6 @@
-"""Meshes from files of other programs, put in order: kinds joined, stray nodes dropped.
+"""Meshes and sections from files of other programs.
+
+Meshes are put in order: kinds joined, stray nodes dropped.
 
 A reader of a format returns a `RawMesh`. It raises a `ValueError` with the reason, or a `MeshError`
 that names the file.
@@ -9,17 +11,16 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import scipy
 
 from ..base import (
-    BoolArray,
     FilePath,
     FloatArray,
     InputError,
@@ -31,9 +32,14 @@ from ..base import (
     called,
     file_path,
     finite_array,
+    held_warnings,
+    instance,
+    nearest,
     positive,
+    text,
     warn,
 )
+from ..fem import Layers, OneMaterial
 from ..mesh import (
     KINDS,
     THIN,
@@ -49,9 +55,10 @@ from ..mesh import (
     select,
 )
 from . import abaqus, exodus, gmsh, med, nastran, viameshio, vtk
-from .abaqusdeck import looks_like_inp
+from .abaqusdeck import key, looks_like_inp
 from .nastrandeck import is_nastran
-from .raw import RawBlock, RawMesh, grouped, nodes_in
+from .raw import RawBlock, RawMesh, grouped, listed, nodes_in
+from .sections import Source
 from .viameshio import from_meshio, is_meshio
 
 _Reader = Callable[[Path], RawMesh]
@@ -74,6 +81,9 @@ _SPLIT: dict[str, tuple[str, Any]] = {
     "triangle6": ("triangle", [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]),
     "quad9": ("quad", [(0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)]),
 }
+
+# Surface elements whose normals are put on one side.
+_FLAT = ("quad", "triangle")
 
 # Shape functions of a quad8 in its middle.
 _MIDDLE = np.repeat([-0.25, 0.5], 4)
@@ -200,17 +210,21 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     used = np.zeros(len(raw.nodes), dtype=bool)
     for _, cells, _ in solids:
         used[cells] = True
+    places = np.asanyarray(raw.nodes)
+    if places.shape[1] == 2:
+        raise MeshError("the mesh is two-dimensional (x, y); a solid needs x, y and z")
+    if not used.all() and places.dtype.kind == "f":  # those of stray nodes may be anything
+        places = np.array(places, subok=True)  # a masked array stays one, and is refused
+        places[~used] = 0.0
     with np.errstate(over="ignore"):  # `Mesh` refuses what is not finite
-        nodes = _coordinates(raw.nodes, used) * factor
+        nodes = finite_array("coordinates of the mesh", places, shape=(None, 3), unit="m") * factor
     dropped = np.flatnonzero(~used[:given])
     if len(dropped):
         first = int(dropped[0])
         which = f"nodes after {first} have new numbers (named sets keep their members)"
         if raw.node_labels is not None:
             which = f"the first is node {raw.node_labels[first]}"
-        kinds = {kind for kind, _, _ in solids}
-        what = "line" if kinds == {"line"} else "surface" if kinds <= {*THIN} else "volume"
-        of = f"{len(dropped)} of {given} nodes belong to no {what} element"
+        of = f"{len(dropped)} of {given} nodes belong to no element of the body"
         warn(f"{of} and were dropped; {which}")
     labels, parts = raw.cell_labels, list[Solids]()
     for kind, cells, own in solids:
@@ -292,17 +306,6 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
     return {name: ids.astype(np.int64) for name, ids in sets.items()}
 
 
-def _coordinates(points: Any, used: BoolArray) -> FloatArray:
-    """Return checked coordinates; those of nodes that no solid uses may be anything."""
-    array = np.asarray(points)
-    if array.ndim == 2 and array.shape[1] == 2:
-        raise MeshError("the mesh is two-dimensional (x, y); a solid needs x, y and z")
-    if not used.all() and array.dtype.kind == "f":
-        points = np.array(points, subok=True)  # a masked array stays one, and is refused
-        points[~used] = 0.0
-    return finite_array("coordinates of the mesh", points, shape=(None, 3), unit="m")
-
-
 def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
     """Return the cells of the body kind by kind, with the numbers that they have in `raw`.
 
@@ -321,20 +324,19 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
             parts.append((block.kind, block.cells[own], numbers[own]))
     unknown = {kind for kind, _, _ in parts}.difference(KINDS + THIN)
     if unknown or not parts:
-        counts: Counter[str] = Counter()
+        counts = Counter[str]()
         for block in raw.blocks:
-            if block.kind in unknown or (len(block.cells) and not parts):
-                counts[block.kind] += len(block.cells)
-        listed = ", ".join(f"{n} {kind}" for kind, n in sorted(counts.items()))
+            counts[block.kind] += len(block.cells) * (not parts or block.kind in unknown)
+        it_has = listed(+counts) or "no cells at all"
         if raw.deck is not None and not parts:
-            listed = raw.deck.elements or listed
+            it_has = raw.deck.elements or it_has
         what = "cells of an unsupported kind:" if unknown else "no elements: it has"
         cure = f"supported are {', '.join(KINDS + THIN)}"
-        if re.search(r"\b(CP[ES]|CAX|M3D|SFM3D)\d", listed):
+        if re.search(r"\b(CP[ES]|CAX|M3D|SFM3D)\d", it_has):
             cure += ". Planar elements and membranes are no shells: write S4 or S3 for shells"
         elif any(kind.startswith(("triangle", "quad", "line")) for kind in unknown):
             cure += ". Shells and beams are of first order: mesh with these"
-        raise MeshError(f"the mesh has {what} {listed or 'no cells at all'}; {cure}")
+        raise MeshError(f"the mesh has {what} {it_has}; {cure}")
     return [
         (kind, checked_cells(cells, reference_element(kind), len(raw.nodes)), numbers)
         for kind, cells, numbers in _by_kind(parts)
@@ -343,7 +345,7 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
 
 def _on_one_side(mesh: Mesh) -> Mesh:
     """Return the mesh with surface elements turned where they lie against their neighbours."""
-    surfaces = [block for block in mesh.blocks if block.kind in ("quad", "triangle")]
+    surfaces = [block for block in mesh.blocks if block.kind in _FLAT]
     turned = against_neighbours(mesh.nodes, [block.cells for block in surfaces])
     if not (count := sum(int(each.sum()) for each in turned)):
         return mesh
@@ -391,6 +393,146 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntAr
         return cells
     warn(f"the midside nodes of the {len(cells)} {kind} elements were put in VTK's order")
     return np.ascontiguousarray(np.concatenate([cells[:, :n], cells[:, n:][:, order]], axis=1))
+
+
+def read_sections(
+    path: FilePath,
+    *,
+    scale: float = 1.0,
+    force: float = 1.0,
+    time: float = 1.0,
+    given: Mapping[str, OneMaterial] | None = None,
+) -> dict[str, OneMaterial]:
+    """Return the sections in a deck, by the groups of elements that they belong to.
+
+    They are what `FEModel.from_mesh` takes as material. A deck in metres is a body by
+    ``FEModel.from_mesh(path, read_sections(path))``.
+
+    Abaqus and CalculiX: \\*SOLID SECTION, \\*SHELL SECTION (also COMPOSITE), \\*SHELL GENERAL
+    SECTION of a material, \\*BEAM SECTION and \\*BEAM GENERAL SECTION; \\*ELASTIC, \\*DENSITY,
+    rectangular \\*ORIENTATION. Nastran: PSOLID, PSHELL, PCOMP, PCOMPG, PBAR, PBARL, PBEAM, PBEAML;
+    MAT1, MAT8, MAT11; PARAM,WTMASS. Whatever else changes the answer is refused, such as mass and
+    shear stiffness beside the sections. Loads, supports and steps are not read.
+
+    Beams are of all shapes in Abaqus' library and in Nastran's PBARL but DBOX, or of numbers. They
+    carry shear at the centroid. The centroid is where Abaqus has it from the nodes; the bars of
+    Nastran have it at the nodes, or as WA = WB says. J is Saint-Venant's, from an integral equation
+    on the outline. Shear factors are the shares of the walls along each axis. The walls of
+    ARBITRARY are thin: J = Σ b t³/3, with 4 A²/∮ds/t of a closed section.
+
+    The modulus across plies, which LAMINA and MAT8 do not have, is E3 = E2, with ν13 = ν12 and
+    ν23 = E2/(2 G23) − 1: fibres in a matrix. Where G23 is too small for that, as of a fabric,
+    E3 = 2 (1 + ν) G with ν = ν13 = ν23 = 0.4 and the smaller of G13 and G23. E3 matters to contact
+    alone. Axis 1 of a shell without an orientation is the projection of x, as in Abaqus.
+
+    Parameters
+    ----------
+    path : path
+    scale, force, time : float, optional
+        The deck's units of length in m, of force in N, and of time in s. The units of modulus and
+        density follow, ``force/scale**2`` and ``force*time**2/scale**4``, as solvers take them.
+        For mm, N, t, s: ``scale=1e-3``; mm, kN, kg, ms: ``scale=1e-3, force=1e3, time=1e-3``;
+        mm, kg, s: ``scale=1e-3, force=1e-3``;
+        in, lbf, s: ``scale=0.0254, force=4.44822``.
+    given : mapping of str to Material, Orthotropic, Shell, Laminate or Beam, optional
+        In SI units, in place of cards: sections by their groups, materials by their names; that of
+        Nastran's MAT1 7 is "material 7".
+
+    Returns
+    -------
+    dict of str to Material, Orthotropic, Shell, Laminate or Beam
+        In SI units.
+
+    Raises
+    ------
+    MeshError
+        If the deck cannot be read, or a section is not understood, with file and line.
+    InputError, InputTypeError
+
+    Warns
+    -----
+    AOImpactWarning
+        If materials have plasticity, damping and the like, which is left out, or values that are
+        those of no solid, as in other units.
+
+    Examples
+    --------
+    A triangle in millimetres, newtons, tonnes and seconds:
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from pathlib import Path
+    >>> deck = '''*NODE
+    ... 1, 0, 0, 0
+    ... 2, 30, 0, 0
+    ... 3, 0, 30, 0
+    ... *ELEMENT, TYPE=S3, ELSET=SKIN
+    ... 1, 1, 2, 3
+    ... *SHELL SECTION, ELSET=SKIN, MATERIAL=ALU
+    ... 2.
+    ... *MATERIAL, NAME=ALU
+    ... *ELASTIC
+    ... 70000., 0.33
+    ... *DENSITY
+    ... 2.7E-9'''
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "skin.inp"
+    ...     _ = file.write_text(deck)
+    ...     sections = ao.read_sections(file, scale=1e-3)
+    ...     mesh = ao.read_mesh(file, scale=1e-3, part=list(sections))
+    >>> sections["SKIN"].thickness, sections["SKIN"].material
+    (0.002, Material(E=70000000000.0, nu=0.33, rho=2700.0))
+    >>> ao.FEModel.from_mesh(mesh, sections)
+    FEModel(18 dofs, 3 nodes, 1 triangle, 0.00243 kg, free)
+    """
+    named = {"scale": scale, "force": force, "time": time}
+    length, newtons, seconds = (positive(name, one) for name, one in named.items())
+    known = instance("given", {} if given is None else given, Mapping)
+    for name, one in known.items():
+        text("a name of given", name)
+        instance(f"given[{name!r}]", one, *get_args(OneMaterial))
+    with held_warnings():  # of the mesh: `read_mesh` has them
+        raw = load(path)
+    where = f"mesh file {os.fspath(path)!r}"
+    stress, per_speed = newtons / length / length, seconds / length
+    density = stress * per_speed * per_speed
+    source = Source(raw, length, stress, density, {key(name): one for name, one in known.items()})
+    with held_warnings() as of_no_solid:
+        if raw.deck is None:
+            raise MeshError(f"{where} is no deck of Abaqus, CalculiX or Nastran")
+        found: dict[str, OneMaterial] = raw.deck.read(source)
+    if of_no_solid:
+        said = of_no_solid[0].partition(":")[0]
+        source.left_out.append(f"{said}; give scale=, force=, time= of its units")
+    if not found:
+        cure = "give materials to from_mesh"
+        if raw.deck.elements:
+            cure = f"it has {raw.deck.elements}. Write shells as S3 or S4, or {cure}"
+        elif source.left_out:
+            cure = f"{'; '.join(dict.fromkeys(source.left_out))}. Write bars, or {cure}"
+        raise MeshError(f"{where} has no sections of solids, shells or beams; {cure}")
+    for name, one in known.items():
+        if key(name) not in source.taken:
+            instance(f"given[{name!r}]", one, *source.wanted.get(key(name), (object,)))
+            known_as = f"; the groups are {', '.join(map(repr, found))}"
+            raise InputError(f"given: {name!r} is not in use{nearest(name, found)}{known_as}")
+    _refuse_turned(raw, found, where)
+    if source.left_out:
+        warn(f"{where}: {'; '.join(dict.fromkeys(source.left_out))}")
+    return found
+
+
+def _refuse_turned(raw: RawMesh, found: Mapping[str, OneMaterial], where: str) -> None:
+    """Refuse shells that `read_mesh` turns over, where offset or plies are those of one side."""
+    turned = np.zeros(raw.first[-1], dtype=bool)
+    sided = [name for name, of in found.items() if isinstance(of, Layers) and of.sided]
+    shells = [i for i, block in enumerate(raw.blocks) if sided and block.kind in _FLAT]
+    over = against_neighbours(raw.nodes, [raw.blocks[i].cells for i in shells])
+    for i, own in zip(shells, over, strict=True):
+        turned[raw.first[i] : raw.first[i + 1]] = own
+    for name in sided:
+        if turned[raw.cell_sets[name]].any():
+            why = f"{where}: elements of {name!r} lie against their neighbours"
+            raise MeshError(f"{why}, and its plies are of one side; turn them in the mesher")
 
 
 def paper_sphere_mesh() -> Mesh:

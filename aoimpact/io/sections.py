@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, get_args
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError
+from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError, record
 from ..fem import (
     Beam,
     BeamSection,
@@ -23,6 +23,7 @@ from ..fem import (
     Shell,
     Solid,
 )
+from ..mesh import dot, unit
 from .abaqusdeck import key
 from .profiles import Profile
 from .raw import RawMesh
@@ -43,10 +44,8 @@ _KINDS: dict[int, tuple[type[Any], ...]] = {3: get_args(Solid), 2: (Shell, Lamin
 # M. J. Hinton and A. S. Kaddour, Compos. Sci. Technol. 58, 1011 (1998), table 1.
 _NU_ACROSS = 0.4
 
-_TINY = float(np.finfo(float).tiny)
 
-
-@dataclass(frozen=True, eq=False)
+@record
 class Source:
     """A deck, its units in SI, and what its user says of it.
 
@@ -169,7 +168,7 @@ class Source:
         return unit(np.concatenate(found))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Axes:
     """A coordinate system in global coordinates.
 
@@ -216,12 +215,6 @@ class Axes:
         return np.roll(turned, 1, axis=1) if self.kind == "S" else turned
 
 
-def unit(vectors: FloatArray) -> FloatArray:
-    """Return vectors, shape (n, 3), of length one."""
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.asarray(vectors / np.maximum(length, _TINY))
-
-
 def triad(
     x: FloatArray, beside: FloatArray, error: Callable[[str], MeshError], least: float = PARALLEL
 ) -> FloatArray:
@@ -240,7 +233,7 @@ def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
 
     They are zero where there is no such part.
     """
-    along = np.einsum("ni,ni->n", np.broadcast_to(vectors, directions.shape), directions)
+    along = dot(np.broadcast_to(vectors, directions.shape), directions)
     part = vectors - along[:, None] * directions
     length = np.linalg.norm(part, axis=1, keepdims=True)
     least = _SAME * np.linalg.norm(vectors, axis=-1, keepdims=True)

@@ -33,6 +33,6 @@ from .mesh import (
     select,
     taken,
 )
-from .orient import against_neighbours, dot, pairs, sides
-from .rigidity import motions_at, rigid_motions
+from .orient import against_neighbours, pairs, sides
 from .surface import SHARP, Place, Surface, boundary, plane_of
+from .vectors import dot, motions_at, parted, rigid_motions, unit

@@ -12,6 +12,7 @@ from ..base import IntArray, MeshError
 from .elements import KINDS, reference_element, reference_faces
 from .mesh import Mesh, Solids
 from .surface import boundary
+from .vectors import parted
 
 # The kind of second order on the corners of each of first order: that with nodes on edges alone.
 _RAISED = {
@@ -56,12 +57,11 @@ def of_second_order(mesh: Mesh) -> Mesh:
         np.concatenate([part.reshape(-1, 2) @ [n, 1] for part in ends]), return_inverse=True
     )
     edges = np.stack([keys // n, keys % n], axis=1)
-    blocks: Any = []
-    start = 0
-    for block, element, part in zip(mesh.blocks, raised, ends, strict=True):
-        middles = n + number[start : start + part.size // 2].reshape(part.shape[:2])
-        blocks.append((element.kind, np.hstack([block.cells, middles])))
-        start += part.size // 2
+    middles = parted(n + number, [part[..., 0] for part in ends])
+    blocks: Any = [
+        (element.kind, np.hstack([block.cells, own]))
+        for block, element, own in zip(mesh.blocks, raised, middles, strict=True)
+    ]
     labels = mesh.node_labels
     if labels is not None:
         labels = np.concatenate([labels, labels.max() + 1 + np.arange(len(edges))])

@@ -10,14 +10,15 @@ enters the error as noise in the nodes does.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy
 
-from ..base import BoolArray, FloatArray, Frozen, InputError, IntArray, plain, sp
+from ..base import BoolArray, FloatArray, Frozen, InputError, IntArray, plain, record, sp
 from .mesh import twins
 from .surface import SHARP, Surface, plane_of
+from .vectors import dot
 
 # Cosine of 75°: beyond it the edge between two faces is sharp for certain; up to it the body may be
 # round, of very few linear elements.
@@ -66,7 +67,7 @@ _WIDTHS = _BINOMIAL * _ROUGHNESS[:, None] ** (_DEGREE - 2.0)
 _WIDTHS[:, :3] = _FREE
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SurfaceShape(Frozen):
     """Normal and curvatures of a surface at a point.
 
@@ -153,7 +154,7 @@ def surface_shape(surface: Surface, point: FloatArray) -> SurfaceShape:
     return replace(best, error=max(best.error, in_rows))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Region:
     """Nodes about a place that no sharp edge parts from it.
 
@@ -245,7 +246,7 @@ def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_
     row = np.repeat(np.arange(len(face)), 4)
     normal = surface.normal(face[row], surface.edge_middles(face).reshape(-1, 2))
     two, one = (of[key[of, 0] < key[of, 1]] for of in twins(key))
-    cosine = np.einsum("ni,ni->n", normal[one], normal[two])
+    cosine = dot(normal[one], normal[two])
     smooth = cosine > SHARP
     shape = (len(face), len(face))
     pairs = (row[one[smooth]], row[two[smooth]])

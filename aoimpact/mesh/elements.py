@@ -7,7 +7,6 @@ node and zero at the others.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import combinations, product
 from typing import Any
@@ -15,13 +14,13 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ROUNDING, ArrayPair, FloatArray, IntArray
+from ..base import ROUNDING, ArrayPair, FloatArray, IntArray, record
 
 # Least 1 - z, at an apex: the inverse of its cube is finite.
 _APEX = 1e-100
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Cell:
     """A reference cell, shared by elements of several orders.
 
@@ -50,7 +49,7 @@ class Cell:
         return drawn
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Rule:
     """A quadrature rule on the reference element: points (n, 3), weights (n,), all positive."""
 
@@ -58,7 +57,7 @@ class Rule:
     weights: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ReferenceElement:
     """One kind of element.
 
@@ -148,7 +147,7 @@ class ReferenceElement:
         return order
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ReferenceFace:
     """A side of a reference element, with coordinates u, v of its own.
 
@@ -184,7 +183,7 @@ class ReferenceFace:
 _Powers = tuple[int, int, int, int]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Basis:
     """Shape functions and their derivatives as combinations of xⁱ yʲ zᵏ (1 - z)⁻ˡ.
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..base import IntArray, sp
 from .mesh import Mesh
+from .vectors import parted
 
 # The corners of the parts of an element, each the mean of four of its own corners.
 _PARTS = {
@@ -40,12 +41,9 @@ def halved(mesh: Mesh) -> tuple[sp.csr_array, Mesh, IntArray]:
     number = np.argsort(order)[number.ravel()[mesh.n_nodes :]]
     entries = np.full(members.size, 0.25), (np.arange(members.size) // 4, members.ravel())
     mean = sp.csr_array(entries, shape=(len(members), mesh.n_nodes))
-    cells: Any = []
-    parents = []
-    parts = np.split(number, np.cumsum([each.size // 4 for each in corners])[:-1])
-    for of, part in zip(mesh.blocks, parts, strict=True):
-        cells.append((of.kind, part.reshape(-1, of.cells.shape[1])))
-        parents.append(np.repeat(np.r_[of.numbers], len(_PARTS[of.kind])))
+    parts = zip(mesh.blocks, parted(number, [each[..., 0] for each in corners]), strict=True)
+    cells: Any = [(of.kind, part.reshape(-1, of.cells.shape[1])) for of, part in parts]
+    parents = [np.repeat(np.r_[of.numbers], len(_PARTS[of.kind])) for of in mesh.blocks]
     parent = np.concatenate(parents)
     groups = {name: np.flatnonzero(np.isin(parent, own)) for name, own in mesh.cell_sets.items()}
     return mean, Mesh(mean @ mesh.nodes, cells, cell_sets=groups), parent

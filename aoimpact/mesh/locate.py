@@ -6,6 +6,7 @@ import numpy as np
 
 from ..base import ROUNDING, FloatArray, InputError, IntArray, plain
 from .mesh import Mesh
+from .vectors import dot
 
 # Distance from a node, as a fraction of the body's size, within which a point is that node.
 AT_NODE = 1e-6
@@ -84,7 +85,7 @@ def nearest_line(mesh: Mesh, point: FloatArray) -> tuple[int, float, float]:
     block = next(of for of in mesh.blocks if of.kind == "line")
     ends = mesh.nodes[block.cells]
     along = ends[:, 1] - ends[:, 0]
-    place = np.einsum("ni,ni->n", point - ends[:, 0], along) / (along**2).sum(axis=1)
+    place = dot(point - ends[:, 0], along) / (along**2).sum(axis=1)
     place = np.clip(place, 0.0, 1.0)
     gap = np.linalg.norm(ends[:, 0] + place[:, None] * along - point, axis=1)
     nearest = int(gap.argmin())

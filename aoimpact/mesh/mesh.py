@@ -26,6 +26,7 @@ from ..base import (
     integers,
     nearest,
     node_ids,
+    record,
     sequence,
     text,
 )
@@ -42,7 +43,7 @@ _FLAT = 1e-12
 _SLIVER, _FOLDED = 1e-6, np.sqrt(0.5)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Block(Frozen):
     """The elements of one kind in a mesh.
 

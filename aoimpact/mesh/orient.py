@@ -9,6 +9,7 @@ import numpy as np
 
 from ..base import BoolArray, FloatArray, IntArray, sp
 from .surface import SHARP
+from .vectors import dot
 
 _TINY = float(np.finfo(float).tiny)
 
@@ -90,8 +91,3 @@ def pairs(key: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
         first = np.flatnonzero(key[order[step:]] == key[order[:-step]])
         yield order[first], order[first + step]
         yield order[first + step], order[first]
-
-
-def dot(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the products of vectors, rows of shape (n, 3)."""
-    return np.asarray(np.einsum("ni,ni->n", one, other))

@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ..base import PRINTED, ROUNDING, ArrayPair, BoolArray, FloatArray, IntArray, MeshError, sp
+from ..base import (
+    PRINTED,
+    ROUNDING,
+    ArrayPair,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    MeshError,
+    record,
+    sp,
+)
 from .elements import ReferenceFace, reference_faces
 from .mesh import Mesh, twins
+from .vectors import unit
 
 # Radius of a ball that holds a curved side, over that of the ball around its nodes.
 _BULGE = 1.2
@@ -47,7 +57,7 @@ _REMEMBERED = 16
 _CHUNK = 50_000
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Place:
     """Points on the surface of a mesh.
 
@@ -69,7 +79,7 @@ class Place:
     distance: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Surface:
     """The boundary of a mesh.
 
@@ -166,7 +176,7 @@ class Surface:
                 cell = int(self.cell[face[flat][still]][0])
                 nodes = self.mesh.cells[cell].tolist()
                 raise MeshError(f"mesh: a side of element {cell}, nodes {nodes}, has no area")
-        return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+        return unit(normal)
 
     def _crossed(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Return the product of the tangents, and where they are parallel or zero."""

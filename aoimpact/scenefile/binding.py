@@ -17,7 +17,7 @@ from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 from .. import contact, fem
-from ..base import nearest
+from ..base import nearest, record
 from .lines import Place
 
 
@@ -31,7 +31,7 @@ _STAND_INS = (
 )
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Call:
     """A function with its arguments, which may be calls themselves.
 
@@ -44,7 +44,7 @@ class Call:
     keep: bool = field(default=False, repr=False)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Reader:
     """Reads values of some types.
 

@@ -22,13 +22,10 @@ def two_bars(apart: float) -> ao.Mesh:
     return ao.Mesh(nodes[used], cells.reshape(-1, 8), BAR.kind, {}, groups)
 
 
-@pytest.mark.parametrize(
-    ("apart", "cure"),
-    [(0.05, "make a body of each, by part="), (0.01, "merge the 10 pairs of nodes")],
-)
-def test_separate_parts(apart: float, cure: str) -> None:
+@pytest.mark.parametrize("apart", [0.05, 0.01])
+def test_separate_parts(apart: float) -> None:
     """Bodies that only touch, with nodes of their own, are not joined."""
-    words = rf"2 parts that share no nodes: 10 of 14 elements, .* \(0.005, .*{cure}"
+    words = r"2 parts that share no nodes: 10 of 14 elements, .* \(0.005, .*merge nodes .*by part="
     with pytest.warns(ao.AOImpactWarning, match=words):
         ao.FEModel.from_mesh(two_bars(apart), STEEL)
 

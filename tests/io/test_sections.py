@@ -19,7 +19,7 @@ import aoimpact as ao
 pytestmark = pytest.mark.filterwarnings(
     "ignore:.*have no E3",
     "ignore:.*taken as in Abaqus",
-    "ignore:.*nodes belong to no line",
+    "ignore:.*nodes belong to no element",
     "ignore:.*taken for a radius",
     "ignore:.*at the centroid",
 )

@@ -73,7 +73,7 @@ def test_a_shape_within_another(kind: str, row: tuple[int, ...], target: str) ->
     assert mesh.kind == target
 
 
-@pytest.mark.filterwarnings("ignore:.*belong to no volume element")
+@pytest.mark.filterwarnings("ignore:.*belong to no element")
 @pytest.mark.parametrize(
     ("kind", "changed"),
     [

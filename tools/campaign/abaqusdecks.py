@@ -76,7 +76,7 @@ S, E
 
 # Warnings that the decks call for.
 _CALLED_FOR = (
-    *("belong to no volume element", "no solids", "share no nodes", "at the same place"),
+    *("belong to no element", "no solids", "share no nodes", "at the same place"),
     "connections between nodes",
 )
 

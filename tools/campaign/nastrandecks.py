@@ -34,7 +34,7 @@ _ORDERS = {
 _SPARE, _SIDES = 99_999_100, 99_999_000
 
 # Warnings that the decks call for.
-_CALLED_FOR = ("belong to no volume element", "left out", "share no nodes")
+_CALLED_FOR = ("belong to no element", "left out", "share no nodes")
 
 # Entries without influence on the mesh.
 _OTHERS = """

@@ -1,10 +1,32 @@
-"""Rigid-body motions of nodes."""
+"""Vectors in rows of arrays, and rigid-body motions of nodes."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ..base import FloatArray
+
+_TINY = float(np.finfo(float).tiny)
+
+
+def dot(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return the products of vectors, rows of shape (n, 3)."""
+    return np.asarray(np.einsum("ni,ni->n", one, other))
+
+
+def unit(vectors: FloatArray) -> FloatArray:
+    """Return vectors, shape (..., k), of length one; zero where they are zero."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(vectors / np.maximum(length, _TINY))
+
+
+def parted(values: Any, like: Sequence[Any]) -> list[Any]:
+    """Return values, (n, ...), in turn for each entry of some arrays, in the shapes of these."""
+    parts = np.split(values, np.cumsum([of.size for of in like])[:-1])
+    return [own.reshape(of.shape + own.shape[1:]) for own, of in zip(parts, like, strict=True)]
 
 
 def rigid_motions(nodes: FloatArray, *, rotations: bool = False) -> FloatArray:
