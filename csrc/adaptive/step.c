@@ -64,34 +64,26 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
     run->response[b] = body->table[oldest];
 }
 
-/* Subtracts the displacement in the step by the contact forces on residual compliances, held constant. */
-static void add_constant_forces(const aoi_adaptive *run, aoi_contact_step *entry, int with_rates)
+/* The contact forces on residual compliances, held constant in a step, on all ports; returns whether there are any. */
+static int gather_constant(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
-    const aoi_contact *of = &system->contact[entry->contact];
-    for (int side = 0; side < 2; side++) {
-        const size_t b = of->body[side];
-        for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
-            const aoi_contact *by = &system->contact[system->contact_of[i]];
-            const double force = run->contact[system->contact_of[i]].massless.bending;
-            const int other = by->body[1] == b;
-            if (force == 0.0) {
-                continue;
-            }
-            const size_t at = aoi_response_at(&run->response[b], of->port[side], by->port[other]);
-            for (size_t q = 0; q < AOI_NODES; q++) {
-                const double sign = side == other ? -force : force;
-                const size_t column = at + q * AOI_NODES;
-                aoi_nodes_add(sign, run->response[b].influence + column, entry->homogeneous);
-                if (with_rates) {
-                    aoi_nodes_add(sign, run->response[b].influence_rate + column, entry->homogeneous_rate);
-                }
-            }
-        }
+    int some = 0;
+    for (size_t i = 0; i < run->closed.count; i++) {
+        some = some || run->contact[run->closed.at[i]].massless.bending != 0.0;
     }
+    if (some) {
+        memset(run->port_force, 0, system->first_port[system->body_count] * sizeof *run->port_force);
+    }
+    for (size_t i = 0; i < 2 * run->closed.count && some; i++) {
+        const size_t c = run->closed.at[i / 2], b = system->contact[c].body[i % 2];
+        run->port_force[system->first_port[b] + system->contact[c].port[i % 2]] +=
+            (i % 2 == 0 ? -1.0 : 1.0) * run->contact[c].massless.bending;
+    }
+    return some;
 }
 
-static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rates)
+static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rates, int pressed)
 {
     const aoi_contact *contact = &run->system->contact[entry->contact];
     for (size_t i = 0; i < AOI_NODES; i++) {
@@ -102,10 +94,8 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
         const size_t b = contact->body[side], at = run->system->first[b];
         aoi_response_homogeneous(&run->response[b], &run->system->body[b], contact->port[side] + entry->axis,
                                  side == 0 ? 1.0 : -1.0, aoi_run_now(run), run->x + at, run->v + at,
-                                 entry->homogeneous, with_rates ? entry->homogeneous_rate : NULL);
-    }
-    if (!run->crowded) {
-        add_constant_forces(run, entry, with_rates);
+                                 pressed ? run->port_force + run->system->first_port[b] : NULL, entry->homogeneous,
+                                 with_rates ? entry->homogeneous_rate : NULL);
     }
 }
 
@@ -189,12 +179,13 @@ static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
     return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;
 }
 
-/* Fills the entry of a closed contact for a step of length h. */
-static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
+/* Fills the entry of a closed contact for a step of length h, with a guess of the solution; pressed: as gather_constant has it. */
+static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates, int pressed)
 {
     aoi_contact_step *entry = &run->entry[s];
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
-    if (aoi_contact_has_residual(run, entry->contact)) {
+    const int massless = aoi_contact_has_residual(run, entry->contact);
+    if (massless) {
         contact->closed.start = aoi_contact_place(run, entry->contact);
     }
     entry->constant = contact->massless.bending;
@@ -209,19 +200,12 @@ static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates)
         entry->start_force = aoi_sliding_force(entry->sliding, entry->axis);
         entry->start_rate = 0.0;
     }
-    homogeneous(run, entry, with_rates);
-}
-
-/* And a guess of the solution, where the motion without contact forces is known. */
-static void guess_entry(const aoi_adaptive *run, aoi_contact_step *entry, double h, int with_rates)
-{
-    const aoi_adaptive_contact *contact = &run->contact[entry->contact];
+    homogeneous(run, entry, with_rates, pressed);
     if (entry->axis > 0) {
         guess_slide(contact, h, run->indentation_scale, entry);
-        return;
+    } else {
+        guess(contact, h, run->indentation_scale, with_rates, massless, entry);
     }
-    const int massless = aoi_contact_has_residual(run, entry->contact);
-    guess(contact, h, run->indentation_scale, with_rates, massless, entry);
 }
 
 /* The step's forces on the ports of all bodies under force, and their derivatives at its start. */
@@ -287,19 +271,14 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
             make_response(run, b, h, level, with_rates);
         }
     }
+    const int pressed = gather_constant(run);
     for (size_t s = 0; s < run->entry_count; s++) {
         run->contact[run->entry[s].contact].event = AOI_EVENT_NONE;
         run->contact[run->entry[s].contact].event_place = HUGE_VAL;
         if (s < run->closed_count) {
             run->contact[run->entry[s].contact].flight.slack = 0.0;
-            begin_entry(run, s, h, with_rates);
+            begin_entry(run, s, h, with_rates, pressed);
         }
-    }
-    if (run->crowded && aoi_system_bends(run->system)) {
-        aoi_crowd_press(run->system, run->response, run->closed_count, run->entry, with_rates, run->collocation);
-    }
-    for (size_t s = 0; s < run->closed_count; s++) {
-        guess_entry(run, &run->entry[s], h, with_rates);
     }
     for (size_t s = 0; s < run->closed_count; s++) {
         if (run->entry[s].sliding && run->entry[s].axis == 0) {

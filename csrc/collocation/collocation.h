@@ -54,10 +54,6 @@ size_t aoi_crowd_size(const aoi_system *system);
  * contact forces of a step that aoi_collocation_solve has solved, with their signs changed. */
 const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *work);
 
-/* Then the motion under the constant forces of all contacts is taken into homogeneous by this. */
-void aoi_crowd_press(const aoi_system *system, const aoi_response *response, size_t count, aoi_contact_step *entry,
-                     int with_rates, double *work);
-
 /* True if rates are needed: a law of these contacts depends on them, or on their change of sign. */
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 

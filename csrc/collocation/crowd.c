@@ -101,22 +101,6 @@ static const double *influence_of(const crowd *of, size_t b, size_t kind)
     return kind == 0 ? of->response[b].influence : of->response[b].influence_rate;
 }
 
-/* No body has forces yet. */
-static crowd begin(const aoi_system *system, const aoi_response *response, double h, size_t count,
-                   aoi_contact_step *entry, int with_rates, double *work)
-{
-    size_t size;
-    crowd of = lay_out(system, count, work, &size);
-    of.response = response;
-    of.h = h;
-    of.kinds = with_rates ? 2 : 1;
-    of.entry = entry;
-    for (size_t i = 0; i < 2 * count; i++) {
-        of.used[touched_by(&of, i / 2, i % 2).body] = 0.0;
-    }
-    return of;
-}
-
 /* Influences of each force on its own place. */
 static void find_own(const crowd *of)
 {
@@ -295,25 +279,19 @@ static int set_equations(const crowd *of, const aoi_newton *newton)
     return 1;
 }
 
-void aoi_crowd_press(const aoi_system *system, const aoi_response *response, size_t count, aoi_contact_step *entry,
-                     int with_rates, double *work)
-{
-    const crowd of = begin(system, response, 0.0, count, entry, with_rates, work);
-    for (size_t k = 0; k < count * AOI_NODES; k++) {
-        of.right[k] = entry[k / AOI_NODES].constant;
-    }
-    find_effect(&of, of.right);
-    for (size_t s = 0; s < count; s++) {
-        aoi_nodes_add(-1.0, of.effect[0] + s * AOI_NODES, entry[s].homogeneous);
-        aoi_nodes_add(-1.0, of.effect[1] + s * AOI_NODES, entry[s].homogeneous_rate);
-    }
-}
-
 int aoi_crowd_solve(const aoi_system *system, const aoi_response *response, double h, size_t count,
                     aoi_contact_step *entry, double *work)
 {
-    crowd of = begin(system, response, h, count, entry, aoi_collocation_wants_rates(system, count, entry), work);
+    size_t size;
+    crowd of = lay_out(system, count, work, &size);
+    of.response = response;
+    of.h = h;
+    of.kinds = aoi_collocation_wants_rates(system, count, entry) ? 2 : 1;
+    of.entry = entry;
     of.bends = aoi_system_bends(system);
+    for (size_t i = 0; i < 2 * count; i++) { /* no body has forces yet */
+        of.used[touched_by(&of, i / 2, i % 2).body] = 0.0;
+    }
     find_own(&of);
     aoi_newton newton = aoi_newton_begin(count, entry);
     double change;

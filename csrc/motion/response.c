@@ -337,7 +337,7 @@ static void residual_share(const aoi_modes *body, size_t port, double sign, doub
 }
 
 void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *body, size_t port,
-                              double sign, double time, const double *x, const double *v,
+                              double sign, double time, const double *x, const double *v, const double *force,
                               double *displacement, double *rate)
 {
     const size_t n = body->n;
@@ -348,6 +348,9 @@ void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *bod
         double load = 0.0, slope = 0.0;
         if (driven) {
             aoi_modes_drive(body, j, time, &load, &slope);
+        }
+        for (size_t p = 0; force && p < body->ports; p++) {
+            load += body->push[p * n + j] * force[p];
         }
         const double pull = share * (load - omega * omega * x[j]), speed = share * v[j];
         slope *= share;

@@ -42,10 +42,11 @@ size_t aoi_response_size(const aoi_modes *body, size_t columns);
 void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_columns *columns, double h,
                        int with_rates, double *block);
 
-/* Adds sign times the change of a port's displacement, and its rate (where not NULL), at the nodes, that
- * is due to the state at the start and to the loads; time: of the start. */
+/* Adds sign times the change of a port's displacement, and its rate (where not NULL), at the nodes, that is due to the
+ * state at the start, to the loads and to constant forces on all ports (or NULL), whose residual compliance is left out;
+ * time: of the start. */
 void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *body, size_t port,
-                              double sign, double time, const double *x, const double *v,
+                              double sign, double time, const double *x, const double *v, const double *force,
                               double *displacement, double *rate);
 
 /* Takes x, v to the end of the step under force[port][node] and the loads. */

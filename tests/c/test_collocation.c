@@ -39,7 +39,7 @@ static int solve_at_edge(plant *p, double h, size_t span, int with_rates, enum a
         for (int side = 0; side < 2; side++) {
             const size_t b = contact->body[side], at = p->system.first[b];
             aoi_response_homogeneous(&p->response[b], &p->body[b], contact->port[side],
-                                     side == 0 ? 1.0 : -1.0, 0.0, p->x + at, p->v + at,
+                                     side == 0 ? 1.0 : -1.0, 0.0, p->x + at, p->v + at, NULL,
                                      entry->homogeneous, entry->homogeneous_rate);
         }
         entry->start = start;

@@ -133,7 +133,7 @@ static void ports_move_at_the_nodes_as_the_modes_do(void)
             aoi_response_make(&response, p.body, NULL, h, 1, block);
             for (size_t port = 0; port < 2; port++) {
                 double moved[AOI_NODES] = {0.0}, rate[AOI_NODES] = {0.0};
-                aoi_response_homogeneous(&response, p.body, port, -1.0, 0.0, p.x, p.v, moved, rate);
+                aoi_response_homogeneous(&response, p.body, port, -1.0, 0.0, p.x, p.v, NULL, moved, rate);
                 const size_t pair = (port * 2 + pushed) * AOI_NODES * AOI_NODES;
                 for (size_t i = 0; i < AOI_NODES; i++) {
                     double x[MOST_MODES], v[MOST_MODES];
@@ -195,10 +195,10 @@ static void a_rising_load_moves_the_residual(void)
     aoi_response_make(&response, p.body, NULL, h, 1, block);
     double without[AOI_NODES] = {0.0}, with[AOI_NODES] = {0.0};
     double rate_without[AOI_NODES] = {0.0}, rate_with[AOI_NODES] = {0.0};
-    aoi_response_homogeneous(&response, p.body, 1, 1.0, 0.0, p.x, p.v, without, rate_without);
+    aoi_response_homogeneous(&response, p.body, 1, 1.0, 0.0, p.x, p.v, NULL, without, rate_without);
     aoi_modes massless = p.body[0];
     massless.residual = residual;
-    aoi_response_homogeneous(&response, &massless, 1, 1.0, 0.0, p.x, p.v, with, rate_with);
+    aoi_response_homogeneous(&response, &massless, 1, 1.0, 0.0, p.x, p.v, NULL, with, rate_with);
     const double rate = residual[2] * slopes[0] + residual[3] * slopes[1];
     for (size_t i = 0; i < AOI_NODES; i++) {
         CHECK(fabs(with[i] - without[i] - rate * h * aoi_radau_node[i]) < 1e-15, "R f' t at node %zu", i);
