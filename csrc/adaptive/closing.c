@@ -107,9 +107,8 @@ static approach mean_approach(const aoi_free_pair *pair, approach now, double ti
 /* The acceleration that a load, rising from zero, reaches within the contact time. That time depends on the load: a few
  * fixed-point iterations suffice. */
 static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contact, const aoi_law *law,
-                     const aoi_free_pair *pair)
+                     const aoi_free_pair *pair, double jerk)
 {
-    const double jerk = aoi_free_pair_jerk(pair);
     const double left = run->end - pair->time;
     double time = left;
     for (int side = 0; side < 2; side++) {
@@ -188,8 +187,7 @@ static double time_left(const aoi_adaptive *run, size_t c)
 /* Estimates scales of the contact that begins, with the mobility of its two ports only. They are lower bounds: the
  * first steps are rather too short than too long. A mode that oscillates within the contact time contributes at most
  * its amplitude, whatever its velocity. At a massless contact point without mobility there is no estimate. */
-static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate,
-                            double acceleration)
+static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate, const double *alone)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_law *law = run->system->contact[c].law;
@@ -199,8 +197,7 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
     if (!(contact->scales.mobility > 0.0)) {
         return;
     }
-    const approach now = {rate, acceleration != 0.0 ? acceleration : rising(run, contact, law, pair),
-                          0.0, 0.0};
+    const approach now = {rate, alone[2] != 0.0 ? alone[2] : rising(run, contact, law, pair, alone[3]), 0.0, 0.0};
     approach by = now, slow = now;
     double reach = reach_of(contact, law, &by, left), time = time_of(&by, reach);
     for (int i = 0; i < RISES; i++) {
@@ -253,7 +250,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     aoi_adaptive_contact *contact = &run->contact[c];
     const aoi_contact *of = &run->system->contact[c];
     const double rest = aoi_law_rest(of->law, contact->memory);
-    double here, rate, acceleration;
+    double alone[AOI_DERIVATIVES + 1];
     aoi_free_pair pair;
     aoi_law_value value;
     aoi_watch_remove(run, c);
@@ -261,9 +258,8 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     aoi_body_engage(run, of->body[0], AOI_WATCHED);
     aoi_body_engage(run, of->body[1], AOI_WATCHED);
     aoi_pair_now(run, c, &pair);
-    aoi_free_pair_indentation(&pair, &here, &rate, &acceleration);
-    here -= aoi_contact_bent(run, c, 0);
-    rate -= aoi_contact_bent(run, c, 1);
+    aoi_free_pair_motion(&pair, AOI_DERIVATIVES, alone);
+    const double here = alone[0] - aoi_contact_bent(run, c, 0), rate = alone[1] - aoi_contact_bent(run, c, 1);
     const int bends = aoi_system_residual(run->system, c, c) > 0.0;
     run->unbalanced = 1;
     contact->flight.slack = contact->ledger.since_touch = 0.0;
@@ -287,7 +283,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     if (!bends) { /* else the balance of the contact point finds it */
         aoi_contact_note_peak(run, c, run->contact[c].closed.force, 0.0);
     }
-    estimate_scales(run, c, &pair, rate, acceleration);
+    estimate_scales(run, c, &pair, rate, alone);
     run->indentation_scale = fmax(run->indentation_scale, contact->scales.indentation);
     run->impulse_scale = fmax(run->impulse_scale, contact->scales.impulse);
 }

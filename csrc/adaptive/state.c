@@ -144,11 +144,12 @@ double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
 
 double aoi_contact_free(const aoi_adaptive *run, size_t c, double *rate)
 {
-    double indentation, acceleration;
+    double of[2];
     aoi_free_pair pair;
     aoi_pair_now(run, c, &pair);
-    aoi_free_pair_indentation(&pair, &indentation, rate, &acceleration);
-    return indentation;
+    aoi_free_pair_motion(&pair, 1, of);
+    *rate = of[1];
+    return of[0];
 }
 
 double aoi_contact_place(const aoi_adaptive *run, size_t c)

@@ -102,13 +102,13 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
     const double tolerance = aoi_touch_tolerance(run, entry), now = aoi_run_now(run);
     const double rest = aoi_law_rest(aoi_step_law(run, entry), contact->memory);
     const double slack = fmax(0.5 * tolerance, contact->flight.slack);
-    double start, start_rate, rate, ignored;
+    double start[2], then[2];
     int touches;
     aoi_free_pair pair;
     aoi_forced forced;
     take_pair(run, entry->contact, attempt->h, &pair, &forced);
     pair.gap += rest + slack;
-    aoi_free_pair_indentation(&pair, &start, &start_rate, &ignored);
+    aoi_free_pair_motion(&pair, 1, start);
     const size_t most = 1 + AOI_LOOKS_IN_STEP / (pair.body[0]->n + pair.body[1]->n);
     if (aoi_free_pair_next_touch(&pair, now + attempt->h, most, &touches) != AOI_OK) {
         attempt->growth = fmin(attempt->growth, SHORTER);
@@ -121,14 +121,14 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
     /* Bodies side by side touch at the start, whichever sign rounding gives their rate; else a touch would be found
      * once they overlap by the tolerance. */
     if (aoi_is_at_start(run, after, attempt->h) ||
-        (start_rate * attempt->h >= -tolerance && start + slack >= -2.0 * tolerance &&
+        (start[1] * attempt->h >= -tolerance && start[0] + slack >= -2.0 * tolerance &&
          !aoi_contact_has_residual(run, entry->contact))) {
         attempt->closed = 1;
         contact->event = AOI_EVENT_TOUCH;
         aoi_contact_close(run, entry->contact);
         return;
     }
-    aoi_free_pair_indentation(&pair, &ignored, &rate, &start);
-    aoi_step_note_event(rate * left <= tolerance ? 1.0 : after / attempt->h, AOI_EVENT_TOUCH, contact,
+    aoi_free_pair_motion(&pair, 1, then);
+    aoi_step_note_event(then[1] * left <= tolerance ? 1.0 : after / attempt->h, AOI_EVENT_TOUCH, contact,
                         attempt);
 }

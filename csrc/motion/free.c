@@ -34,52 +34,35 @@ static double forced_at(const aoi_free_pair *pair, int derivative)
                   : 0.0;
 }
 
-void aoi_free_pair_indentation(const aoi_free_pair *pair, double *indentation, double *rate,
-                            double *acceleration)
+void aoi_free_pair_motion(const aoi_free_pair *pair, int most, double *of)
 {
-    *indentation = forced_at(pair, 0) - pair->gap;
-    *rate = forced_at(pair, 1);
-    *acceleration = forced_at(pair, 2);
+    for (int derivative = 0; derivative <= most; derivative++) {
+        of[derivative] = forced_at(pair, derivative);
+    }
+    of[0] -= pair->gap;
     for (int side = 0; side < 2; side++) {
         const aoi_modes *body = pair->body[side];
         const double sign = side == 0 ? 1.0 : -1.0;
-        double displacement, velocity, force, rise;
+        double displacement, velocity, load, slope;
         aoi_modes_port(body, pair->port[side], pair->x[side], pair->v[side], &displacement,
                        &velocity);
         for (size_t q = 0; body->residual && q < body->ports; q++) {
             const double compliance = body->residual[pair->port[side] * body->ports + q];
-            aoi_modes_load(body, q, pair->time, &force, &rise);
-            displacement += compliance * force;
-            velocity += compliance * rise;
+            aoi_modes_load(body, q, pair->time, &load, &slope);
+            displacement += compliance * load;
+            velocity += compliance * slope;
         }
-        *indentation += sign * displacement;
-        *rate += sign * velocity;
-        for (size_t j = 0; j < body->n; j++) {
-            double load, slope;
+        of[0] += sign * displacement;
+        of[1] += sign * velocity;
+        for (size_t j = 0; most > 1 && j < body->n; j++) {
             aoi_modes_drive(body, j, pair->time, &load, &slope);
-            const double omega = body->omega[j], decay = body->decay ? body->decay[j] : 0.0;
-            load -= omega * omega * pair->x[side][j] + 2.0 * decay * pair->v[side][j];
-            *acceleration += sign * body->shape[pair->port[side] * body->n + j] * load;
+            const double share = sign * body->shape[pair->port[side] * body->n + j], omega = body->omega[j];
+            const double drag = body->decay ? 2.0 * body->decay[j] : 0.0, v = pair->v[side][j];
+            const double a = load - (omega * omega * pair->x[side][j] + drag * v);
+            of[2] += share * a;
+            of[3] += share * (slope - omega * omega * v - drag * a);
         }
     }
-}
-
-double aoi_free_pair_jerk(const aoi_free_pair *pair)
-{
-    double jerk = forced_at(pair, 3);
-    for (int side = 0; side < 2; side++) {
-        const aoi_modes *body = pair->body[side];
-        for (size_t j = 0; j < body->n; j++) {
-            double load, slope;
-            aoi_modes_drive(body, j, pair->time, &load, &slope);
-            const double omega = body->omega[j], decay = body->decay ? body->decay[j] : 0.0;
-            const double x = pair->x[side][j], v = pair->v[side][j];
-            const double a = load - omega * omega * x - 2.0 * decay * v;
-            jerk += (side == 0 ? 1.0 : -1.0) * body->shape[pair->port[side] * body->n + j] *
-                    (slope - omega * omega * v - 2.0 * decay * a);
-        }
-    }
-    return jerk;
 }
 
 /* The first positive root of c + b t + a t^2, or infinity. With c < 0 that is where it becomes
@@ -249,34 +232,36 @@ static double stop_of(const aoi_free_pair *pair, double limit)
 }
 
 /* True if bodies at touch are about to be pressed together. */
-static int closes(const aoi_free_pair *pair, double rate, double acceleration)
+static int closes(const double *of)
 {
-    if (rate != 0.0 || acceleration != 0.0) {
-        return rate > 0.0 || (rate == 0.0 && acceleration > 0.0);
+    for (int derivative = 1; derivative <= AOI_DERIVATIVES; derivative++) {
+        if (of[derivative] != 0.0) {
+            return of[derivative] > 0.0;
+        }
     }
-    return aoi_free_pair_jerk(pair) > 0.0;
+    return 0;
 }
 
 /* Bodies at zero to rounding that nothing presses together count as apart: they have just let go, or stay side by
  * side until a load draws one away. */
 static void part(aoi_free_pair *pair, double within)
 {
-    double indentation, rate, acceleration, scale;
-    aoi_free_pair_indentation(pair, &indentation, &rate, &acceleration);
-    double level = indentation, drift = rate;
+    double of[AOI_DERIVATIVES + 1], scale;
+    aoi_free_pair_motion(pair, AOI_DERIVATIVES, of);
+    double level = of[0], drift = of[1];
     all_fast(pair, within, &level, &drift, &scale);
     const double rounding = 4.0 * DBL_EPSILON * scale;
-    if (indentation > -rounding && !closes(pair, rate, acceleration)) {
-        pair->gap += indentation + rounding;
+    if (of[0] > -rounding && !closes(of)) {
+        pair->gap += of[0] + rounding;
     }
 }
 
 /* The time in which an indentation changes by its rounding. A rate that is itself rounding says nothing of that:
  * bodies that rest side by side may be about to be pressed together. */
-static double rounding_time(const aoi_free_pair *pair, double rounding, double rate, double acceleration)
+static double rounding_time(double rounding, const double *of)
 {
-    const double jerk = fabs(aoi_free_pair_jerk(pair));
-    const double sum = fabs(rate) + sqrt(rate * rate + 2.0 * fabs(acceleration) * rounding);
+    const double rate = of[1], jerk = fabs(of[3]);
+    const double sum = fabs(rate) + sqrt(rate * rate + 2.0 * fabs(of[2]) * rounding);
     const double time = 2.0 * rounding / sum;
     return jerk > 0.0 ? fmin(time, cbrt(6.0 * rounding / jerk)) : time;
 }
@@ -286,20 +271,20 @@ int aoi_free_pair_next_touch(aoi_free_pair *pair, double limit, size_t most, int
     *touches = 0;
     part(pair, stop_of(pair, limit) - pair->time);
     for (size_t i = 0; i < most; i++) {
-        double indentation, rate, acceleration, scale;
+        double of[AOI_DERIVATIVES + 1], scale;
         const double stop = stop_of(pair, limit), within = stop - pair->time;
-        aoi_free_pair_indentation(pair, &indentation, &rate, &acceleration);
-        double level = indentation, drift = rate;
+        aoi_free_pair_motion(pair, AOI_DERIVATIVES, of);
+        double level = of[0], drift = of[1];
         all_fast(pair, within, &level, &drift, &scale);
-        if (indentation >= -4.0 * DBL_EPSILON * scale && closes(pair, rate, acceleration)) {
+        if (of[0] >= -4.0 * DBL_EPSILON * scale && closes(of)) {
             *touches = 1;
             return AOI_OK;
         }
         double stride = safe_stride(pair, level, drift, within);
         /* At rounding from a touch that does not come, go on by what the rounding is worth. */
         const double rounding = DBL_EPSILON * scale;
-        if (rate != 0.0 && stride * fabs(rate) < rounding) {
-            stride = fmax(stride, rounding_time(pair, rounding, rate, acceleration));
+        if (of[1] != 0.0 && stride * fabs(of[1]) < rounding) {
+            stride = fmax(stride, rounding_time(rounding, of));
         }
         stride = fmax(stride, 2.0 * DBL_EPSILON * fabs(pair->time));
         const double next = pair->time + stride;

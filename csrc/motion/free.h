@@ -27,13 +27,9 @@ typedef struct aoi_free_pair {
     const aoi_forced *forced;
 } aoi_free_pair;
 
-/* The contact's indentation without contact force, its rate and its acceleration. */
-void aoi_free_pair_indentation(const aoi_free_pair *pair, double *indentation, double *rate,
-                            double *acceleration);
-
-/* The third derivative of the indentation without contact force: the leading term for bodies that touch at rest while a
- * load rises from zero. */
-double aoi_free_pair_jerk(const aoi_free_pair *pair);
+/* The contact's indentation without contact force, and its derivatives up to that of an order: 1 or AOI_DERIVATIVES. The
+ * third is the leading term for bodies that touch at rest while a load rises from zero. */
+void aoi_free_pair_motion(const aoi_free_pair *pair, int most, double *of);
 
 /* Moves both freely (in place) until they touch, but not beyond limit; touches: whether they touch then
  * (indentation 0, about to rise). It misses no touch: each stride is the root of a quadratic

@@ -253,7 +253,7 @@ static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *co
 
 /* --------------------------------------------------------------------------- the record */
 
-/* The energy of stretches less what the bodies have of it, and the rows of friction. */
+/* The rows of friction; returns the energy of stretches less what the bodies have of it, and of the law's. */
 static double write_friction(const aoi_contact_state *contact, double *row)
 {
     const aoi_rubbing *of = contact->rubbing;
@@ -266,26 +266,22 @@ static double write_friction(const aoi_contact_state *contact, double *row)
     row[(AOI_CONTACT_TANGENTIAL + 1) * BLOCK] = contact[2].force;
     row[AOI_CONTACT_FRICTION * BLOCK] = of->work - (stretched - of->start_energy);
     row[AOI_CONTACT_STUCK * BLOCK] = of->depth > 0.0 ? of->found.stuck / of->depth : 0.0;
-    return aoi_law_potential(&of->rub.friction.law, NULL, of->depth) + stretched - taken_out;
+    return stretched - taken_out;
 }
 
 static void write_contact(const aoi_contact_state *contact, int energies, double *row)
 {
+    const aoi_rubbing *rubbing = contact->rubbing;
+    const aoi_law *law = rubbing ? &rubbing->rub.friction.law : contact->law; /* of its own indentation */
+    const double stretched = rubbing ? write_friction(contact, row) : 0.0;
     row[AOI_CONTACT_FORCE * BLOCK] = contact->force;
     row[AOI_CONTACT_INDENTATION * BLOCK] = contact->indentation;
     if (energies) {
-        const int loses = contact->law->depends_on_rate || contact->law->turns;
         const double elastic =
-            aoi_law_potential(contact->law, contact->memory, contact->indentation);
-        row[AOI_CONTACT_ELASTIC * BLOCK] = elastic;
+            aoi_law_potential(law, contact->memory, rubbing ? rubbing->depth : contact->indentation);
+        const int loses = law->depends_on_rate || law->turns;
+        row[AOI_CONTACT_ELASTIC * BLOCK] = elastic + stretched;
         row[AOI_CONTACT_DISSIPATED * BLOCK] = loses ? contact->work - (elastic - contact->start_energy) : 0.0;
-    }
-    if (contact->rubbing) {
-        row[AOI_CONTACT_ELASTIC * BLOCK] = write_friction(contact, row);
-        if (contact->law->depends_on_rate) { /* of its own indentation */
-            const double stored = aoi_law_potential(&contact->rubbing->rub.friction.law, NULL, contact->rubbing->depth);
-            row[AOI_CONTACT_DISSIPATED * BLOCK] = contact->work - (stored - contact->start_energy);
-        }
     }
 }
 
@@ -522,14 +518,12 @@ int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule
         status = begin(run, start);
     }
     if (status == AOI_OK) {
-        run->energies = 1; /* to see gravity's work */
         write_column(run, 0);
-        for (size_t b = 0; b < system->body_count; b++) {
+        for (size_t b = 0; b < system->body_count && energies; b++) {
             double *work = run->column + (aoi_record_body(system, b) + AOI_BODY_WORK) * BLOCK;
             run->gravity_start[b] = *work;
             *work = 0.0;
         }
-        run->energies = energies;
         write_block(run, 0, 1);
     }
     return status;

@@ -25,9 +25,9 @@ static int next_touch(aoi_free_pair *pair, double limit)
 
 static double indentation_of(const aoi_free_pair *pair)
 {
-    double indentation, rate, acceleration;
-    aoi_free_pair_indentation(pair, &indentation, &rate, &acceleration);
-    return indentation;
+    double of[AOI_DERIVATIVES + 1];
+    aoi_free_pair_motion(pair, AOI_DERIVATIVES, of);
+    return of[0];
 }
 
 /* A mass that gravity pulls towards a wall. */
@@ -153,7 +153,9 @@ static void a_load_that_begins_at_touch_presses(void)
         ball->load_force[1] = pulls ? -6.0 : 6.0;
         add_wall(&p);
         aoi_free_pair pair = pair_of(&p, 0.0);
-        CHECK(aoi_free_pair_jerk(&pair) == (pulls ? -3.0 : 3.0), "f' / m");
+        double of[AOI_DERIVATIVES + 1];
+        aoi_free_pair_motion(&pair, AOI_DERIVATIVES, of);
+        CHECK(of[3] == (pulls ? -3.0 : 3.0), "f' / m");
         CHECK(next_touch(&pair, 9.0) == !pulls, "pressed on, or drawn off");
         CHECK(pulls || pair.time == 0.0, "at once");
     }
@@ -175,11 +177,10 @@ static void the_third_derivative_is_the_slope_of_the_second(void)
     add_wall(&p);
     aoi_free_pair pair = pair_of(&p, 0.0);
     const double a = f / 2.0 - 2.0 * decay * v - omega * omega * x;
-    double indentation, rate, acceleration;
-    aoi_free_pair_indentation(&pair, &indentation, &rate, &acceleration);
-    CHECK(near(acceleration, a, 1e-14), "of the motion's equation: %.17g", acceleration);
-    CHECK(near(aoi_free_pair_jerk(&pair), slope / 2.0 - 2.0 * decay * a - omega * omega * v, 1e-14), "%.17g",
-          aoi_free_pair_jerk(&pair));
+    double of[AOI_DERIVATIVES + 1];
+    aoi_free_pair_motion(&pair, AOI_DERIVATIVES, of);
+    CHECK(near(of[2], a, 1e-14), "of the motion's equation: %.17g", of[2]);
+    CHECK(near(of[3], slope / 2.0 - 2.0 * decay * a - omega * omega * v, 1e-14), "%.17g", of[3]);
 }
 
 /* Far faster than the load rises, a sprung mass follows it: x = f' t / (m omega^2), but for its ripple. */
@@ -365,15 +366,15 @@ static void a_forced_part_moves_with_the_rest(void)
     aoi_free_pair pair = pair_of(&p, 0.1);
     pair.forced = &forced;
     for (int i = 1; i < 10; i++) { /* cos(4 (t - 1)) */
-        double indentation, rate, acceleration;
-        const double at = 0.2 * i;
+        const double at = 0.2 * i, c = cos(at), s = sin(at);
+        const double wanted[] = {0.3 * c - 0.1, -1.2 * s, -4.8 * c, 19.2 * s}, error[] = {1e-7, 1e-5, 1e-3, 0.05};
+        double of[AOI_DERIVATIVES + 1];
         pair.time = 1.0 + at / 4.0;
-        aoi_free_pair_indentation(&pair, &indentation, &rate, &acceleration);
-        CHECK(fabs(indentation - (0.3 * cos(at) - 0.1)) < 1e-7, "itself at %g: %g", at, indentation);
-        CHECK(fabs(rate + 1.2 * sin(at)) < 1e-5, "its rate at %g: %g", at, rate);
-        CHECK(fabs(acceleration + 4.8 * cos(at)) < 1e-3, "its acceleration at %g: %g", at, acceleration);
-        CHECK(fabs(aoi_free_pair_jerk(&pair) - 19.2 * sin(at)) < 0.05, "its jerk at %g: %g", at, aoi_free_pair_jerk(&pair));
-        CHECK(fabs(acceleration) <= forced.bend, "no larger than its bound");
+        aoi_free_pair_motion(&pair, AOI_DERIVATIVES, of);
+        for (int k = 0; k <= AOI_DERIVATIVES; k++) {
+            CHECK(fabs(of[k] - wanted[k]) < error[k], "derivative %d at %g: %g", k, at, of[k]);
+        }
+        CHECK(fabs(of[2]) <= forced.bend, "no larger than its bound");
     }
 }
 
