@@ -16,7 +16,7 @@ from ..base import AOImpactError, InputError, plain
 from ..contact import SHIFT_TIMES_DURATION, ContactPoint, contact_within
 from ..integrate import rigid_contact_time
 from ..laws import ContactLaw, own_law, round_contact
-from ..linalg import LinearSolver
+from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel
 from ..results import RecordLength
 from ..scene import Contact, Load, Scenario
@@ -31,10 +31,12 @@ class Foreseen:
     ----------
     plan : Scenario
         Of the bodies as they were given.
+    solver : str or callable, optional
+        The linear solver; see `FEModel.inverse`.
     """
 
-    def __init__(self, plan: Scenario) -> None:
-        self._plan = plan
+    def __init__(self, plan: Scenario, solver: Solver = "auto") -> None:
+        self._plan, self._solver = plan, solver
         # Kept until the models are made, which take them from their bodies.
         self._solvers: dict[Any, LinearSolver] = {}
 
@@ -136,10 +138,10 @@ class Foreseen:
             wide = contact_within(tip, radius, wider=wider) if tip.automatic else tip
             s2 = (SHIFT_TIMES_DURATION / time) ** 2
             if (tip.body, s2) not in self._solvers:
-                self._solvers[tip.body, s2] = tip.body.inverse(s2)
+                self._solvers[tip.body, s2] = tip.body.inverse(s2, solver=self._solver)
             return wide.at_impact(radius, self._solvers[tip.body, s2])
 
-        fit = tip.body.kept.get(("patch", tip.key, radius, time, wider), pressed)
+        fit = tip.body.kept.get(("patch", tip.key, radius, time, wider, self._solver), pressed)
         return replace(body, tips=(*body.tips[:port], fit, *body.tips[port + 1 :]))
 
 

@@ -507,7 +507,7 @@ class Scene:
         if controlled:  # bad input is refused before any work is done
             checked_rtol(rtol)
             self._interest(quantity, plan)
-        foreseen = Foreseen(plan)
+        foreseen = Foreseen(plan, linear_solver or "auto")
         if duration is None:
             record = foreseen.record()
         else:

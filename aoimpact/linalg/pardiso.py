@@ -14,11 +14,16 @@ from .method import Inverse, Method, of_factors
 from .pencil import Pencil
 from .superlu import check_condition
 
-# PARDISO's iparm, counted from 0: nested dissection; two-level scheduling of the factorisation;
-# rows of like patterns, as those of a node, are dissected as one where 80 % of their block are
-# entries. That takes a fifth to a half of the time of the analysis, on plates, balls and shells of
-# 14 000 to 224 000 dofs, and gives factors of the same size.
-_OPTIONS = {1: 2, 23: 1, 36: -80}
+# PARDISO's iparm, counted from 0: nested dissection; two-level scheduling of the factorisation.
+# Rows of like patterns, as those of a node, are dissected as one where this percentage of their
+# block are entries. That takes a fifth to a half of the time of the analysis, on plates, balls and
+# shells of 14 000 to 224 000 dofs, and gives factors of the same size.
+_OPTIONS = {1: 2, 23: 1}
+_BLOCKS, _ALIKE = 36, 80
+
+# Rows of a block that are safe. More than 128, such as those of the nodes of a rigid mass,
+# overwrite PARDISO's stack and end the interpreter.
+_LARGEST = 100
 
 # See `of_factors`. PARDISO stores L by supernodes, and a copy of K.
 _COST = of_factors((1e-11, 3e-8, 0.9e-9), 12.0, 30.0)
@@ -79,8 +84,14 @@ class _Factors:
 
     def _take_pattern(self, matrix: Any) -> None:
         row = np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))
-        self._indices, self._upper = matrix.indices, matrix.indices >= row
-        counts = np.add.reduceat(self._upper, matrix.indptr[:-1], dtype=np.int64)
+        ahead = matrix.indices - row
+        self._indices, self._upper = matrix.indices, ahead >= 0
+        near, counts = (
+            np.add.reduceat(of, matrix.indptr[:-1], dtype=np.int64)
+            for of in (self._upper & (ahead < _LARGEST), self._upper)
+        )
+        safe = 100 * near.max() < _ALIKE * _LARGEST
+        self._solver.set_iparm(_BLOCKS, -_ALIKE if safe else 0)
         starts, columns = np.concatenate([[0], np.cumsum(counts)]), matrix.indices[self._upper]
         self._solver.set_pattern(ia=starts, ja=columns.astype(np.int64), n=len(counts))
 

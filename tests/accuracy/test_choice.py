@@ -229,7 +229,7 @@ def test_a_named_point():
     np.testing.assert_allclose(right, seen.displacement, atol=1e-4 * np.abs(right).max())
 
 
-def test_the_linear_solver_is_the_users_and_named(own_solver):
+def test_the_linear_solver_is_the_users_and_named(own_solver, monkeypatch):
     run = functools.partial(
         ao.simulate,
         projectile=cube(STEEL, 0.02),
@@ -247,6 +247,9 @@ def test_the_linear_solver_is_the_users_and_named(own_solver):
     same = run(linear_solver="superlu")
     assert "superlu" in str(same)
     assert hit.peak_force == pytest.approx(same.peak_force, rel=5e-2)
+    monkeypatch.setattr("aoimpact.linalg.solvers._quickest", None)  # nor for the patch of a contact
+    tip = cube(STEEL, 0.02).body.contact(point=(0.01, 0.01, 0.02))
+    ao.simulate(ao.ball(0.01, STEEL), tip, 1.0, rtol=5e-2, linear_solver=own_solver)
 
 
 # ------------------------------------------------------------------------------------- bad input

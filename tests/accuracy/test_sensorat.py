@@ -1,7 +1,8 @@
-"""Strain, filtered acceleration and reactions as quantities, against all oscillators of a body."""
+"""Stress, strain, filtered acceleration and reactions as quantities, against all oscillators."""
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable
 from typing import Any
@@ -23,9 +24,13 @@ pytestmark = [
 ]
 
 
+def made(fixed: Any) -> Any:
+    return box(ALUMINIUM, (0.1, 0.1, 0.005), (6, 6, 1), (0.4, 0.5, 1), fixed)
+
+
 @pytest.fixture(scope="module")
 def plate() -> Any:
-    return box(ALUMINIUM, (0.1, 0.1, 0.005), (6, 6, 1), (0.4, 0.5, 1), ALL_EDGES)
+    return made(ALL_EDGES)
 
 
 def strike(target: Any, **options: Any) -> ao.Result:
@@ -35,6 +40,16 @@ def strike(target: Any, **options: Any) -> ao.Result:
 
 # Each with how it is read of a result, and the record's length, s.
 WANTED: dict[str, tuple[Callable[[Any], Any], Callable[[Any, Any], Any], float | None]] = {
+    "stress": (
+        lambda tip: ao.StressAt(tip, POINT, "xx"),
+        lambda of, t: of.probe(POINT, times=t).stress["xx"],
+        2e-4,
+    ),
+    "that of a free plate": (
+        lambda tip: ao.StressAt(tip, POINT),
+        lambda of, t: of.probe(POINT, times=t).stress.von_mises,
+        2e-4,
+    ),
     "strain": (
         lambda tip: ao.StrainAt(tip, POINT, "xx"),
         lambda of, t: of.probe(POINT, times=t).strain["xx"],
@@ -61,6 +76,7 @@ WANTED: dict[str, tuple[Callable[[Any], Any], Callable[[Any, Any], Any], float |
 @pytest.mark.parametrize("name", WANTED)
 def test_the_true_error_is_within_the_tolerance(plate: Any, name: str) -> None:
     quantity, read, duration = WANTED[name]
+    plate = made(None) if "free" in name else plate
     hit = strike(plate, quantity=quantity(plate), rtol=2e-2, duration=duration)
     whole = ao.antioscillators(plate)
     right = strike(whole, duration=hit.duration).target
@@ -69,7 +85,8 @@ def test_the_true_error_is_within_the_tolerance(plate: Any, name: str) -> None:
     off = np.abs(read(as_meshed(hit).target, times) - known)
     assert np.nanmax(off) <= 2e-2 * np.nanmax(np.abs(known))
     assert hit.error.model <= 2e-2
-    assert hit.error.quantity == ("strain" if name == "gauge" else name)
+    others = {"gauge": "strain", "that of a free plate": "stress"}
+    assert hit.error.quantity == others.get(name, name)
     assert as_meshed(hit).models[1].n < whole.n / 2
 
 
@@ -84,17 +101,23 @@ def test_without_a_filter_a_warning_says_why(plate: Any) -> None:
     assert sensor.cfc == 1000.0
 
 
-def test_in_a_scene_the_only_meshed_body_is_meant(plate: Any) -> None:
+@pytest.mark.parametrize("name", ["reaction", "stress"])
+def test_in_a_scene_the_body_is_found(plate: Any, name: str) -> None:
+    quantity, read, duration = WANTED[name]
     scene = ao.Scene()
     ball = scene.add(ao.rigid(mass=0.01), velocity=1.0)
     target = scene.add(plate)
     scene.connect(ball, target, LAW)
-    wanted = ao.ReactionAt("xmin", DOWN)
-    run = scene.simulate(duration=2e-4, quantity=wanted, rtol=5e-2)
-    one = strike(plate, duration=2e-4, quantity=wanted, rtol=5e-2)
-    times = np.linspace(0.0, 2e-4, 50)
-    ours, theirs = (of.reaction("xmin", times=times).force for of in (run[target], one.target))
+    wanted = quantity(plate)
+    run = scene.simulate(duration=duration, quantity=wanted, rtol=5e-2)
+    one = strike(plate, duration=duration, quantity=wanted, rtol=5e-2)
+    ours, theirs = (read(of, np.linspace(0.0, 2e-4, 50)) for of in (run[target], one.target))
     np.testing.assert_allclose(ours, theirs, atol=1e-6 * np.abs(theirs).max())
+
+
+def test_a_place_of_another_body_is_refused(plate: Any) -> None:
+    with pytest.raises(ao.InputError, match=r"^quantity"):
+        strike(plate, quantity=ao.StressAt(copy.copy(plate.body), POINT))
 
 
 BAR = ao.FEModel.from_mesh(

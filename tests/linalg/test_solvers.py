@@ -214,6 +214,16 @@ def test_pardiso_goes_to_another_shift_and_back(bar):
 
 
 @needs_pardiso
+def test_pardiso_takes_rigid_masses_which_couple_hundreds_of_rows():
+    """Without supports no translation strains the body: (K + s²M) u = s² M u."""
+    mesh = box_mesh((0.04, 0.04, 0.01), (8, 8, 2), kind="hexahedron20")
+    body = ao.FEModel.from_mesh(mesh, STEEL, masses=[ao.RigidMass("xmin", 0.5)])
+    moved = np.tile([1.0, -2.0, 3.0], mesh.n_nodes)
+    found = body.inverse(1e10, solver="pardiso").solve(1e10 * (body.M @ moved))
+    assert found == pytest.approx(moved, rel=1e-6)
+
+
+@needs_pardiso
 def test_pardiso_names_a_row_without_a_diagonal():
     """Nothing is stored in such a row, and PARDISO looks there all the same."""
     K = sp.csr_array(np.diag([1.0, 0.0, 2.0]))
