@@ -31,6 +31,7 @@ _FITTING: dict[str, tuple[str, Any]] = {
     "triangle": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),
     "line": ("ao.Beam(section, material, orientation)", Beam),
 }
+_ANY = "a Material, Orthotropic, Shell, Laminate or Beam"
 _SOLID: tuple[str, Any] = ("a Material or an Orthotropic", Solid)
 
 
@@ -68,60 +69,45 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
     found = _of_elements(mesh, given)
     for piece in pieces(mesh, found, OneMaterial):
         wanted, fitting = _FITTING.get(piece.block.kind, _SOLID)
-        if not isinstance(piece.of, fitting):
-            raise InputError(
-                f"material: {len(piece.rows)} elements are of kind {piece.block.kind}, which needs "
-                f"{wanted}, got {type(piece.of).__name__}"
-            )
         kind, thick = type(piece.of).__name__, getattr(piece.of, "narrowest", 0.0)
+        if not isinstance(piece.of, fitting):
+            got = f"{len(piece.rows)} elements of kind {piece.block.kind} got {kind}"
+            raise InputError(f"material: {got}; give {wanted}")
         if thick > mesh.size:
-            raise InputError(
-                f"material: a {kind} {with_unit(thick, 'm')} thick is thicker than the body is "
-                f"long, {with_unit(mesh.size, 'm', 3)}; give both in metres"
-            )
+            long = f"on a body {with_unit(mesh.size, 'm', 3)} long; give both in metres"
+            raise InputError(f"material: a {kind} {with_unit(thick, 'm')} thick is {long}")
     return found
 
 
 def _of_elements(mesh: Mesh, given: Any) -> AnyMaterial:
     if isinstance(given, Materials) and len(given.index) != mesh.n_cells:
-        raise InputError(
-            f"material: made for {len(given.index)} elements, and the mesh has {mesh.n_cells}"
-        )
+        raise InputError(f"material: {len(given.index)} elements, the mesh has {mesh.n_cells}")
     if isinstance(given, AnyMaterial):
         return given
     if not isinstance(given, Mapping):
-        raise InputTypeError(
-            "material must be a Material, an Orthotropic, a Shell, a Laminate, a Beam or a dict of "
-            f"groups of elements and these, got {type(given).__name__}"
-        )
+        raise InputTypeError(f"material must be {_ANY} or a dict, got {type(given).__name__}")
     if not given:
         raise InputError("material names no groups of elements; give a material for each group")
     owner = np.full(mesh.n_cells, -1)
     for number, (name, material) in enumerate(given.items()):
         if not isinstance(material, OneMaterial):
-            raise InputTypeError(
-                f"material[{name!r}] must be a Material, an Orthotropic, a Shell, a Laminate or a "
-                f"Beam, got {type(material).__name__}"
-            )
+            raise InputTypeError(f"material[{name!r}] must be {_ANY}, no {type(material).__name__}")
         cells = group(mesh, "material", name)
         if (owner[cells] >= 0).any():
             twice = cells[owner[cells] >= 0]
             other = list(given)[int(owner[twice[0]])]
-            raise InputError(
-                f"material: {len(twice)} elements are in both groups {other!r} and {name!r}, the "
-                f"first is element {label_of(int(twice[0]), mesh.cell_labels)}; each needs exactly "
-                "one material"
-            )
+            first = label_of(int(twice[0]), mesh.cell_labels)
+            both = f"{len(twice)} elements are in both {other!r} and {name!r}"
+            raise InputError(f"material: {both}, the first is element {first}; take one material")
         owner[cells] = number
     if len(bare := np.flatnonzero(owner < 0)):
         counts = {name: int((owner[cells] < 0).sum()) for name, cells in mesh.cell_sets.items()}
         where = ", ".join(f"{count} of them in {name!r}" for name, count in counts.items() if count)
-        raise InputError(
-            f"material: {len(bare)} of {mesh.n_cells} elements have none, the first is element "
-            f"{label_of(int(bare[0]), mesh.cell_labels)} near "
-            f"{plain(mesh.nodes[mesh.cells[bare[0]]].mean(axis=0))} m: give the material of their "
-            f"groups ({where or 'no group has any of them; name them in the mesher'})"
-        )
+        first = label_of(int(bare[0]), mesh.cell_labels)
+        near = f"{first} near {plain(mesh.nodes[mesh.cells[bare[0]]].mean(axis=0))} m"
+        why = f"{len(bare)} of {mesh.n_cells} elements have none, the first is element {near}"
+        cure = f"({where or 'no group has any of them; name them in the mesher'})"
+        raise InputError(f"material: {why}: give the material of their groups {cure}")
     distinct: dict[OneMaterial, int] = {}
     number_of = [distinct.setdefault(material, len(distinct)) for material in given.values()]
     if len(distinct) == 1:

@@ -29,10 +29,8 @@ def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
     pairs = integers("labels", labels, what, shape=(n_dofs, 2))
     wrong = np.flatnonzero((pairs[:, 1] < 0) | (pairs[:, 1] > _MOST))
     if len(wrong):
-        raise InputError(
-            f"labels[{wrong[0]}] has component {pairs[wrong[0], 1]}: 1, 2, 3 are displacements, "
-            "4, 5, 6 rotations, and 0 is for what has no direction"
-        )
+        which = f"labels[{wrong[0]}] has component {pairs[wrong[0], 1]}"
+        raise InputError(f"{which}: 1 to 3 are displacements, 4 to 6 rotations, 0 has no direction")
     order = np.lexsort(pairs.T)
     twice = np.flatnonzero((np.diff(pairs[order], axis=0) == 0).all(axis=1))
     if len(twice):
@@ -122,9 +120,9 @@ def node_numbers(nodes: FloatArray, which: IntArray, of_mesh: FloatArray, size: 
     gap, found = scipy.spatial.cKDTree(of_mesh).query(nodes[which])
     if gap.max() > _SAME_PLACE * size:
         worst = int(which[gap.argmax()])
+        far = f"at {plain(nodes[worst])} m, is {gap.max():.3g} m from the nearest of the mesh"
         raise InputError(
-            f"mesh: node {worst} of the body, at {plain(nodes[worst])} m, is {gap.max():.3g} m "
-            "from the nearest node of the mesh: is it the same model, and both in metres?"
+            f"mesh: node {worst} of the body, {far}: are both in metres, of one model?"
         )
     if len(np.unique(found)) < len(np.unique(which)):
         raise InputError("mesh: two nodes of the body lie where the mesh has one")

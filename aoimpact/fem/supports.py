@@ -69,9 +69,7 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
     for name, (selector, *letters) in entries("fixed", fixed, (2, 3), how):
         selected = nodes_of_mesh(name, selector, mesh)
         if len(letters) == 2 and not np.isin(selected, mesh.thin_nodes).any():
-            raise InputError(
-                f"{name}: letters of rotations are for nodes of shells and beams; leave them out"
-            )
+            raise InputError(f"{name}: only nodes of shells and beams have letters of rotations")
         for which, each in enumerate(letters):
             if each != "" or (which, len(letters)) != (0, 2):
                 left[which, selected[:, None], components(name, each)] = False
@@ -116,10 +114,8 @@ def components(name: str, letters: Any) -> list[int]:
     if not isinstance(letters, str):
         raise InputTypeError(f'{name}: letters must be text such as "xyz", got {letters!r}')
     if not 0 < len(letters) < 4 or set(letters) - set("xyz"):
-        raise InputError(
-            f'{name}: letters must be up to three of "x", "y" and "z", got {letters!r}. Rotations '
-            'of shells and beams are a third entry: ("rim", "xyz", "xyz") or ("rim", "", "xyz")'
-        )
+        how = 'up to three of "x", "y" and "z"; rotations are a third entry, ("rim", "xyz", "xyz")'
+        raise InputError(f"{name}: letters must be {how}, got {letters!r}")
     return sorted({"xyz".index(letter) for letter in letters})
 
 
@@ -175,10 +171,8 @@ def selected_nodes(
         found = called(selector, node_sets)
         if found is None:
             known = ", ".join(map(repr, node_sets)) or "none"
-            raise InputError(
-                f"{name}: the mesh has no node set {selector!r}{nearest(selector, node_sets)}; "
-                f"it has {known}"
-            )
+            hint = nearest(selector, node_sets)
+            raise InputError(f"{name}: the mesh has no node set {selector!r}{hint}; it has {known}")
         return node_sets[found]
     function = callable(selector)
     of_mask = "the function" if function else "the mask of nodes"
@@ -186,10 +180,8 @@ def selected_nodes(
     try:
         given = selector(nodes) if function else selector
     except Exception as error:
-        raise InputError(
-            f"{must}, but raised {type(error).__name__}: {error}; it is called with their "
-            f"coordinates, an array of shape {nodes.shape}"
-        ) from error
+        raised = f"raised {type(error).__name__}: {error}"
+        raise InputError(f"{must} of coordinates, shape {nodes.shape}, but {raised}") from error
     try:
         mask = np.asarray(given)
     except ValueError as error:
@@ -204,9 +196,7 @@ def selected_nodes(
     if not mask.any():
         low, high = nodes.min(axis=0), nodes.max(axis=0)
         box = ", ".join(f"{c} {a:g}…{b:g}" for c, a, b in zip("xyz", low, high, strict=True))
-        raise InputError(
-            f"{name}: {of_mask} selects no nodes; the mesh spans {box} m (tolerances?)"
-        )
+        raise InputError(f"{name}: {of_mask} selects no nodes; the mesh spans {box} m")
     return np.flatnonzero(mask)
 
 
@@ -301,9 +291,7 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     """WᵀJW with q = W u the rigid motion about its centre that fits its nodes best."""
     ids, nodes = nodes_of_mesh(name, mount.nodes, mesh), mesh.nodes
     if len(ids) > _MOST_NODES:
-        raise InputError(
-            f"{name}: the rigid mass is on {len(ids)} nodes; take {_MOST_NODES} of them at most"
-        )
+        raise InputError(f"{name}: it is on {len(ids)} nodes; take {_MOST_NODES} of them at most")
     middle = nodes[ids].mean(axis=0)
     centre = middle if mount.centre is None else np.asarray(mount.centre)
     inertia = np.zeros((3, 3)) if mount.inertia is None else np.asarray(mount.inertia)
@@ -321,10 +309,9 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     weights = to_centre.T @ weights @ to_centre
     lost = vectors[:, ~known].T @ weights
     if np.abs(lost).max(initial=0.0) > PRINTED * mount.mass:
+        why = f"its {len(ids)} nodes lie on one line, about which there is inertia"
         raise InputError(
-            f"{name}: its {len(ids)} nodes lie on one line, or are one, and tell no rotation about "
-            "it, which has inertia there; give nodes spread over the seat, or leave centre and "
-            "inertia out"
+            f"{name}: {why}; give nodes spread over the seat, or no inertia and centre"
         )
     body, radius = float(np.ptp(nodes, axis=0).max()), math.sqrt(np.trace(inertia) / mount.mass)
     off = float(np.linalg.norm(centre - nodes.mean(axis=0)))
@@ -380,7 +367,5 @@ def spring_stiffness(
 def _bounded(name: str, value: Any, unit: str) -> float:
     number = positive(name, value, unit=unit)
     if number > LARGEST:
-        raise InputError(
-            f"{name} is {number:g} {unit}, beyond what can be computed with; is it in {unit}?"
-        )
+        raise InputError(f"{name}, {number:g} {unit}, is too large to compute with; check the unit")
     return number

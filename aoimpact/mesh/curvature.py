@@ -244,7 +244,11 @@ def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_
     """Return which of the faces share an edge that is not sharp, and `_Region.bends`."""
     key = surface.ends(face).reshape(-1, 2)
     row = np.repeat(np.arange(len(face)), 4)
-    normal = surface.normal(face[row], surface.edge_middles(face).reshape(-1, 2))
+    middles = np.zeros((len(face), 4, 2))
+    for side, on in surface.of_count(face):
+        uv = side.places[: side.n_corners]
+        middles[on, : side.n_corners] = 0.5 * (uv + np.roll(uv, -1, axis=0))
+    normal = surface.normal(face[row], middles.reshape(-1, 2))
     two, one = (of[key[of, 0] < key[of, 1]] for of in twins(key))
     cosine = dot(normal[one], normal[two])
     smooth = cosine > SHARP

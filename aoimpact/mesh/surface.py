@@ -208,14 +208,6 @@ class Surface:
         corners = self.corners(face)
         return np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
 
-    def edge_middles(self, face: IntArray) -> FloatArray:
-        """Return the coordinates (u, v) of the middles of edges from each of `corners`."""
-        edges = np.zeros((len(face), 4, 2))
-        for side, on in self.of_count(face):
-            corners = side.places[: side.n_corners]
-            edges[on, : side.n_corners] = 0.5 * (corners + np.roll(corners, -1, axis=0))
-        return edges
-
     @cached_property
     def _found(self) -> dict[bytes, Place]:
         """The last results of `nearest`: one contact asks for its own many times."""
@@ -319,7 +311,21 @@ class Surface:
         best = Place(np.full(n, -1), np.zeros((n, 2)), points.copy(), np.full(n, np.inf))
         for start in range(0, len(face), _CHUNK):
             to, on = point[start : start + _CHUNK], face[start : start + _CHUNK]
-            uv, x, looks = self._cross(points[to], axis, on)
+            uv, active = self.middle(on), np.arange(len(on))
+            for _ in range(_ITERATIONS):  # Newton's method, straight above or below the point
+                x, tangents = self.at(on[active], uv[active])
+                gap = (points[to[active]] - x) @ across.T
+                step = _solved((tangents @ across.T).swapaxes(1, 2), gap)
+                uv[active] += step
+                moving = np.abs(step).max(axis=1, initial=0.0) > _CONVERGED
+                active = active[moving & (np.abs(uv[active] - 0.5).max(axis=1) < _LOST)]
+                if not len(active):
+                    break
+            x, tangents = self.at(on, uv)
+            # Unconverged iterates belong to faces that the line misses.
+            missed = np.linalg.norm((points[to] - x) @ across.T, axis=1) > PRINTED * radius[on]
+            uv[missed] = np.inf
+            looks = np.cross(tangents[:, 0], tangents[:, 1]) @ axis
             height = np.abs((x - points[to]) @ axis)
             sum_or_larger = np.where(triangle[on], uv.sum(axis=1), uv.max(axis=1))
             good = (uv >= -PRINTED).all(axis=1) & (sum_or_larger <= 1.0 + PRINTED)
@@ -346,28 +352,6 @@ class Surface:
         corners = self.mesh.nodes[self.corners(face)] @ frame.T
         room = _BETWEEN * np.abs(self.bulges(face) @ frame.T).max(axis=1)
         return (corners.min(axis=1) - room).T, (corners.max(axis=1) + room).T
-
-    def _cross(
-        self, points: FloatArray, axis: FloatArray, face: IntArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Find the place on each face straight above or below its point, by Newton's method."""
-        across = plane_of(axis)
-        uv = self.middle(face)
-        active = np.arange(len(face))
-        for _ in range(_ITERATIONS):
-            x, tangents = self.at(face[active], uv[active])
-            gap = (points[active] - x) @ across.T
-            step = _solved((tangents @ across.T).swapaxes(1, 2), gap)
-            uv[active] += step
-            moving = np.abs(step).max(axis=1, initial=0.0) > _CONVERGED
-            active = active[moving & (np.abs(uv[active] - 0.5).max(axis=1) < _LOST)]
-            if not len(active):
-                break
-        x, tangents = self.at(face, uv)
-        # Unconverged iterates belong to faces that the line misses.
-        missed = np.linalg.norm((points - x) @ across.T, axis=1) > PRINTED * self.balls[1][face]
-        uv[missed] = np.inf
-        return uv, x, np.cross(tangents[:, 0], tangents[:, 1]) @ axis
 
     @cached_property
     def _triangle(self) -> BoolArray:
