@@ -151,7 +151,7 @@ static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
     run->free_state[1] = aoi_memory_doubles(&memory, 4 * aoi_system_most_modes(system));
     run->scratch = aoi_memory_doubles(&memory, 2 * aoi_system_most_modes(system));
     run->port_force = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
-    run->port_slope = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
+    run->port_series = aoi_memory_doubles(&memory, system->first_port[bodies] * AOI_NODES);
     run->collocation = aoi_memory_doubles(&memory, work_size(run, system));
     for (size_t b = 0; b < bodies; b++) {
         lay_out_body(run, system, b, &memory, block ? &run->body[b] : NULL);

@@ -118,7 +118,7 @@ struct aoi_adaptive {
     double halt; /* all bodies are brought here: loads have bent often, and more would take long; infinite: nowhere */
     int unbalanced;         /* an event has changed a contact since the last step */
     double *free_state[2], *scratch, *port_force, *collocation;
-    double *port_slope; /* derivatives of the port forces at the step's start: aoi_step_slopes */
+    double *port_series; /* of the port forces: aoi_step_series */
     size_t steps, rejected, uses;
     size_t failed; /* contact in which an error occurred */
 };

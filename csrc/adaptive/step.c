@@ -208,7 +208,7 @@ static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates, i
     }
 }
 
-/* The step's forces on the ports of all bodies under force, and their derivatives at its start. */
+/* The step's forces on the ports of all bodies under force, and their Legendre coefficients. */
 static void gather_forces(aoi_adaptive *run, double h)
 {
     const aoi_system *system = run->system;
@@ -228,7 +228,7 @@ static void gather_forces(aoi_adaptive *run, double h)
     }
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i], at = system->first_port[b] * AOI_NODES;
-        aoi_step_slopes(&system->body[b], run->port_force + at, h, run->port_slope + at);
+        aoi_step_series(&system->body[b], run->port_force + at, h, run->port_series + at);
     }
 }
 

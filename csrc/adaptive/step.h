@@ -94,9 +94,9 @@ void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, 
 /* Tolerance of the indentation at which a contact touches, not below rounding, m. */
 double aoi_touch_tolerance(aoi_adaptive *run, const aoi_contact_step *entry);
 
-/* Derivatives at the start, with respect to the share of a step of length h, of the forces on a body's ports: nodes
- * in, as many out; not for a body of which no mode rings in the step. */
-void aoi_step_slopes(const aoi_modes *body, const double *force, double h, double *slopes);
+/* Legendre coefficients of the forces on a body's ports in a step of length h, given at the nodes; not for a body of which
+ * no mode rings in the step. */
+void aoi_step_series(const aoi_modes *body, const double *force, double h, double *series);
 
 /* Initial value and velocity of the polynomial motion of mode j of a body under the step's forces and, if loaded,
  * under loads and gravity. For oscillating modes; returns whether any of these forces acts on the mode. */

@@ -20,32 +20,35 @@ static const double UNRESOLVED = 12.0;
 
 static double decay_of(const aoi_modes *body, size_t j) { return body->decay ? body->decay[j] : 0.0; }
 
-void aoi_step_slopes(const aoi_modes *body, const double *force, double h, double *slopes)
+void aoi_step_series(const aoi_modes *body, const double *force, double h, double *series)
 {
     const int some = body->n > 0 && body->omega[body->n - 1] * h > AOI_PATH_FAST;
     for (size_t p = 0; p < body->ports && some; p++) {
-        aoi_nodes_slopes_at_start(force + p * AOI_NODES, slopes + p * AOI_NODES);
+        aoi_nodes_to_legendre(force + p * AOI_NODES, series + p * AOI_NODES);
     }
 }
 
 int aoi_step_path(const aoi_adaptive *run, size_t b, size_t j, double h, int loaded, double *x, double *v)
 {
     const aoi_modes *body = &run->system->body[b];
-    const double *slopes = run->port_slope + run->system->first_port[b] * AOI_NODES;
-    double force[AOI_NODES] = {0.0};
+    const double *series = run->port_series + run->system->first_port[b] * AOI_NODES;
+    double force[AOI_NODES] = {0.0}, place[AOI_NODES], rate[AOI_NODES];
     *x = *v = 0.0;
     if (loaded && (body->gravity || body->load.count > 0)) {
         aoi_modes_drive(body, j, aoi_run_now(run), &force[0], &force[1]);
-        force[1] *= h;
+        force[1] *= 0.5 * h;
+        force[0] += force[1];
     }
     int moved = force[0] != 0.0 || force[1] != 0.0;
     for (size_t p = 0; p < body->ports; p++) {
         const double push = body->push[p * body->n + j];
-        aoi_nodes_add(push, slopes + p * AOI_NODES, force);
+        aoi_nodes_add(push, series + p * AOI_NODES, force);
         moved = moved || push != 0.0;
     }
     if (moved) {
-        aoi_path_start(body->omega[j], decay_of(body, j), h, force, x, v);
+        aoi_path_follow(body->omega[j], decay_of(body, j), h, force, place, rate);
+        *x = aoi_legendre_at_start(place);
+        *v = aoi_legendre_at_start(rate);
     }
     return moved;
 }

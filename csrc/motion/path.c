@@ -10,30 +10,17 @@
 #include <math.h>
 #include <string.h>
 
-void aoi_path_follow(double omega, double decay, double h, const double *f, double *x)
+void aoi_path_follow(double omega, double decay, double h, const double *f, double *x, double *v)
 {
     double above[2] = {0.0, 0.0}, slope_above[2] = {0.0, 0.0}; /* as in aoi_legendre_derive */
     for (size_t k = AOI_NODES; k-- > 0;) {
         const double weight = 2.0 * (2.0 * (double)k + 1.0);
-        const double slope = weight * above[(k + 1) % 2] / h;
         const double bend = weight * slope_above[(k + 1) % 2] / h;
-        x[k] = (f[k] - 2.0 * decay * slope - bend) / (omega * omega);
+        v[k] = weight * above[(k + 1) % 2] / h;
+        x[k] = (f[k] - 2.0 * decay * v[k] - bend) / (omega * omega);
         above[k % 2] += x[k];
-        slope_above[k % 2] += slope;
+        slope_above[k % 2] += v[k];
     }
-}
-
-void aoi_path_start(double omega, double decay, double h, const double *f, double *x, double *v)
-{
-    const double inverse = 1.0 / (omega * omega * h * h), lag = 2.0 * decay * h * inverse;
-    double next = 0.0, after = 0.0; /* the derivatives of x above, times omega^2 */
-    for (size_t m = AOI_NODES; m-- > 0;) {
-        const double here = f[m] - lag * next - inverse * after;
-        after = next;
-        next = here;
-    }
-    *x = next / (omega * omega);
-    *v = after / (omega * omega * h);
 }
 
 /* Coefficients of v where v' + 2 decay v = f, which runs straight. */
@@ -56,11 +43,7 @@ static int along(const aoi_path *path, double *velocity, double *x, double *v)
     *v = path->v;
     const double decay = path->straight ? 0.0 : path->decay; /* a straight force leaves no digits to lose */
     if (aoi_path_rings(path->omega, decay, path->h)) {
-        aoi_path_follow(path->omega, path->decay, path->h, path->force, place);
-        aoi_legendre_derive(AOI_NODES, place, rate);
-        for (size_t k = 0; k < AOI_NODES; k++) {
-            rate[k] /= path->h;
-        }
+        aoi_path_follow(path->omega, path->decay, path->h, path->force, place, rate);
         *x -= aoi_legendre_at_start(place);
     } else if (path->omega == 0.0 && path->straight && 2.0 * path->decay * path->h > AOI_PATH_FAST) {
         follow_free(path->decay, path->h, path->force, rate);

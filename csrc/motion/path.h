@@ -13,13 +13,9 @@ static inline int aoi_path_rings(double omega, double decay, double h)
     return omega * h > AOI_PATH_FAST && decay <= omega;
 }
 
-/* The polynomial that solves x'' + 2 decay x' + omega^2 x = f over a time h, omega > 0. f, x: AOI_NODES
+/* The polynomial that solves x'' + 2 decay x' + omega^2 x = f over a time h, omega > 0, and its rate v. f, x, v: AOI_NODES
  * Legendre coefficients. Under strong damping (decay > omega) digits are lost unless f runs straight. */
-void aoi_path_follow(double omega, double decay, double h, const double *f, double *x);
-
-/* Where that polynomial begins, and its velocity there. f: the AOI_NODES derivatives of the force at the start with
- * respect to the share of h. */
-void aoi_path_start(double omega, double decay, double h, const double *f, double *x, double *v);
+void aoi_path_follow(double omega, double decay, double h, const double *f, double *x, double *v);
 
 /* A mode from x, v on under a force f as above, which may run straight; how far of h it is looked at (0 .. 1). */
 typedef struct aoi_path {

@@ -105,16 +105,6 @@ double aoi_nodes_at_start(const double *nodes)
     return aoi_legendre_at_start(legendre);
 }
 
-void aoi_nodes_slopes_at_start(const double *nodes, double *slopes)
-{
-    double legendre[AOI_NODES];
-    aoi_nodes_to_legendre(nodes, legendre);
-    for (size_t m = 0; m < AOI_NODES; m++) {
-        slopes[m] = aoi_legendre_at_start(legendre);
-        aoi_legendre_derive(AOI_NODES, legendre, legendre);
-    }
-}
-
 void aoi_legendre_fit(double start, const double *nodes, double *coefficient)
 {
     aoi_nodes_to_legendre(nodes, coefficient);

@@ -37,9 +37,8 @@ void aoi_nodes_to_legendre(const double *nodes, double *legendre);
 /* That polynomial at the nodes of the part of the step up to place; in place, too. */
 void aoi_nodes_on_part(const double *nodes, double place, double *part);
 
-/* The polynomial through the nodes, extrapolated to the start; and its derivatives there, AOI_NODES of them. */
+/* The polynomial through the nodes, extrapolated to the start. */
 double aoi_nodes_at_start(const double *nodes);
-void aoi_nodes_slopes_at_start(const double *nodes, double *slopes);
 
 /* The first place in (0, 1] at which a polynomial falls to a level that lies below its value at the start,
  * as far as a look at the nodes shows; 0 where it does not. values: at the start and the nodes. */
