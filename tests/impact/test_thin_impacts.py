@@ -255,6 +255,17 @@ def test_numbers_of_all_touches_have_no_bound_where_one_run_has_more_of_them() -
         assert [math.isinf(hit.error[name].mesh) for hit in (exact, *rough)] == [False, *[True] * 3]
 
 
+@pytest.mark.filterwarnings("ignore:.*mesh makes an error", "ignore:the contact makes an error")
+def test_a_heavy_tup_is_thrown_back_with_all_its_momentum() -> None:
+    """But for the waves that it leaves in the plate, and known as well as these are."""
+    edges = [(name, "xyz") for name in ("xmin", "xmax", "ymin", "ymax")]
+    for n, kind in ((8, "hexahedron"), (10, "hexahedron20"), (8, "tetra10")):
+        mesh = ao.box_mesh((0.1, 0.1, 0.002), (n, n, 1), kind=kind)
+        held = ao.FEModel.from_mesh(mesh, STEEL, fixed=edges).contact(point=(0.05, 0.05, 0.002))
+        hit = ao.simulate(ao.ball(0.008, STEEL, mass=1.0), held, 0.3)
+        assert abs(hit.impulse / 0.6 - 1.0) < hit.error["impulse"].total < 0.02
+
+
 def test_a_fold_has_no_normal() -> None:
     """A web along the rim of the skin: neither goes on."""
     with pytest.raises(ao.InputError, match=r"^point"):
