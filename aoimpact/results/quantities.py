@@ -313,8 +313,8 @@ def number_errors(
     """Return by how much the force, and each number that sums up a run, may be wrong, relative.
 
     The largest of its changes to other runs, each times its factor, by the names by which numbers
-    are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". NaN of one that is not.
-    Errors that are known already are taken as they are.
+    are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". Infinite where one of
+    the runs has no such number. Errors that are known already are taken as they are.
 
     Parameters
     ----------
@@ -331,17 +331,19 @@ def number_errors(
             differences = (times * QUANTITIES[name].difference(run, of) for of, times in others)
             return max(differences, default=0.0)
         quantity, at, values = _number(run, name)
-        ours, apart = quantity.compared(run), [np.zeros(len(values))]
+        ours, found = quantity.compared(run), [0.0]
         for other, times in others:
             theirs = quantity.compared(other)
-            scales = quantity.at_least(np.abs(theirs), before)
-            apart.append(times * np.abs(_relative(ours - theirs, scales)))
+            apart = np.abs(ours - theirs)
             if on_the_way and quantity.by_momentum is not None:
-                change = quantity.by_momentum(run, _momentum_apart(run, other))[: len(values)]
-                change = np.nan_to_num(_relative(change, scales), posinf=math.inf)
-                apart.append(times * change)
-        most = np.max(apart, axis=0)
-        return math.nan if math.isnan(values[at]) else float(most[at])
+                change = quantity.by_momentum(run, _momentum_apart(run, other))
+                apart = np.maximum(apart, change[: len(apart)])
+            scales = quantity.at_least(np.abs(theirs), before)
+            found.append(times * float(_relative(apart, scales)[at]))
+        absent = math.isnan(values[at]) or any(
+            math.isnan(quantity.values(of)[at]) for of, _ in others
+        )
+        return math.inf if absent else max(found)
 
     return Found(lambda: ["force", *run.numbers], find, known)
 
@@ -404,11 +406,11 @@ def _allowed(run: Run, momenta: FloatArray) -> FloatArray:
     Two bodies that part with e times their velocity keep 1 - e² of their energy. If all of that is
     uncertain, the impulse is so by (1 - e)/(2 e) of itself.
     """
-    parted = QUANTITIES["restitution"].compared(run)
-    if run.plan.weighed or run.plan.loads or not (len(parted) and parted[0] > 0.0):
+    e = QUANTITIES["restitution"].compared(run).max(initial=0.0)
+    if run.plan.weighed or run.plan.loads or e == 0.0:
         return momenta
-    most = run.events[0].impulse * max(1.0 - parted[0], 0.0) / (2.0 * parted[0])
-    return np.where(np.isinf(momenta), momenta, np.minimum(momenta, most))
+    most = 0.5 * max(1.0 / e - 1.0, 0.0) * run.events[0].impulse
+    return np.where(momenta < math.inf, np.minimum(momenta, most), momenta)
 
 
 def _of_bodies(run: Run, momenta: FloatArray) -> FloatArray:

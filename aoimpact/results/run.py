@@ -879,6 +879,8 @@ class Run:
         def parts(name: str) -> ErrorParts:
             if name not in names and name not in by_model:
                 raise KeyError(name)
+            if math.isnan(self.numbers.get(name, 0.0)):  # there is no such number
+                return ErrorParts(*[math.nan] * 4)
             mesh, contact = out.mesh.get(name, absent), out.contact.get(name, absent)
             return ErrorParts(mesh, contact, by_model.get(name), self.time_error)
 

@@ -242,17 +242,20 @@ def test_the_mesh_error_of_a_spring_at_a_node_of_a_shell() -> None:
 @pytest.mark.filterwarnings("ignore:.*mesh makes an error")
 def test_numbers_of_all_touches_have_no_bound_where_one_run_has_more_of_them() -> None:
     """The waves of a held sheet throw a ball off: small elements have three touches."""
-    held = [(edge, "xyz", "xyz") for edge in ("xmin", "xmax", "ymin", "ymax")]
     light = ao.Material(E=70e9, nu=0.33, rho=2700)
-    exact, *rough = (
-        ao.simulate(
-            BALL, sheet(2e-3, n, 0.1, kind, light, fixed=held).contact(point=(0.05, 0.05, 0)), 1.0
-        )
-        for n, kind in ((32, "quad"), (8, "triangle"), (8, "quad"), (12, "quad"))
-    )
+
+    def strike(n: int, kind: str = "quad", **given: Any) -> ao.Result:
+        held = [(edge, "xyz", "xyz") for edge in ("xmin", "xmax", "ymin", "ymax")]
+        tip = sheet(2e-3, n, 0.1, kind, light, fixed=held).contact(point=(0.05, 0.05, 0))
+        return ao.simulate(BALL, tip, 1.0, **given)
+
+    exact, *rough = strike(32), strike(8, "triangle"), strike(8), strike(12)
     for name in ("impulse", "rebound_velocity"):
         assert abs(rough[0].value(name) / exact.value(name) - 1.0) > 0.2
         assert [math.isinf(hit.error[name].mesh) for hit in (exact, *rough)] == [False, *[True] * 3]
+    apart = strike(12, duration=86e-6)  # and as meshed still in touch
+    assert apart.error["rebound_velocity"].total == math.inf > apart.rebound_velocity
+    assert math.isnan(apart.beside.rebound_velocity)
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh makes an error", "ignore:the contact makes an error")
