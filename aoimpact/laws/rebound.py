@@ -57,7 +57,9 @@ def hunt_crossley_restitution(damping: float) -> float:
     kept = damping * (1.0 - 2.0 / 3.0 * damping)  # u e
     if damping > _SMALL:
         kept = 1.0 + float(scipy.special.lambertw(-math.exp(-1.0 - wanted)).real)
-    for _ in range(3 if kept < 1.0 else 0):  # Newton, for the digits that W loses near its branch
+    # Newton, for the digits that W loses near its branch, at kept = 0. Near 1, where 1 - kept is
+    # rounding, a step may lead beyond it.
+    for _ in range(3 if kept < 0.5 else 0):
         kept -= (_lead(-kept) - wanted) * (1.0 - kept) / kept
     return kept / damping
 
