@@ -267,28 +267,17 @@ double aoi_law_rest(const aoi_law *law, const double *memory)
     return law->rest ? law->rest(law, memory) : 0.0;
 }
 
-/* The end of a piece, given by the law's own indentation there, as total indentation. */
-static double total_at(const aoi_law *law, const double *memory, int piece, double end)
+/* The end of a piece, given by the law's own indentation there, as total indentation. Where c dF/dd is too much there, the
+ * piece reaches without end upwards, if that is asked: the law's limit comes before, and the total indentation may even
+ * fall from there on. */
+static double total_at(const aoi_law *law, const double *memory, int piece, double end, int upwards)
 {
     aoi_law_value value;
     if (law->compliance == 0.0 || fabs(end) == HUGE_VAL) {
         return end;
     }
     own_force(law, memory, piece, end, 0.0, &value);
-    return end - law->compliance * value.force;
-}
-
-/* Up to where a piece reaches: without end where c dF/dd is too much at its end, since the law's limit
- * comes before, and the total indentation may even fall from there on. */
-static double reach_of(const aoi_law *law, const double *memory, int piece, double end)
-{
-    aoi_law_value value;
-    if (fabs(end) == HUGE_VAL) {
-        return end;
-    }
-    own_force(law, memory, piece, end, 0.0, &value);
-    return law->compliance * value.stiffness < MOST_SHARE ? end - law->compliance * value.force
-                                                          : HUGE_VAL;
+    return upwards && !(law->compliance * value.stiffness < MOST_SHARE) ? HUGE_VAL : end - law->compliance * value.force;
 }
 
 /* With a compliance below zero d < indentation: goes down from a piece to one that begins as low. At an
@@ -297,16 +286,16 @@ static int lower_piece(const aoi_law *law, const double *memory, double indentat
                        int piece, double *low, double *high)
 {
     const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
-    double start = total_at(law, memory, piece, *low);
+    double start = total_at(law, memory, piece, *low, 0);
     while (start > indentation + rounding && *low > -HUGE_VAL) {
         const double before = *low;
         piece = law->piece(law, memory, nextafter(*low, -HUGE_VAL), rising, low, high);
         if (!(*low < before)) {
             return AOI_NO_PIECE;
         }
-        start = total_at(law, memory, piece, *low);
+        start = total_at(law, memory, piece, *low, 0);
     }
-    *high = total_at(law, memory, piece, *high);
+    *high = total_at(law, memory, piece, *high, 0);
     *low = start;
     return piece;
 }
@@ -328,7 +317,7 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
     }
     /* With a compliance d > indentation: go up from piece to piece until one reaches as far. At an
      * end, to rounding, only a rising motion goes on to the next. */
-    double end = reach_of(law, memory, piece, *high);
+    double end = total_at(law, memory, piece, *high, 1);
     const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
     while (end <= indentation + rounding && *high < HUGE_VAL) {
         const double before = *high;
@@ -336,9 +325,9 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
         if (!(*high > before)) {
             return AOI_NO_PIECE;
         }
-        end = reach_of(law, memory, piece, *high);
+        end = total_at(law, memory, piece, *high, 1);
     }
-    *low = total_at(law, memory, piece, *low);
+    *low = total_at(law, memory, piece, *low, 0);
     *high = end;
     return piece;
 }

@@ -20,29 +20,6 @@ static const double SLOW_SHARE = 0.5;
 /* Share of decay^2 within which omega^2 - decay^2 counts as critical damping. */
 static const double CRITICAL = 1e-6;
 
-/* (z - sin z) / z^3, z < 1. */
-static double ramp_series(double z)
-{
-    double term = 1.0 / 6.0, sum = term;
-    for (int k = 2; k < SERIES_TERMS / 2; k++) {
-        term *= -z * z / ((2.0 * k) * (2.0 * k + 1.0));
-        sum += term;
-    }
-    return sum;
-}
-
-static void undamped(double omega, double time, aoi_motion *motion)
-{
-    const double lanes[AOI_LANES] = {omega, omega, omega, omega}, angle = omega * time;
-    aoi_turn turn;
-    aoi_motions all;
-    aoi_turn_make(lanes, time, &turn);
-    aoi_turn_motions(&turn, &all);
-    *motion = (aoi_motion){all.impulse[0], all.rate[0], all.step[0],
-                           angle < RAMP_LIMIT ? time * time * time * ramp_series(angle)
-                                              : (time - all.impulse[0]) / (omega * omega)};
-}
-
 /* The Taylor series of the impulse response from its own differential equation. */
 static void series(double omega, double decay, double time, aoi_motion *motion)
 {
@@ -61,6 +38,16 @@ static void series(double omega, double decay, double time, aoi_motion *motion)
     motion->impulse *= time;
     motion->step *= time * time;
     motion->ramp *= time * time * time;
+}
+
+static void undamped(double omega, double time, aoi_motion *motion)
+{
+    const double lanes[AOI_LANES] = {omega, omega, omega, omega};
+    aoi_turn turn;
+    aoi_motions all;
+    aoi_turn_make(lanes, time, &turn);
+    aoi_turn_motions(&turn, &all);
+    *motion = (aoi_motion){all.impulse[0], all.rate[0], all.step[0], (time - all.impulse[0]) / (omega * omega)};
 }
 
 /* Neither overdamped by far nor short: the integrals from the equation itself. */
@@ -115,10 +102,10 @@ static void overdamped(double omega, double decay, double time, aoi_motion *moti
 
 void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *motion)
 {
-    if (decay == 0.0) {
-        undamped(omega, time, motion);
-    } else if (fmax(omega, decay) * time < SERIES_LIMIT) {
+    if (fmax(omega, decay) * time < SERIES_LIMIT) {
         series(omega, decay, time, motion);
+    } else if (decay == 0.0) {
+        undamped(omega, time, motion);
     } else if (omega < SLOW_SHARE * decay) {
         overdamped(omega, decay, time, motion);
     } else {

@@ -32,7 +32,7 @@ struct aoi_sampler {
     double *port_force, *states;
     double *ports; /* of all ports: forces, rates of these, displacements */
     double *settled; /* work on each contact up to the end of its last row; NaN: not yet computed */
-    double *flown, *booked; /* bodies in free motion as they were at the last bend of their loads */
+    double *flown; /* bodies in free motion as they were at the last bend of their loads */
     aoi_even *even; /* body_count: bodies without loads in free motion, from one time to the next */
 };
 
@@ -61,7 +61,6 @@ static size_t lay_out(aoi_sampler *sampler, const aoi_system *system, void *bloc
     sampler->states = aoi_memory_doubles(&memory, 6 * sampler->most_modes);
     sampler->settled = aoi_memory_doubles(&memory, contacts);
     sampler->flown = aoi_memory_doubles(&memory, bends_size(system));
-    sampler->booked = aoi_memory_doubles(&memory, bends_size(system));
     sampler->even = aoi_memory_take(&memory, bodies, sizeof *sampler->even);
     for (size_t b = 0; b < bodies; b++) {
         const aoi_modes *body = &system->body[b];
@@ -122,9 +121,9 @@ static void gather(aoi_sampler *sampler, double part)
     }
 }
 
-static double *bend_of(const aoi_sampler *sampler, double *of, size_t b)
+static double *bend_of(const aoi_sampler *sampler, size_t b)
 {
-    return of + BEND_STATE * b + 2 * sampler->system->first[b];
+    return sampler->flown + BEND_STATE * b + 2 * sampler->system->first[b];
 }
 
 /* Takes note of the bodies and contacts of a row. */
@@ -139,7 +138,7 @@ static void enter_row(aoi_sampler *sampler, size_t row)
         const size_t b = (size_t)sampler->track[at];
         sampler->body_row[b] = row;
         sampler->body_at[b] = at;
-        *bend_of(sampler, sampler->flown, b) = *bend_of(sampler, sampler->booked, b) = NAN;
+        *bend_of(sampler, b) = NAN;
         at += AOI_TRACK_STATE + 2 * system->body[b].n;
     }
     for (size_t i = 0; i < (size_t)here[AOI_TRACK_CONTACTS]; i++) {
@@ -203,13 +202,13 @@ static void advance(aoi_sampler *sampler, double time)
 }
 
 /* Takes a body that moves freely to the last bend of its loads before a time, from the one where it was left last:
- * else each time would cost all bends since its row. with_work: and the ledger. */
-static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, int with_work)
+ * else each time would cost all bends since its row. */
+static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b)
 {
     const aoi_modes *body = &sampler->system->body[b];
     const double *stored = sampler->track + sampler->body_at[b] + AOI_TRACK_STATE;
     const double start = row_of(sampler, sampler->body_row[b])[AOI_TRACK_START];
-    double *at = bend_of(sampler, with_work ? sampler->booked : sampler->flown, b);
+    double *at = bend_of(sampler, b);
     double *x = at + BEND_STATE, *before = sampler->states + 2 * sampler->most_modes;
     const size_t bytes = 2 * body->n * sizeof(double);
     if (!(at[BEND_TIME] <= time)) { /* NaN: not yet computed */
@@ -222,12 +221,10 @@ static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b, in
         double work, lost;
         memcpy(before, x, bytes);
         aoi_modes_advance(body, at[BEND_TIME], bend, x, x + body->n);
-        if (with_work) {
-            aoi_modes_free_work(body, at[BEND_TIME], bend, before, before + body->n, x, x + body->n,
-                                  before + 2 * sampler->most_modes, &work, &lost);
-            at[BEND_WORK] += work;
-            at[BEND_LOST] += lost;
-        }
+        aoi_modes_free_work(body, at[BEND_TIME], bend, before, before + body->n, x, x + body->n,
+                            before + 2 * sampler->most_modes, &work, &lost);
+        at[BEND_WORK] += work;
+        at[BEND_LOST] += lost;
         at[BEND_TIME] = bend;
     }
     return at;
@@ -246,7 +243,7 @@ static int state_at(const aoi_sampler *sampler, double time, size_t b, double *s
             aoi_even_state(&sampler->even[b], body, start, stored, time, state);
             return 0;
         }
-        const double *bend = fly_to_bend(sampler, time, b, 0);
+        const double *bend = fly_to_bend(sampler, time, b);
         memcpy(state, bend + BEND_STATE, 2 * body->n * sizeof(double));
         aoi_modes_advance(body, bend[BEND_TIME], time, state, state + body->n);
         return 0;
@@ -413,7 +410,7 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
                             sampler->port_force + sampler->system->first_port[b] * AOI_NODES, x0, v0,
                             state, &more, &lost);
     } else {
-        const double *bend = fly_to_bend(sampler, time, b, 1), *x = bend + BEND_STATE;
+        const double *bend = fly_to_bend(sampler, time, b), *x = bend + BEND_STATE;
         aoi_modes_free_work(body, bend[BEND_TIME], time, x, x + body->n, state, state + body->n, scratch,
                               &more, &lost);
         more += bend[BEND_WORK];
