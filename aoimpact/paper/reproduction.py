@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,16 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Style = dict[str, Any]
-
-FULL: Style = {"color": "black", "linestyle": "-", "linewidth": 1.6}
-RIGID: Style = {"color": COLOURS[1], "linestyle": "--", "linewidth": 1.4}
-ONE_AO: Style = {"color": COLOURS[0], "linestyle": ":", "linewidth": 2.4}
-WIDE: Style = {"color": "0.75", "linestyle": "-", "linewidth": 4.0}
-
-# Numbers that the paper prints.
-LINE: Style = {"color": "0.55", "linewidth": 0.8, "zorder": 0}
-CROSS: Style = {"color": "black", "marker": "x", "markersize": 8, "linestyle": "none"}
+FULL, RIGID, ONE_AO, WIDE, LINE, CROSS = texts()["styles"].values()
 
 # Runs of Figs. 9 to 11.
 ON_BEAM = {
@@ -59,11 +50,16 @@ def figure(draw: Callable[..., None]) -> Figure:
     text = texts()[draw.__name__]
     with styled():
         figure = Figure(figsize=text["size"], dpi=150, layout="constrained")
-        axes = figure.subplots(1, text["columns"], squeeze=False)[0]
+        axes = figure.subplots(1, len(text["axes"]), squeeze=False)[0]
     figure.suptitle(text["title"], fontsize=11)
     figure.supxlabel(text["note"], fontsize=8, color="0.35")
     draw(*axes)
-    for ax in axes:
+    for ax, look in zip(axes, text["axes"], strict=True):
+        for value, name in look.get("lines", ()):
+            ax.axhline(value, label=f"paper, {name}", **LINE)
+        if "cross" in look:
+            ax.plot(*look["cross"], label="the paper", **CROSS)
+        ax.set(**look["set"])
         legend(ax)
     return figure
 
@@ -76,9 +72,6 @@ def figure_03(ax: Axes) -> None:
         (sphere.one_ao(), "one AO each, 2 × 2 dofs", ONE_AO),
     ):
         pair(body).plot_force(ax, during="record", label=name, **style)
-    ax.axhline(811.5, label="paper, full 811.5 N", **LINE)
-    ax.axhline(999.9, label="paper, rigid 999.9 N", **LINE)
-    ax.set(xlim=(0, 100), ylim=(0, 1100))
 
 
 def figure_04(left: Axes, right: Axes) -> None:
@@ -88,20 +81,15 @@ def figure_04(left: Axes, right: Axes) -> None:
         colour = (1.0 - shade, 0.45, shade)
         hits[n].plot_force(left, during="record", label=f"{n} modes", color=colour, linewidth=1.2)
     full.plot_force(left, during="record", label=f"full, {sphere.all_dofs().dofs}", **FULL)
-    left.set(xlim=(0, 90), ylim=(0, 1100))
     force, time = zip(*(sphere.excesses(hit, full) for hit in hits.values()), strict=True)
     right.plot([*hits], force, "o-", color=COLOURS[0], label="peak force")
     right.plot([*hits], time, "s-", color=COLOURS[1], label="duration")
-    right.plot([1000, 1000], [7, -5], label="the paper", **CROSS)
     right.axhline(0.0, color="black", linewidth=0.8)
-    right.set(xlabel="number of modes", ylabel="difference from the full model (%)")
-    right.margins(x=0.05)
 
 
 def figure_05(ax: Axes) -> None:
     """Energies of the sphere initially at rest."""
     pair(sphere.one_ao()).plot_energy(ax, body="target", color="black", linewidth=1.4)
-    ax.set(xlim=(0, 100), ylim=(0, None))
 
 
 def figure_06(ax: Axes) -> None:
@@ -116,7 +104,6 @@ def figure_06(ax: Axes) -> None:
     ax.annotate("V", (0.5, 0.7), (-0.5, 0.7), va="center", arrowprops={"arrowstyle": "->"})
     ax.annotate("", (5.6, -0.6), (0.4, -0.6), arrowprops={"arrowstyle": "<->"})
     ax.text(3.0, -0.55, "modified interaction law", ha="center", va="bottom")
-    ax.set(xlim=(-0.7, 6.7), ylim=(-1.0, 1.0))
     ax.axis("off")
 
 
@@ -132,12 +119,8 @@ def figure_07(left: Axes, right: Axes) -> None:
     depth = np.linspace(0.0, 32e-6, 200)
     law = sphere.LAW.force(depth), {"color": "black", "label": "Hertz's law"}
     draw_curves(left, (depth, "approach", "m"), "contact force", "N", [law])
-    left.set(xlim=(0, 45), ylim=(0, 2000))
     ratios = list(map(sphere.local_over_nonlocal, SPEEDS))
     right.loglog(SPEEDS, ratios, "o-", color=COLOURS[0], label="at the peak")
-    right.plot([1e-4], [200], label="the paper", **CROSS)
-    right.set(xlabel="velocity (m/s)", ylabel="local / nonlocal deformation energy")
-    right.margins(x=0.05)
 
 
 def figure_08(ax: Axes) -> None:
@@ -147,17 +130,12 @@ def figure_08(ax: Axes) -> None:
     ax.bar(number, lowest, color=COLOURS[0], label="mass of one AO, by frequency")
     ax.plot(number, np.cumsum(lowest), "o-", color="black", markersize=3, label="summed up")
     ax.plot(number, np.cumsum(largest), ":", color="0.4", label="summed up, largest first")
-    ax.axhline(98.0, label="paper, 28 AOs 98 %", **LINE)
-    ax.axhline(53.0, label="paper, first AO 53 %", **LINE)
-    label = f"share of the static mass, {1e3 * beam.star().static_mass:.0f} g (%)"
-    ax.set(xlabel="anti-oscillator", ylabel=label, ylim=(0, 110), xlim=(0, 29))
 
 
 def figure_09(ax: Axes) -> None:
     """Impact force of the sphere on the beam."""
     for models, (name, style) in ON_BEAM.items():
         beam.hit(models).plot_force(ax, during="record", label=name, marker=".", **style)
-    ax.set(xlim=(0, 105), ylim=(0, None))
 
 
 def figure_10(ax: Axes) -> None:
@@ -171,7 +149,6 @@ def figure_10(ax: Axes) -> None:
         ):
             curve = values, style | look | {"label": f"{what} {name}"}
             draw_curves(ax, (hit.t, "time", "s"), "displacement", "m", [curve])
-    ax.axhline(25.0, label="paper, beam 25 µm", **LINE)
 
 
 def figure_11(ax: Axes) -> None:
@@ -182,10 +159,7 @@ def figure_11(ax: Axes) -> None:
         draw_curves(ax, (hit.t, "time", "s"), "displacement", "m", [curve])
 
 
-FIGURES = (
-    *(figure_03, figure_04, figure_05, figure_06, figure_07, figure_08, figure_09),
-    *(figure_10, figure_11),
-)
+FIGURES = [draw for name, draw in globals().items() if name.startswith("figure_")]
 
 
 TABLES = (

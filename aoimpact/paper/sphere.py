@@ -145,9 +145,9 @@ def table_2() -> list[Row]:
     return beside("table_2", rigid_modes, *(1e-6 * group.mean() for group in groups), **counts)
 
 
-def multiplets(frequencies: FloatArray, apart: float = 0.03) -> list[FloatArray]:
-    """Split ascending frequencies where two neighbours are more than `apart`, relative."""
-    gaps = np.flatnonzero(np.diff(frequencies) > apart * frequencies[1:])
+def multiplets(frequencies: FloatArray) -> list[FloatArray]:
+    """Split ascending frequencies where two neighbours are more than 3 % apart."""
+    gaps = np.flatnonzero(np.diff(frequencies) > 0.03 * frequencies[1:])
     return np.split(frequencies, gaps + 1)
 
 
