@@ -38,9 +38,8 @@ from ..results import QUANTITIES, ROLES, Result
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Errors of a row, and the quantities that they are of.
-_COMPARED = {name: name for name in ("force", "contact_duration", "impulse")}
-_COMPARED |= {"displacement": "target_displacement"}
+# The quantities of the errors of a row.
+_COMPARED = "force", "contact_duration", "impulse", "target_displacement"
 
 # Far below the differences between models.
 _IN_TIME = Adaptive(rtol=1e-6)
@@ -143,17 +142,15 @@ class Comparison:
         >>> ax = table.plot()
         """
         ax = given_axes(ax)
-        curves: dict[str, list[Compared]] = {}
+        curves: dict[str, list[tuple[int, float]]] = {}
         for row in self.rows:
             if not row.failure and row.model != self.exact:
                 name = _KINDS.get(row.model.partition("(")[0], row.model)
-                curves.setdefault(name, []).append(row)
-        for name, rows in curves.items():
-            style = {"marker": "o", "label": name} | kwargs
-            ax.plot([row.dofs for row in rows], [getattr(row, error) for row in rows], **style)
-        return error_axes(
-            ax, "degrees of freedom", f"relative error of the {error}".replace("_", " ")
-        )
+                curves.setdefault(name, []).append((row.dofs, getattr(row, error)))
+        for name, points in curves.items():
+            ax.plot(*zip(*points, strict=True), **{"marker": "o", "label": name} | kwargs)
+        up = f"relative error of the {error}".replace("_", " ")
+        return error_axes(ax, "degrees of freedom", up)
 
     def to_csv(self, path: FilePath) -> None:
         """Write the table: one row a model, times in s, errors relative.
@@ -175,7 +172,7 @@ class Comparison:
         write_csv(path, heading, (astuple(row) for row in self.rows))
 
     def __repr__(self) -> str:
-        rows = aligned([_HEADINGS, *map(_cells, self.rows)], left={0, len(_HEADINGS) - 1})
+        rows = aligned([_HEADINGS, *map(_cells, self.rows)], left={0, 8})
         known = "" if self.exact_error is None else f" (in time right to {self.exact_error:.1g})"
         by = f"; reduced by {self.linear_solver}" if self.linear_solver else ""
         return "\n".join([self.scene, f"errors relative to {self.exact}{known}{by}", *rows])
@@ -306,12 +303,12 @@ def compare(
         count = truncations.get(label)
         return tuple(
             modal(body.tips[0], min(count, body.body.n_dofs), solver=linear)
-            if count is not None and isinstance(body, FullModel)
+            if count and isinstance(body, FullModel)
             else body
             for body in bodies
         )
 
-    in_full = Newmark() if any(isinstance(body, FullModel) for body in bodies) else _IN_TIME
+    in_full = Newmark() if FullModel in map(type, bodies) else _IN_TIME
     rows: dict[str, Compared] = {}
     results: dict[str, Result] = {}
     spent = 0.0
@@ -332,23 +329,13 @@ def compare(
     if exact not in results:
         raise InputError(f"{exact}: {rows[exact].failure}")
     for label, result in results.items():
-        errors: Any = {
-            name: QUANTITIES[of].difference(result, results[exact])
-            for name, of in _COMPARED.items()
-        }
-        rows[label] = replace(rows[label], **errors)
-    called = " on ".join(
-        body.name or (f"a body of {body.dofs} dofs" if isinstance(body, FullModel) else body.label)
-        for body in bodies
-    )
-    solvers = [model.linear_solver for result in results.values() for model in result.models]
-    return Comparison(
-        f"{called}, {law}, {speed:g} m/s",
-        exact,
-        results[exact].error.time,
-        tuple(rows.values()),
-        ", ".join(dict.fromkeys(filter(None, solvers))),
-    )
+        errors = (QUANTITIES[name].difference(result, results[exact]) for name in _COMPARED)
+        rows[label] = Compared(*astuple(rows[label])[:4], *errors)
+    called = " on ".join(body.name or body.label for body in bodies)
+    solvers = {model.linear_solver: 0 for of in results.values() for model in of.models}
+    solvers.pop("", None)
+    title, in_time = f"{called}, {law}, {speed:g} m/s", results[exact].error.time
+    return Comparison(title, exact, in_time, tuple(rows.values()), ", ".join(solvers))
 
 
 def _labels(kind: str, name: str, values: Iterable[int], *, low: int) -> dict[str, int]:

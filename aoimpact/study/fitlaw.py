@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, replace
+from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
-import numpy.typing as npt
 import scipy
+from numpy.typing import ArrayLike
 
 from ..base import (
     HUGE,
@@ -127,11 +128,13 @@ class LawFit(Frozen):
 
 
 @dataclass(frozen=True)
-class _Data:
-    """Measured values, and those of a law with a contact that begins at a time, s.
+class _Problem:
+    """The misfit of a law to a measurement, over logarithms of its free parameters.
 
-    Of the measurement about the largest force, N, and indentation, m; the velocity, m/s; and when
-    the contact begins.
+    The last variable of a history is the start of the contact, by the time that it takes. All are
+    counted from `_ORIGIN`. `shown` gives what a law shows with a contact that begins at a time, s.
+    Of the measurement it has about the largest force, N, and indentation, m; the velocity, m/s;
+    when the contact begins; and the spacing of the samples, s.
     """
 
     measured: FloatArray
@@ -140,55 +143,54 @@ class _Data:
     depth: float = 0.0
     velocity: float = 1.0
     start: float | None = None
-    sample: float = 0.0  # its spacing, s
+    sample: float = 0.0
+    law: Any = None
+    names: Sequence[str] = ()
 
     @property
     def time(self) -> float:
         """About how long the indentation takes, s."""
         return self.depth / self.velocity
 
+    @cached_property
+    def first(self) -> FloatArray:
+        """The parameters to begin with."""
+        return np.array([getattr(self.law, name) for name in self.names])
 
-class _Problem:
-    """The misfit of a law to a measurement, over logarithms of its free parameters.
-
-    The last variable of a history is the start of the contact, by the time that it takes. All are
-    counted from `_ORIGIN`.
-    """
-
-    def __init__(self, law: ContactLaw, names: Sequence[str], data: _Data) -> None:
-        self.law, self.names, self.data = law, names, data
-        self.first = np.array([getattr(law, name) for name in names])
-        bounds = np.array([_BOUNDS.get(name, (0.0, math.inf)) for name in names])
+    @cached_property
+    def bounds(self) -> FloatArray:
+        """The least and the largest values of the variables, shape (2, n)."""
+        bounds = np.array([_BOUNDS.get(name, (0.0, math.inf)) for name in self.names])
         bounds = np.clip(bounds / self.first[:, None], 1.0 / _RANGE, _RANGE)
-        low, high = np.log(bounds).T + _ORIGIN
-        timed = [math.inf] * (data.start is not None)
-        self.low, self.high = np.append(low, np.negative(timed)), np.append(high, timed)
-        if len(data.measured) <= len(self.low):
+        timed = [[-math.inf], [math.inf]] if self.start is not None else np.empty((2, 0))
+        found = np.hstack([np.log(bounds).T + _ORIGIN, timed])
+        if len(self.measured) <= found.shape[1]:
             raise InputError(
-                f"{len(self.low)} parameters need more than {len(data.measured)} measured values"
+                f"{found.shape[1]} parameters need more than {len(self.measured)} measured values"
             )
+        return found
 
     def parameters(self, x: FloatArray) -> FloatArray:
         """Return those of the law, and of a history the start of the contact, s."""
         values = self.first * np.exp(x[: len(self.names)] - _ORIGIN)
-        if self.data.start is None:
+        if self.start is None:
             return values
-        return np.append(values, self.data.start + self.data.time * (x[-1] - _ORIGIN))
+        return np.append(values, self.start + self.time * (x[-1] - _ORIGIN))
 
     def law_at(self, x: FloatArray) -> ContactLaw:
         values = dict(zip(self.names, self.parameters(x).tolist(), strict=False))
-        return cast(ContactLaw, replace(cast(Any, self.law), **values))
+        return cast(ContactLaw, replace(self.law, **values))
 
     def misfit(self, x: FloatArray) -> FloatArray:
         """Return what the law shows less what was measured."""
-        return self.data.shown(self.law_at(x), float(self.parameters(x)[-1])) - self.data.measured
+        return self.shown(self.law_at(x), float(self.parameters(x)[-1])) - self.measured
 
     def solved(self) -> Any:
         """Return SciPy's solution.
 
         A force that begins with a jump, or nearly so, has a minimum between any two samples.
         """
-        first, data = np.full(len(self.low), _ORIGIN), self.data
+        first = np.full(self.bounds.shape[1], _ORIGIN)
         refused = 2.0 * self.misfit(first)
 
         def misfit(x: FloatArray) -> FloatArray:
@@ -197,27 +199,26 @@ class _Problem:
             except AOImpactError:  # no law: the step is refused, and shorter ones are tried
                 return refused
 
-        def within(x: FloatArray, low: FloatArray, high: FloatArray) -> Any:
+        def within(x: FloatArray, bounds: FloatArray) -> Any:
             near: Any = {"ftol": 1e-9, "xtol": 1e-8, "gtol": None, "diff_step": _STEP / _ORIGIN}
-            return scipy.optimize.least_squares(misfit, x, "3-point", (low, high), **near)
+            return scipy.optimize.least_squares(misfit, x, "3-point", bounds, **near)
 
-        found = within(first, self.low, self.high)
-        if data.start is None:
+        found = within(first, self.bounds)
+        if self.start is None:
             return found
         # A force that is there soon after the contact has begun jumps.
-        early = self.law_at(found.x).force(_EARLY * data.depth, data.velocity)
-        if not early > _FOOT * data.force:
+        early = self.law_at(found.x).force(_EARLY * self.depth, self.velocity)
+        if not early > _FOOT * self.force:
             return found
         between = []
         for sample in range(-_SAMPLES, _SAMPLES):
-            low, high = self.low.copy(), self.high.copy()
-            ends = np.array([sample + _APART, sample + 1.0 - _APART])
-            low[-1], high[-1] = _ORIGIN + ends * data.sample / data.time
-            begin = np.append(found.x[:-1], 0.5 * (low[-1] + high[-1]))
-            between.append(within(begin, low, high))
+            bounds, ends = self.bounds.copy(), np.array([sample + _APART, sample + 1.0 - _APART])
+            bounds[:, -1] = _ORIGIN + ends * self.sample / self.time
+            begin = np.append(found.x[:-1], bounds[:, -1].mean())
+            between.append(within(begin, bounds))
         best = min(between, key=lambda one: one.cost)
         # The first force depends on the start like a root, which no slope describes.
-        best.jac = np.delete(best.jac, np.argmax(best.fun + data.measured > 0.0), axis=0)
+        best.jac = np.delete(best.jac, np.argmax(best.fun + self.measured > 0.0), axis=0)
         return best
 
 
@@ -226,12 +227,12 @@ def fit_law(
     signal: Any = None,
     *,
     mass: float | None = None,
-    velocity: npt.ArrayLike | None = None,
+    velocity: ArrayLike | None = None,
     projectile: Any = None,
     target: Any = None,
-    indentation: npt.ArrayLike | None = None,
-    force: npt.ArrayLike | None = None,
-    dent: npt.ArrayLike | None = None,
+    indentation: ArrayLike | None = None,
+    force: ArrayLike | None = None,
+    dent: ArrayLike | None = None,
     free: Iterable[str] | None = None,
 ) -> LawFit:
     """Return the law that a measurement shows, by least squares, and its uncertainty.
@@ -306,11 +307,12 @@ def fit_law(
         raise InputError("give a signal, or indentation= and force=, or dent= of several impacts")
     start = law if isinstance(law, ContactLaw) else _guess(law, data, mass)
     names = _free(start, free)
-    problem = _Problem(start, names, data)
+    problem = replace(data, law=start, names=names)
     with np.errstate(all="ignore"):  # of laws far from the measurement, and of none at all
         found = problem.solved()
         variance = 2.0 * float(found.cost) / (len(data.measured) - len(found.x))
-        errors, correlation = _uncertainty(found.jac, variance)
+        residual = math.sqrt(variance)
+        errors, correlation = _uncertainty(found.jac, residual)
     values = problem.parameters(found.x)
     of_law = dict(zip(names, errors, strict=False))
     poor = {name: error for name, error in of_law.items() if not error <= _DETERMINED}
@@ -319,13 +321,13 @@ def fit_law(
         warn(
             f"the data do not determine {', '.join(said)}: keep them, or measure where they matter"
         )
-    _warn_of_a_poor_fit(problem, found.x, math.sqrt(variance), poor)
+    _warn_of_a_poor_fit(problem, found.x, residual, poor)
     sizes = np.append(values[: len(names)], [data.time] * (len(values) - len(names)))
     return LawFit(
         problem.law_at(found.x),
         dict(zip([*names, "start_time"], (errors * sizes).tolist(), strict=False)),
         correlation,
-        math.sqrt(variance),
+        residual,
         float(values[-1]) if data.start is not None else None,
         tuple(poor),
     )
@@ -335,11 +337,12 @@ def _warn_of_a_poor_fit(
     problem: _Problem, x: FloatArray, residual: float, poor: Mapping[str, float]
 ) -> None:
     """Warn where the law does not describe the measurement, with by how much."""
-    data = problem.data
-    largest = float(np.abs(data.measured).max())
+    largest = float(np.abs(problem.measured).max())
     noise = 0.0
-    if data.force and len(data.measured) >= _FEW:  # of independent errors, differences have √6 σ
-        second = np.abs(np.diff(data.measured, 2))
+    if (
+        problem.force and len(problem.measured) >= _FEW
+    ):  # of independent errors, differences have √6 σ
+        second = np.abs(np.diff(problem.measured, 2))
         noise = float(np.median(second)) / (0.6745 * math.sqrt(6.0))
     if residual > max(_OFF * noise, _VISIBLE * largest):
         warn(
@@ -347,19 +350,19 @@ def _warn_of_a_poor_fit(
             f"with noise of {noise / largest:.1%}: take another law, or check mass and velocity"
         )
     misfit = problem.misfit(x)
-    explained = data.measured @ data.measured - misfit @ misfit
+    explained = problem.measured @ problem.measured - misfit @ misfit
     if explained < _EXPLAINED * len(x) * residual**2:
         warn(
             f"the measurement is hardly more than noise, {residual / largest:.0%} of the largest "
             "value: the fit means nothing; measure with more gain, or check start and units"
         )
-    near = np.minimum(x - problem.low, problem.high - x) < _AT_BOUND
+    near = np.abs(problem.bounds - x).min(axis=0) < _AT_BOUND
     bound = [name for name, at in zip(problem.names, near, strict=False) if at and name not in poor]
     if bound:
         warn(f"{', '.join(bound)}: the best fit is at the bound of the range; take another law")
 
 
-def _uncertainty(jacobian: FloatArray, variance: float) -> ArrayPair:
+def _uncertainty(jacobian: FloatArray, residual: float) -> ArrayPair:
     """Return standard errors and correlations of the variables."""
     size = np.linalg.norm(jacobian, axis=0)
     size = np.where(size > 0.0, size, np.finfo(float).tiny ** 0.5)
@@ -368,7 +371,7 @@ def _uncertainty(jacobian: FloatArray, variance: float) -> ArrayPair:
     spread = turn.T / strength
     covariance = spread @ spread.T
     errors = np.sqrt(np.diag(covariance))
-    share = errors * math.sqrt(variance) / size
+    share = errors * residual / size
     share[~(errors <= 0.1 / _SINGULAR)] = math.inf  # NaN, too, where nothing has an influence
     return share, covariance / np.outer(errors, errors)
 
@@ -396,7 +399,7 @@ def _free(law: ContactLaw, free: Iterable[str] | None) -> list[str]:
     return chosen
 
 
-def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
+def _guess(cls: Any, data: _Problem, mass: float | None) -> ContactLaw:
     """Return a law of that class to begin with, from the size of what was measured."""
     if not (isinstance(cls, type) and issubclass(cls, ContactLaw)):
         raise InputTypeError(f"law must be a contact law or its class, got {cls!r}")
@@ -426,7 +429,7 @@ def _guess(cls: Any, data: _Data, mass: float | None) -> ContactLaw:
 # ------------------------------------------------------------------- measurements
 
 
-def _curve(indentation: npt.ArrayLike, force: npt.ArrayLike) -> _Data:
+def _curve(indentation: ArrayLike, force: ArrayLike) -> _Problem:
     depth = finite_array("indentation", indentation, shape=(None,), unit="m", most=HUGE)
     push = finite_array("force", force, shape=depth.shape, unit="N", most=HUGE)
 
@@ -435,22 +438,24 @@ def _curve(indentation: npt.ArrayLike, force: npt.ArrayLike) -> _Data:
             raise InputError(f"a curve has no rates, on which {law!r} depends; give a history")
         return np.asarray(law.force(depth, along=True))
 
-    return _Data(push, shown, _largest("force", push), _largest("indentation", depth))
+    return _Problem(push, shown, _largest("force", push), _largest("indentation", depth))
 
 
-def _dents(dent: npt.ArrayLike, mass: float | None, velocity: Any) -> _Data:
+def _dents(dent: ArrayLike, mass: float | None, velocity: Any) -> _Problem:
     wide = finite_array("dent", dent, shape=(None,), unit="m", most=HUGE)
     _largest("dent", wide)
     if wide.min() < 0.0:
         raise InputError(f"dent must be diameters, none negative, got {dent!r} m")
     speeds = finite_array("velocity", velocity, shape=wide.shape, unit="m/s")
     energies = 0.5 * positive("mass", mass, unit="kg") * speeds**2
-    return _Data(
+    return _Problem(
         wide, lambda law, _: np.array([law.dent(law.stroke(e)).diameter for e in energies])
     )
 
 
-def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, target: Any) -> _Data:
+def _history(
+    signal: Any, mass: float | None, velocity: Any, projectile: Any, target: Any
+) -> _Problem:
     channel = Signal.of(signal)
     speed = positive("velocity", velocity, unit="m/s")
     if projectile is None or target is None:
@@ -472,7 +477,7 @@ def _history(signal: Any, mass: float | None, velocity: Any, projectile: Any, ta
                 force[within] = hit.at(channel.t[within] - begin).force
         return force
 
-    return _Data(channel.values, shown, top, depth, speed, start, sample)
+    return _Problem(channel.values, shown, top, depth, speed, start, sample)
 
 
 def _largest(name: str, values: FloatArray) -> float:
