@@ -59,7 +59,7 @@ class Sensor(Frozen):
 
         @lru_cache(maxsize=_COMPARED)
         def response(run: Run) -> Response:
-            found = response_of(run.plan, run.recorder, run.events, number)
+            found = response_of(run, number)
             assert found is not None  # a body with a mesh
             return found
 

@@ -243,8 +243,8 @@ def file_path(name: str, value: Any) -> Path:
 
 
 @contextmanager
-def written_file(path: Any) -> Iterator[Path]:
-    """Yield the argument `path` as that of a file that is written meanwhile.
+def written_file(path: Any, name: str = "path") -> Iterator[Path]:
+    """Yield the argument `path` as that of a file, or a folder, that is written meanwhile.
 
     Raises
     ------
@@ -253,13 +253,12 @@ def written_file(path: Any) -> Iterator[Path]:
     InputError
         If it is none that can be written to.
     """
-    file = file_path("path", path)
+    file = file_path(name, path)
     try:
         yield file
     except OSError as error:
-        raise InputError(
-            f"path={str(file)!r} cannot be written: {error.strerror or error}"
-        ) from None
+        reason = error.strerror or error
+        raise InputError(f"{name}={str(file)!r} cannot be written to: {reason}") from None
 
 
 def sequence(name: str, value: Any) -> list[Any]:
@@ -305,12 +304,9 @@ def finite_array(
         If the shape is wrong or an entry is not finite (the first such entry is named), or too
         large.
     """
-    given = _array(name, value, "an array of numbers")
-    if given.dtype.kind not in "iuf":
-        raise InputTypeError(f"{name} must be an array of real numbers, got {_short(value)}")
+    given = _array(name, value, "an array of real numbers", "iuf", shape)
     with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
         array = np.asarray(given, dtype=np.float64, order="C")
-    _check_shape(name, array.shape, shape)
     if array.size and not np.isfinite(array).all():
         bad = np.argwhere(~np.isfinite(array))
         first = tuple(int(i) for i in bad[0])
@@ -320,16 +316,6 @@ def finite_array(
     if most < math.inf and float(np.abs(array).max(initial=0.0)) > most:
         raise InputError(f"{name} must not exceed {most:g}{_unit(unit)} to be computed with")
     return array
-
-
-def _check_shape(name: str, actual: tuple[int, ...], shape: Sequence[int | None] | None) -> None:
-    if shape is None:
-        return
-    fits = [w is None or a == w for a, w in zip(actual, shape, strict=False)]
-    if len(actual) != len(shape) or not all(fits):
-        sizes = ["any" if size is None else str(size) for size in shape]
-        wanted = f"({', '.join(sizes)}{',' if len(sizes) == 1 else ''})"
-        raise InputError(f"{name} must have shape {wanted}, got {actual}")
 
 
 def unit_vector(name: str, value: Any) -> FloatArray:
@@ -377,11 +363,7 @@ def integers(
     ------
     InputTypeError, InputError
     """
-    array = _array(name, value, what)
-    if array.size and array.dtype.kind not in "iu":
-        raise InputTypeError(f"{name} must be {what}, got dtype {array.dtype}")
-    _check_shape(name, array.shape, shape)
-    return array.astype(np.int64)
+    return _array(name, value, what, "iu", shape).astype(np.int64)
 
 
 def inertia_tensor(name: str, value: Any, *, most: float) -> FloatArray:
@@ -435,16 +417,28 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
     return np.unique(array)
 
 
-def _array(name: str, value: Any, what: str) -> npt.NDArray[Any]:
+def _array(
+    name: str, value: Any, what: str, kinds: str, shape: Sequence[int | None] | None
+) -> npt.NDArray[Any]:
+    """Return an array of such kinds of entries and of that shape."""
     if np.ma.is_masked(value):
         raise InputTypeError(f"{name} has masked entries; fill or remove them first")
     try:
-        return np.asarray(value)
+        array = np.asarray(value)
     except (ValueError, TypeError) as error:
         raise InputTypeError(f"{name} must be {what}: {error}") from None
+    if array.size and array.dtype.kind not in kinds:
+        raise InputTypeError(f"{name} must be {what}, got {_short(value)}")
+    wanted = array.shape if shape is None else shape
+    if len(wanted) != array.ndim or any(
+        size not in (None, length) for size, length in zip(wanted, array.shape, strict=True)
+    ):
+        sizes = str(tuple(wanted)).replace("None", "any")
+        raise InputError(f"{name} must have shape {sizes}, got {array.shape}")
+    return array
 
 
-def writable_folder(path: str | os.PathLike[str]) -> Path:
+def writable_folder(path: FilePath) -> Path:
     """Make a folder, or find that it is there, and that files can be made in it.
 
     Raises
@@ -452,15 +446,11 @@ def writable_folder(path: str | os.PathLike[str]) -> Path:
     InputError
         If not.
     """
-    folder = Path(path)
-    try:
+    with written_file(path, "folder") as folder:
         folder.mkdir(parents=True, exist_ok=True)
         trial = folder / ".aoimpact"
         trial.touch()
         trial.unlink()
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"folder={str(folder)!r} cannot be written to: {reason}") from None
     return folder
 
 

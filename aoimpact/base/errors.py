@@ -160,25 +160,18 @@ def held_warnings() -> Iterator[list[str]]:
         _held.reset(token)
 
 
-def warn(message: str) -> bool:
-    """Issue an `AOImpactWarning` that points at the line outside this package that led to it.
-
-    Returns
-    -------
-    bool
-        False where it is held back; see `held_warnings`.
-    """
+def warn(message: str) -> None:
+    """Issue an `AOImpactWarning` that points at the line outside this package that led to it."""
     held = _held.get()
     if held is not None:
         held.append(message)
-        return False
+        return
     level = 2
     frame = sys._getframe(1)
     while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] in _PASSED:
         frame = frame.f_back
         level += 1
     warnings.warn(message, AOImpactWarning, stacklevel=level)
-    return True
 
 
 # The codes of the C core (enum aoi_status): one table, code -> exception class and what it means.

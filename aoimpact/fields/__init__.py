@@ -4,7 +4,7 @@ A body's motion is found again from the recorded contact forces (response.py). `
 as attributes of a run's bodies, `accuracy` takes stresses and their errors; `testrig` uses it, too.
 """
 
-from .channel import Channel, filtered_acceleration, zero_phase
+from .channel import Channel, zero_phase
 from .field import Field, Shown, enlargement, write_movie, write_series
 from .response import Response, response_of, times_within
 from .sensors import (

@@ -64,15 +64,12 @@ class Channel:
         checked(self, **{given: partial(positive, unit="Hz")})
 
     def __str__(self) -> str:
-        return f"cfc={self.cfc:g}" if self.corner is None else f"corner={self.corner:g}"
+        return f"cfc={self.cfc:g}" if self.cfc else f"corner={self.corner:g}"
 
     @property
     def pole(self) -> float:
         """Corner frequency of a single pass, Hz."""
-        if self.cfc is not None:
-            return _POLE * self.cfc
-        assert self.corner is not None
-        return _POLE_OF_CORNER * self.corner
+        return _POLE * (self.cfc or 0.0) + _POLE_OF_CORNER * (self.corner or 0.0)  # one is None
 
     @property
     def passed(self) -> float:

@@ -37,7 +37,7 @@ from ..fem import (
     nodal_stress,
     thickness_of_cells,
 )
-from ..mesh import Mesh, meshio_of_all_kinds
+from ..mesh import Mesh, meshio_of_all_kinds, plane_of
 
 # Largest displacement by default, as a share of the bodies' size: it shows the motion and leaves
 # the shape. It is rounded down to a round factor, so that 3 to 8 % are seen.
@@ -69,14 +69,14 @@ class Shown:
         Places of its nodes, undeformed, m.
     displacement : ndarray, shape (k, n_nodes, 3)
         m.
-    von_mises : ndarray, shape (k, n_nodes), or None
-        Pa; None for a rigid body.
+    von_mises : ndarray, shape (k, n_nodes)
+        Pa; NaN for a rigid body.
     """
 
     mesh: Mesh
     points: FloatArray
     displacement: FloatArray
-    von_mises: FloatArray | None
+    von_mises: FloatArray
 
 
 def picture(
@@ -112,15 +112,14 @@ def picture(
     with pyvista.vtk_verbosity("off"):  # it warns where there is no screen
         plotter = pyvista.Plotter(off_screen=True, window_size=_WINDOW)
         plotter.render()
-    largest = [body.von_mises.max(axis=0) for body in bodies if body.von_mises is not None]
-    most = float(np.percentile(np.concatenate(largest), _COLOURED)) if largest else 0.0
+    largest = np.concatenate([body.von_mises.max(axis=0) for body in bodies])
+    most = float(np.nanpercentile(largest, _COLOURED))
     (pressure, unit), grids = scale_for(most, "Pa"), list[Any]()
 
     def draw(which: int) -> None:
         for body, grid in zip(bodies, grids, strict=True):
             grid.points = body.points + factor * body.displacement[which]
-            if body.von_mises is not None:
-                grid.point_data["stress"] = pressure * body.von_mises[which]
+            grid.point_data["stress"] = pressure * body.von_mises[which]
         time = with_unit(float(times[which]), "s", 3)
         caption = f"t = {time}     displacement × {factor:g}"
         plotter.add_text(caption, font_size=12, color="black", name="caption")
@@ -128,21 +127,18 @@ def picture(
     for body in bodies:
         cells = [(block.kind, block.cells) for block in body.mesh.blocks]
         grids.append(pyvista.from_meshio(meshio_of_all_kinds().Mesh(body.points, cells)))
-        colours: dict[str, Any] = {"color": "lightgray"}
-        if body.von_mises is not None:
-            grids[-1].point_data["stress"] = pressure * body.von_mises[0]
-            colours = {
-                "scalars": "stress",
-                "clim": (0.0, pressure * most or 1.0),
-                "scalar_bar_args": {"title": f"von Mises ({unit})"},
-                "show_edges": True,
-                "edge_opacity": 0.35,
-            }
-        plotter.add_mesh(grids[-1], **colours)
+        grids[-1].point_data["stress"] = pressure * body.von_mises[0]
+        plotter.add_mesh(
+            grids[-1],
+            scalars="stress",
+            clim=(0.0, pressure * most or 1.0),
+            nan_color="lightgray",
+            scalar_bar_args={"title": f"von Mises ({unit})"},
+            show_edges=True,
+            edge_opacity=0.35,
+        )
     up = -np.asarray(down) / np.linalg.norm(down)
-    across = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
-    across /= np.linalg.norm(across)
-    towards = _VIEW @ np.array([across, np.cross(up, across), up])
+    towards = _VIEW @ np.vstack([plane_of(up), up])
     passed = [body.points + factor * body.displacement for body in bodies]
     everywhere = np.concatenate([places.reshape(-1, 3) for places in passed])
     plotter.set_background("white")
@@ -249,14 +245,13 @@ def write_series(
                 for key, values in (of_cells or {}).items()
             },
         ).write(stem.parent / name, file_format="vtu", binary=True)
-    entries = [
-        f'    <DataSet timestep="{float(time)!r}" group="" part="0" file={quoteattr(name)}/>'
+    entries = "".join(
+        f'<DataSet timestep="{float(time)!r}" part="0" file={quoteattr(name)}/>\n'
         for time, name in zip(times, names, strict=True)
-    ]
-    head = '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">'
-    lines = ['<?xml version="1.0"?>', head, "  <Collection>", *entries, "  </Collection>"]
+    )
+    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>'
     listing = stem.parent / f"{stem.name}.pvd"
-    listing.write_text("\n".join([*lines, "</VTKFile>", ""]), encoding="utf-8")
+    listing.write_text(f"{head}\n{entries}</Collection></VTKFile>\n", encoding="utf-8")
     return listing
 
 
@@ -291,12 +286,9 @@ class Field:
     displacement: FloatArray
     velocity: FloatArray
     rotation: FloatArray
-    # The body whose elements move, and their displacements and rotations, (k, all dofs).
-    of: FEModel = field(repr=False)
-    dofs: FloatArray = field(repr=False)
-    # Under contacts the half-space's stress at places.
-    _half_space: Callable[[FloatArray], FloatArray] = field(repr=False)
-    _error: Callable[[], FloatArray | None] = field(repr=False)
+    # The `Response` of a body whose dofs, of all nodes, are then these, (k, dofs).
+    _response: Any = field(repr=False)
+    _dofs: FloatArray = field(repr=False)
 
     @cached_property
     def error(self) -> FloatArray | None:
@@ -304,7 +296,8 @@ class Field:
 
         It is the difference to the run with other elements; None of a full model.
         """
-        return self._error()
+        found: FloatArray | None = self._response.field_error(self.times)
+        return found
 
     def __repr__(self) -> str:
         times = ", ".join(f"{time:.6g}" for time in self.times[:4])
@@ -367,20 +360,22 @@ class Field:
         """
         warn_if_wrong("stress", self.times, self.error)
         place = choice("at", at, ("nodes", "gauss"))
-        _, material = solid(self.of, "stress")
-        where, mesh = checked_layer(layer, part), self.of.shapes
+        of = self._response.body
+        _, material = solid(of, "stress")
+        where, mesh = checked_layer(layer, part), of.shapes
         if mesh.thin or part is not None:
             if place != "nodes":
                 raise InputError(f'at={at!r}: stress of shells and beams is known at="nodes"')
             nodes: Any = self.body.nodes
             every = sp.eye_array(len(nodes), mesh.cells.max() + 1, format="csr")
             found_at = body_stress_rows(mesh, material, every, where)
-            return Stress(found_at.components(found_at.rows @ self.dofs.T), nodes)
+            return Stress(found_at.components(found_at.rows @ self._dofs.T), nodes)
         evaluate = nodal_stress if place == "nodes" else gauss_stress
-        moved = self.dofs.reshape(len(self.times), 2, -1, 3)[:, 0]
+        moved = self._dofs.reshape(len(self.times), 2, -1, 3)[:, 0]
         found = evaluate(mesh, material, moved)
-        added = self._half_space(found.points.reshape(-1, 3)).reshape(found.components.shape)
-        return Stress(found.components + added, found.points)
+        places = found.points.reshape(-1, 3)
+        added = self._response.half_space(places, self.times, rates=False)[2]
+        return Stress(found.components + added.reshape(found.components.shape), found.points)
 
     def to_vtu(self, path: FilePath) -> Path:
         """Write one .vtu file for each time, and a .pvd file that lists them, for ParaView.
@@ -426,14 +421,11 @@ class Field:
         data["rotation"] = self.rotation
         for side in ("middle", "bottom"):
             data[f"stress_{side}"] = self.stress(layer=side).components
-        thickness = thickness_of_cells(mesh, material)
-        of_beams = np.zeros((len(self.times), mesh.n_cells))
-        of_parts = beam_von_mises(self.of.shapes, solid(self.of, "to_vtu")[1], self.dofs)
-        np.maximum.at(of_beams.T, self.of.parent, of_parts.T)
-        own = {
-            "thickness": np.broadcast_to(thickness, (len(self.times), mesh.n_cells)),
-            "von_mises_of_beams": of_beams,
-        }
+        of, of_beams = self._response.body, np.zeros((len(self.times), mesh.n_cells))
+        of_parts = beam_von_mises(of.shapes, of.material, self._dofs)
+        np.maximum.at(of_beams.T, of.parent, of_parts.T)
+        thickness = np.broadcast_to(thickness_of_cells(mesh, material), of_beams.shape)
+        own = {"thickness": thickness, "von_mises_of_beams": of_beams}
         return write_series(path, mesh, self.times, data, own)
 
     def _shown(self) -> Shown:
@@ -534,7 +526,7 @@ def warn_if_wrong(what: str, times: FloatArray, error: FloatArray | None) -> Non
     """Warn where a history may be badly wrong; `error` is relative, None where not known."""
     if error is None or not (error > _BADLY_WRONG).any():
         return
-    first, worst = float(times[int(np.argmax(error > _BADLY_WRONG))]), float(np.nanmax(error))
+    first, worst = times[np.argmax(error > _BADLY_WRONG)], np.nanmax(error)
     warn(
         f"{what} may be off by {worst:.0%} of the largest, from t = {with_unit(first, 's')} on; "
         f"give it as quantity=, take smaller elements, or make the model with "

@@ -19,9 +19,9 @@ import numpy as np
 from ..base import ArrayPair, FloatArray, InputError, IntArray, finite_array
 from ..contact import Compliance
 from ..fem import SIX, Damping, FEModel, Rayleigh, VirtualMotion
-from ..integrate import Events, Motion, Recorder
+from ..integrate import Motion
 from ..reduction import PACE, FullModel, Recovery
-from ..scene import Scenario, extraction_of
+from ..scene import extraction_of
 from .field import LOOKS, Field
 
 # Steps of the correction's shift in a doubling of it: runs that differ little share factors.
@@ -116,8 +116,9 @@ class Response:
         That of the body's model; that of modes acts on the free dofs alone.
     gravity : ndarray, shape (3,)
         m/s².
-    compared : callable, optional
-        Returns the response in the run with other elements; None where there is none.
+    run : Run
+    number : int
+        Of the body in it.
     """
 
     body: FEModel
@@ -128,7 +129,8 @@ class Response:
     indentations: Sequence[Indentation]
     damping: Damping | None
     gravity: FloatArray
-    compared: Callable[[], Response | None] | None = field(repr=False)
+    run: Any = field(repr=False)
+    number: int
 
     @property
     def duration(self) -> float:
@@ -137,8 +139,10 @@ class Response:
 
     @cached_property
     def other(self) -> Response | None:
-        """The response that this one is compared with; None of a full model."""
-        return None if self.compared is None or self.recovery is None else self.compared()
+        """The response in the run with other elements; None of a full model, or where none is."""
+        if self.recovery is None or self.run.other is None:
+            return None
+        return response_of(self.run.other, self.number)
 
     def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
         """Return what the ground's forces do along m motions of it, N or N m, shape (times, m).
@@ -172,31 +176,15 @@ class Response:
         assert nodes is not None
         assert body.nodes is not None
         own = slice(len(body.nodes))
-        u, v = self.motion.observed(None, wanted)
-        if self.recovery is not None:
-            u = self.recovery.displacement(u, self.motion.force(wanted))
-            v = self.recovery.displacement(v, self.motion.force_rate(wanted))
-        u, v = self._completed(None, u, v, wanted)
+        u, v = self.functionals(None, wanted)
         everywhere = np.zeros((2, len(wanted), 2 * nodes.size))  # 0 where they are constrained
         everywhere[0][:, free], everywhere[1][:, free] = u.T, v.T
         (moved, turned), (speeds, _) = (
             of.reshape(len(wanted), 2, -1, 3).swapaxes(0, 1)[:, :, own] for of in everywhere
         )
-        added = self.half_space(body.nodes, wanted)
-        return Field(
-            body,
-            wanted,
-            moved + added[0],
-            speeds + added[1],
-            turned,
-            self.body,
-            everywhere[0],
-            partial(self._stress_added, wanted),
-            partial(self._error, wanted),
-        )
-
-    def _stress_added(self, times: FloatArray, places: FloatArray) -> FloatArray:
-        return self.half_space(places, times, rates=False)[2]
+        more, faster, _ = self.half_space(body.nodes, wanted)
+        moves = moved + more, speeds + faster, turned
+        return Field(body, wanted, *moves, self, everywhere[0])
 
     def half_space(
         self, places: FloatArray, times: FloatArray, *, rates: bool = True
@@ -228,32 +216,42 @@ class Response:
         row = functional if self.recovery is None else self.recovery.model.seen(functional)
         return np.asarray(self.motion.observed(row[None], times)[0][0])
 
-    def _error(self, times: FloatArray) -> FloatArray | None:
-        """Relative error of the field at `times` in the norm of strain energy; None if unknown."""
+    def field_error(self, times: FloatArray) -> FloatArray | None:
+        """Return its relative error in the norm of strain energy, (k,); None if not known."""
         if (other := self.other) is None:
             return None
         looks = np.union1d(times, np.linspace(0.0, self.duration, LOOKS))
-        (ours, mine), (theirs, right) = self._parts(times), other._parts(times)
+        (ours, mine, _), (theirs, right, _) = (
+            zip(*of._parts(times), strict=True) for of in (self, other)
+        )
         body = max(self.body, other.body, key=lambda body: body.n_dofs)
-        (shapes, K), n = body.alike(ours, theirs), ours.shape[1]
+        shapes, K = body.alike(np.hstack(ours), np.hstack(theirs))
         product = shapes.T @ (K @ shapes)
-        largest = _energy(product[:n, :n], self._parts(looks)[1]).max(initial=0.0)
-        apart = _energy(product, np.vstack([mine, -right]))
+        most = np.vstack([amounts for _, amounts, _ in self._parts(looks)])
+        largest = _energy(product[: len(most), : len(most)], most).max(initial=0.0)
+        apart = _energy(product, np.vstack([*mine, *(-amounts for amounts in right)]))
         return np.sqrt(apart / (largest if largest > 0.0 else 1.0))
 
-    def _parts(self, times: FloatArray) -> ArrayPair:
-        """Shapes that deform the body, (n_dofs, k), and how much of each there is, (k, times)."""
-        assert self.recovery is not None
-        q, forces = self.motion.observed(None, times)[0], self.motion.force(times)
-        shapes = [self.recovery.basis, self.recovery.shapes]
-        amounts = [q, forces, self.recovery.amounts(q, forces)]
+    def _parts(self, times: FloatArray) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
+        """What deforms the body: shapes, (n_dofs, k), how much of each, and the rate, (k, times).
+
+        A full model's own motion is not among them.
+        """
+        parts, motion, recovery = [], self.motion, self.recovery
+        if recovery is not None:
+            q, rates = motion.observed(None, times)
+            force, change = motion.force(times), motion.force_rate(times)
+            parts.append((recovery.basis, np.vstack([q, force]), np.vstack([rates, change])))
+            added = recovery.amounts(q, force), recovery.amounts(rates, change)
+            parts.append((recovery.shapes, *added))
         for of in self.indentations:  # what is left is smooth
-            shapes.append(-of.extraction.mesh_field.reshape(-1, 1)[self.free])
-            amounts.append(of.pressing(self.motion, times)[0])
+            force, rate = of.pressing(motion, times)
+            shape = -of.extraction.mesh_field.reshape(-1, 1)[self.free]
+            parts.append((shape, force[None], rate[None]))
         if self.static_deflection is not None:
-            shapes.append(self.static_deflection[:, None])
-            amounts.append(np.ones((1, len(times))))
-        return np.hstack(shapes), np.vstack(amounts)
+            still = np.zeros((1, len(times)))
+            parts.append((self.static_deflection[:, None], still + 1.0, still))
+        return parts
 
     @property
     def free(self) -> IntArray:
@@ -273,26 +271,12 @@ class Response:
         return wanted
 
     def functionals(self, rows: Any, times: FloatArray) -> ArrayPair:
-        """Return rows @ X and its rate for `rows` of shape (p, n_dofs), each shape (p, times)."""
-        if self.recovery is None:
-            u, v = self.motion.observed(rows, times)
-        else:
-            of_coordinates, of_forces = self.recovery.functionals(rows)
-            u, v = self.motion.observed(of_coordinates, times)
-            u = u + of_forces @ self.motion.force(times)
-            v = v + of_forces @ self.motion.force_rate(times)
-        return self._completed(rows, u, v, times)
-
-    def _completed(self, rows: Any, u: FloatArray, v: FloatArray, times: FloatArray) -> ArrayPair:
-        """Add to rows @ X, or to X where rows is None, what neither model nor recovery contain."""
-        for of in self.indentations:
-            force, rate = of.pressing(self.motion, times)
-            field = of.extraction.mesh_field.reshape(-1)[self.free]
-            field = field if rows is None else rows @ field
-            u, v = u - np.outer(field, force), v - np.outer(field, rate)
-        if self.static_deflection is not None:
-            at_rest = self.static_deflection if rows is None else rows @ self.static_deflection
-            u = u + at_rest[:, None]
+        """Return rows @ X and its rate, (p, times), for `rows` (p, n_dofs); X itself for None."""
+        found: Any = (0.0, 0.0) if self.recovery else self.motion.observed(rows, times)
+        u, v = found
+        for shapes, amounts, rates in self._parts(times):
+            seen = shapes if rows is None else rows @ shapes
+            u, v = u + seen @ amounts, v + seen @ rates
         return u, v
 
 
@@ -301,30 +285,11 @@ def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(np.einsum("it,it->t", amounts, product @ amounts), 0.0))
 
 
-def response_of(
-    plan: Scenario,
-    recorder: Recorder,
-    events: Sequence[Events],
-    body: int,
-    compared: Callable[[], Response | None] | None = None,
-) -> Response | None:
-    """Return the response of a whole body in a run; None without finite elements.
-
-    Parameters
-    ----------
-    plan : Scenario
-        What was run.
-    recorder : Recorder
-        The run.
-    events : sequence of Events
-        Of its contacts.
-    body : int
-        Its number in the plan.
-    compared : callable, optional
-        See `Response`.
-    """
-    model = plan.bodies[body]
-    ours = [of for of, contact in zip(events, plan.contacts, strict=True) if contact.touches(body)]
+def response_of(run: Any, body: int) -> Response | None:
+    """Return the response of a body, by its number, in a run; None without finite elements."""
+    plan, recorder = run.plan, run.recorder
+    both, model = zip(run.events, plan.contacts, strict=True), plan.bodies[body]
+    ours = [events for events, contact in both if contact.touches(body)]
     peak = max(ours, key=lambda of: of.peak_force, default=None)
     (start, end), peak_time = (0.0, recorder.duration), 0.0  # of a body that was not touched
     if peak is not None and peak.peak_contact is not None:
@@ -361,4 +326,4 @@ def response_of(
         width = partial(np.full_like, fill_value=known.radius)
         fields[port] = Indentation(port, known, inward, between.width if between else width)
     found = model.tips[0].body, motion, recovery, peak_time, at_rest, (*fields.values(),)
-    return Response(*found, model.damping, gravity, compared)
+    return Response(*found, model.damping, gravity, run, body)

@@ -11,10 +11,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache, cached_property, partial
 from pathlib import Path
-from typing import Any, Generic, Protocol, Self, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from ..base import (
     HUGE,
@@ -49,7 +49,7 @@ from ..fem import (
 from ..mesh import node_at, weights_at
 from .channel import Channel, filtered_acceleration
 from .field import LOOKS, Field, solid, warn_if_wrong
-from .response import Response
+from .response import Response, response_of
 
 # Share of a displacement over the length of the record below which a velocity is rounding.
 _AT_REST = 1e-9
@@ -74,31 +74,24 @@ _OFF = 0.1
 _BEYOND, _BESIDE, _SHORTER = 0.25, 0.1, 0.01
 
 
-class _Source(Protocol):
-    """A response, or a run, over its `duration`, s, and the one that it is compared with."""
-
-    @property
-    def duration(self) -> float: ...
-    @property
-    def other(self) -> Self | None: ...
-
-
-S = TypeVar("S", bound=_Source)
 T = TypeVar("T")
+
+# A source and times, s, to values of shape (n, ...).
+Seen = Callable[[Any, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
-class History(Generic[S]):
+class History:
     """A quantity over time, and its error, each found when it is first read.
 
     Attributes
     ----------
     name : str
         For messages.
-    source : S
-        The `Response`, or the run, that it is read from.
+    source : Response or Run
+        It is read from this, and compared with its `other`.
     seen : callable
-        Source and times, s, to values of shape (n, ...).
+        Returns the values, shape (n, ...), of a source at times, s.
     t : ndarray, shape (n,)
         s.
     displacement : callable, optional
@@ -106,10 +99,10 @@ class History(Generic[S]):
     """
 
     name: str
-    source: S
-    seen: Callable[[S, FloatArray], FloatArray] = field(repr=False)
+    source: Any
+    seen: Seen = field(repr=False)
     t: FloatArray
-    displacement: Callable[[S, FloatArray], FloatArray] | None = field(default=None, repr=False)
+    displacement: Seen | None = field(default=None, repr=False)
 
     @cached_property
     def values(self) -> FloatArray:
@@ -147,9 +140,37 @@ class History(Generic[S]):
 
 @dataclass(frozen=True, eq=False)
 class Sensed:
+    """Several histories of one sensor.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n,)
+        s.
+    points : ndarray
+        Where, on the undeformed body, m.
+    """
+
+    t: FloatArray
+    points: FloatArray
+    _response: Response = field(repr=False)
+    _histories: Mapping[str, History] = field(repr=False)
+
+    @cached_property
+    def error(self) -> Mapping[str, FloatArray]:
+        """Errors by the body's model, each relative to the largest value, shape (n,), by name.
+
+        Of a place "displacement", "velocity", "stress" and "strain", of a reaction "force" and
+        "moment"; each of the largest of its components. See `BodyResult.error`. It is empty of a
+        full model.
+        """
+        return errors_of(self._response, self._histories)
+
+
+@dataclass(frozen=True, eq=False)
+class SensedOnce:
     """The history of one sensor; its error is found when it is first read."""
 
-    _history: History[Response] = field(repr=False)
+    _history: History = field(repr=False)
 
     @property
     def t(self) -> FloatArray:
@@ -258,8 +279,7 @@ class TensorAt(Each[tuple[StressRows, FloatArray]]):
         mesh, material = solid(body, "stress")
         assert body.free is not None
         weights = place_rows(body, self.places, self.nodes)[:, : mesh.n_nodes]
-        how = {"strain": self.strain}
-        found = body_stress_rows(body.shapes, material, weights, self.layer, **how)
+        found = body_stress_rows(body.shapes, material, weights, self.layer, strain=self.strain)
         if not found.known.all():
             raise InputError(
                 f"{self.layer}: the body has no such place at the point (of a beam without "
@@ -282,7 +302,7 @@ class TensorAt(Each[tuple[StressRows, FloatArray]]):
 
 
 @dataclass(frozen=True, eq=False)
-class Filtered(Sensed):
+class Filtered(SensedOnce):
     """Acceleration behind the filter of a channel.
 
     Attributes
@@ -306,7 +326,7 @@ class Filtered(Sensed):
 
 
 @dataclass(frozen=True, eq=False)
-class Gauge(Sensed):
+class Gauge(SensedOnce):
     """Strain of a gauge over time: the mean along its length.
 
     Attributes
@@ -326,7 +346,7 @@ class Gauge(Sensed):
 
 
 @dataclass(frozen=True, eq=False)
-class Probe:
+class Probe(Sensed):
     """Motion, strain and stress of one place of a body over time.
 
     Attributes
@@ -337,11 +357,7 @@ class Probe:
         Where, on the undeformed body, m.
     """
 
-    t: FloatArray
-    points: FloatArray
-    _response: Response = field(repr=False)
     _at: At = field(repr=False)
-    _histories: Mapping[str, History[Response]] = field(repr=False)
 
     @property
     def displacement(self) -> FloatArray:
@@ -425,19 +441,8 @@ class Probe:
         _ = history.values  # which refuses a record that is too short
         return Filtered(history, channel)
 
-    @cached_property
-    def error(self) -> Mapping[str, FloatArray]:
-        """Errors by the body's model at this place, relative to the largest value, of shape (n,).
-
-        ``error["displacement"]``, "velocity", "stress" and "strain", each of the largest of its
-        components; see `BodyResult.error`. It is empty of a full model.
-        """
-        names = ["displacement", "velocity"]
-        if self._response.body.material is not None:
-            names += ["stress", "strain"]
-        return errors_of(self._response, {name: self._histories[name] for name in names})
-
     def _tensor(self, name: str) -> FloatArray:
+        solid(self._response.body, name)  # which refuses other bodies
         return self._histories[name].told().reshape(len(self.t), *self.points.shape[:-1], 6)
 
     @property
@@ -466,7 +471,7 @@ class Probe:
 
 
 @dataclass(frozen=True, eq=False)
-class Reaction:
+class Reaction(Sensed):
     """The force of supports and springs on a body over time.
 
     Attributes
@@ -479,12 +484,8 @@ class Reaction:
         The held nodes, m.
     """
 
-    t: FloatArray
     centre: FloatArray
-    points: FloatArray
-    _response: Response = field(repr=False)
     _nodes: IntArray = field(repr=False)
-    _histories: Mapping[str, History[Response]] = field(repr=False)
 
     @property
     def force(self) -> FloatArray:
@@ -505,15 +506,6 @@ class Reaction:
         ways = np.eye(6)[:, :3]
         each = (Work(self._nodes[[i]], place, ways) for i, place in enumerate(self.points))
         return np.stack([work(self._response, self.t) for work in each], axis=1)
-
-    @cached_property
-    def error(self) -> Mapping[str, FloatArray]:
-        """Errors by the body's model, relative to the largest value, of shape (n,).
-
-        ``error["force"]`` and ``error["moment"]``; see `BodyResult.error`. It is empty of a full
-        model.
-        """
-        return errors_of(self._response, self._histories)
 
 
 @dataclass(frozen=True, eq=False)
@@ -574,7 +566,7 @@ def acceleration_of(point: FloatArray, axis: FloatArray, channel: Channel) -> An
     return partial(At(point[None], axis[None], ()).filtered, channel)
 
 
-def errors_of(source: S, histories: Mapping[str, History[S]]) -> Mapping[str, FloatArray]:
+def errors_of(source: Any, histories: Mapping[str, History]) -> Mapping[str, FloatArray]:
     """Return the errors of histories by name; none of a full model."""
     if source.other is None:
         return {}
@@ -672,7 +664,7 @@ class Measured:
 
     @cached_property
     def _responding(self) -> Response:
-        response: Response | None = self._run._response(self._number)
+        response = response_of(self._run, self._number)
         if response is None:
             raise InputError(
                 f"the body {self.label!r} was given by numbers and has no finite elements: give "
@@ -682,11 +674,11 @@ class Measured:
 
     def probe(
         self,
-        point: npt.ArrayLike | None = None,
-        direction: npt.ArrayLike | None = None,
+        point: ArrayLike | None = None,
+        direction: ArrayLike | None = None,
         *,
         nodes: Any = None,
-        times: npt.ArrayLike | None = None,
+        times: ArrayLike | None = None,
         dt: float | None = None,
         layer: Any = None,
         part: str | None = None,
@@ -726,8 +718,7 @@ class Measured:
         >>> probe.stress["xx"].shape == probe.t.shape
         True
         """
-        response, where = self._responding, checked_layer(layer, part)
-        wanted, body = response.within(self._sampled(times, dt)), response.body.given
+        where, (response, wanted, body) = checked_layer(layer, part), self._sensed(times, dt)
         if (point is None) == (nodes is None):
             raise InputError("probe needs either point or nodes, and not both")
         _ = response.free
@@ -747,21 +738,24 @@ class Measured:
         at.of(response.body)  # which checks the places
         tensor = partial(TensorAt, at.places, where, nodes=chosen)
         history = partial(History, source=response, t=wanted)
-        histories: list[History[Response]] = [
+        histories: list[History] = [
             history("displacement", seen=at.displacement),
             history("velocity", seen=at.velocity, displacement=at.displacement),
-            history("stress", seen=tensor(strain=False)),
-            history("strain", seen=tensor(strain=True)),
         ]
-        return Probe(wanted, places, response, at, {of.name: of for of in histories})
+        if body.material is not None:
+            histories += [
+                history("stress", seen=tensor(strain=False)),
+                history("strain", seen=tensor(strain=True)),
+            ]
+        return Probe(wanted, places, response, {of.name: of for of in histories}, at)
 
     def gauge(
         self,
-        point: npt.ArrayLike,
-        direction: npt.ArrayLike,
+        point: ArrayLike,
+        direction: ArrayLike,
         length: float,
         *,
-        times: npt.ArrayLike | None = None,
+        times: ArrayLike | None = None,
         dt: float | None = None,
         layer: Any = None,
         part: str | None = None,
@@ -797,10 +791,10 @@ class Measured:
         >>> gauge.strain.shape == hit.t.shape
         True
         """
-        response, size = self._responding, positive("length", length, unit="m")
-        wanted, body = response.within(self._sampled(times, dt)), response.body.given
-        place = finite_array("point", point, shape=(3,), unit="m", most=HUGE)
-        ends, along = gauge_ends(body, place, unit_vector("direction", direction), size)
+        response, wanted, body = self._sensed(times, dt)
+        size, way = positive("length", length, unit="m"), unit_vector("direction", direction)
+        where = finite_array("point", point, shape=(3,), unit="m", most=HUGE)
+        ends, along = gauge_ends(body, where, way, size)
         seen = gauge_strain(body, ends, along, checked_layer(layer, part))
         return Gauge(History("strain of a gauge", response, seen, wanted), ends)
 
@@ -808,7 +802,7 @@ class Measured:
         self,
         nodes: Any = None,
         *,
-        times: npt.ArrayLike | None = None,
+        times: ArrayLike | None = None,
         dt: float | None = None,
     ) -> Reaction:
         """Return the force of supports and springs on the body over time.
@@ -841,8 +835,7 @@ class Measured:
         >>> hit.target.reaction("xmin").force.shape == (len(hit.t), 3)
         True
         """
-        response = self._responding
-        wanted, body = response.within(self._sampled(times, dt)), response.body.given
+        response, wanted, body = self._sensed(times, dt)
         held = body.grounding.nodes("nodes", nodes)
         assert body.nodes is not None
         points = body.nodes[held]
@@ -852,12 +845,14 @@ class Measured:
             "force": History("reaction", response, force, wanted),
             "moment": History("moment of the reaction", response, moment, wanted),
         }
-        return Reaction(wanted, centre, points, response, held, histories)
+        return Reaction(wanted, points, response, histories, centre, held)
 
-    def _sampled(self, times: npt.ArrayLike | None, dt: float | None) -> Any:
-        """The times that are asked for, s."""
+    def _sensed(self, times: Any, dt: float | None) -> tuple[Response, FloatArray, FEModel]:
+        """The response, the times that are asked for, s, and the body as it was given."""
+        response = self._responding
         if dt is None:
-            return self._run.t if times is None else times
+            wanted = response.within(self._run.t if times is None else times)
+            return response, wanted, response.body.given
         if times is not None:
             raise InputError("give either times or dt, not both")
         end, step = float(self._run.t[-1]), positive("dt", dt, unit="s")
@@ -866,9 +861,9 @@ class Measured:
                 f"dt={step:g} s must be from {end / _MOST_SAMPLES:.2g} s to the record's {end:g} s"
             )
         count = math.floor(end / step * (1.0 + 1e-12)) + 1
-        return np.minimum(step * np.arange(count), end)
+        return response, np.minimum(step * np.arange(count), end), response.body.given
 
-    def field(self, times: npt.ArrayLike | None = None) -> Field:
+    def field(self, times: ArrayLike | None = None) -> Field:
         """Return the whole body at some times: displacement, velocity, stress, files, a picture.
 
         Parameters
@@ -892,7 +887,7 @@ class Measured:
         """
         return self._responding.field(times)
 
-    def to_vtu(self, path: FilePath, times: npt.ArrayLike | None = None) -> Path:
+    def to_vtu(self, path: FilePath, times: ArrayLike | None = None) -> Path:
         """Write the body at some times for ParaView; see `field` and `Field.to_vtu`.
 
         Examples

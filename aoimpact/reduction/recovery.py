@@ -92,22 +92,6 @@ class Recovery:
             at_once[:, : following.shape[1]] = following
         return np.hstack([self.model.modes, at_once])
 
-    def functionals(self, rows: Any) -> ArrayPair:
-        """Return how linear functions of X depend on coordinates and forces.
-
-        Parameters
-        ----------
-        rows : scipy.sparse matrix, shape (m, n_dofs)
-
-        Returns
-        -------
-        of_coordinates, of_forces : ndarrays, shapes (m, n), (m, p)
-            rows @ X = of_coordinates @ q + of_forces @ f.
-        """
-        n, (shapes, weights) = len(self.model.omega), self._correction
-        found = rows @ self.basis + (rows @ shapes) @ weights
-        return found[:, :n], found[:, n:]
-
     @property
     def shapes(self) -> FloatArray:
         """The few shapes that the correction is made of, (n_dofs, k)."""

@@ -31,5 +31,5 @@ from .quantities import (
     recorded,
 )
 from .run import BodyEnergy, BodyResult, ContactResult, Cost, Energy, Handle, Result, Run
-from .solve import AS_LONG_AGAIN, RecordLength, TimeSolver, solve
+from .solve import RecordLength, TimeSolver, solve
 from .table import ROLES

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -143,16 +143,11 @@ class _Joint(NamedTuple):
     tips: list[tuple[int, int, ContactPoint]]
 
 
-def limits(plan: Scenario, contact: Contact, *, warned: bool = False) -> dict[str, Limit]:
-    """Return the limits of a contact by name, as far as its law and bodies are known.
-
-    warned: whether only those are wanted beyond which a warning is due.
-    """
+def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
+    """Return the limits of a contact by name, as far as its law and bodies are known."""
     law, materials = own_law(contact.law), contact.materials(plan.bodies)
     known, surface = list(filter(None, materials)), round_contact(law, materials)
     joint = _Joint(plan, contact, law, known, surface, plan.touched(contact))
-    if warned and not (known or surface or joint.tips):  # a law and bodies given by numbers
-        return {}
     found = {name: rule(joint) for name, rule in RULES.items()}
     return {name: limit for name, limit in found.items() if limit is not None}
 
@@ -160,17 +155,17 @@ def limits(plan: Scenario, contact: Contact, *, warned: bool = False) -> dict[st
 def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]:
     """Yield the rows of a contact of a run; of all rules, or of those that may be exceeded."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
-    found = limits(plan, contact, warned=exceeded) if events.contacts else {}
-    for name, limit in found.items():
-        if limit.of == "force":
-            value = events.peak_force
-        elif limit.of == "speed":
-            value = abs(plan.velocities[contact.first] - plan.velocities[contact.second])
-        else:
-            both = zip(plan.bodies, plan.velocities, strict=True)
-            moving = [(of.known_mass, v) for of, v in both if v]
-            value = sum(0.5 * (math.inf if m is None else m) * v * v for m, v in moving)
-        most = limit.most
+    if not events.contacts:
+        return
+    both = zip(plan.bodies, plan.velocities, strict=True)
+    moving = [(math.inf if of.known_mass is None else of.known_mass, v) for of, v in both if v]
+    reached = {
+        "force": events.peak_force,
+        "speed": abs(plan.velocities[contact.first] - plan.velocities[contact.second]),
+        "energy": sum(0.5 * m * v * v for m, v in moving),
+    }
+    for name, limit in limits(plan, contact).items():
+        value, most = reached[limit.of], limit.most
         if exceeded and value <= most:
             continue
         if limit.rows is not None:
@@ -463,53 +458,42 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
                 f"{name}: the centre of mass of a body given by K and M alone is not known, so "
                 "that rebound_velocity and restitution are NaN: give FEModel(K=, M=, nodes=)"
             )
-    checked = set()
-    for contact in plan.contacts if plan.meshed else ():
-        tips = plan.touched(contact)
-        law = own_law(contact.law)
-        for number, _, tip in tips:
-            if (number, tip) in checked:
-                continue
-            checked.add((number, tip))
-            _warn_of_direction(tip, names[number])
-            if tip.body.mesh is None and isinstance(law, HertzianLaw):
-                warn(
-                    f"{names[number]}: {type(law).__name__}'s law and K of solids both have "
-                    "the indentation of a half-space; give the mesh, body.with_mesh(...)"
-                )
-        if len(tips) == 2:
-            _warn_of_side(*tips[0][::2], *tips[1][::2], names)
+    touched = [(plan.touched(contact), own_law(contact.law)) for contact in plan.contacts]
+    laws = {(number, tip): law for tips, law in touched for number, _, tip in tips}
+    for (number, tip), law in laws.items():
+        along, normal = tip.direction, tip.normal
+        cosine = 1.0 if along is None or normal is None else abs(float(normal @ along))
+        if along is not None and cosine < _OBLIQUE:  # only the normal velocity takes part
+            angle = math.degrees(math.acos(cosine))
+            warn(
+                f"{names[number]} is touched along {plain(along)}, {angle:.0f}° off the "
+                f"normal. If nothing guides it, leave direction out, and give {cosine:.3g} of the "
+                "velocity"
+            )
+        if tip.body.mesh is None and isinstance(law, HertzianLaw):
+            warn(
+                f"{names[number]}: {type(law).__name__}'s law and K of solids both have "
+                "the indentation of a half-space; give the mesh, body.with_mesh(...)"
+            )
+    for tips, _ in touched:
+        if len(tips) == 2 and _face_alike(tips[0][2], tips[1][2]):
+            place: Any = tips[0][2].point
+            both = " and ".join(names[number] for number, *_ in tips)
+            warn(
+                f"{both} touch at {plain(place)} m with outward normals on the same "
+                "side: choose the point that faces the other body"
+            )
 
 
-def _warn_of_direction(tip: ContactPoint, name: str) -> None:
-    """Warn of a direction off the normal: only the normal velocity takes part in the contact."""
-    if tip.normal is None or tip.direction is None or tip.point is None:
-        return
-    cosine = min(1.0, abs(float(tip.normal @ tip.direction)))
-    if cosine < _OBLIQUE:
-        angle = math.degrees(math.acos(cosine))
-        warn(
-            f"{name} is touched along {plain(tip.direction)}, {angle:.0f}° off the normal. If "
-            f"nothing guides it, leave direction out, and give {cosine:.3g} of the velocity"
-        )
-
-
-def _warn_of_side(
-    body: int, first: ContactPoint, other: int, second: ContactPoint, names: Sequence[str]
-) -> None:
-    """Warn of bodies on the same side of a common point, if they share coordinates."""
-    if first.body is second.body or first.point is None or second.point is None:
-        return
-    nodes = first.body.given.nodes
-    if first.direction is None or second.direction is None or nodes is None:
-        return
+def _face_alike(first: ContactPoint, second: ContactPoint) -> bool:
+    """True if two bodies lie on the same side of a common point, if they share coordinates."""
+    nodes, place, along = first.body.given.nodes, first.point, first.direction
+    if first.body is second.body or nodes is None or place is None or second.point is None:
+        return False
+    if along is None or second.direction is None or along @ second.direction >= 0.0:
+        return False
     near = _SHARED * float(np.ptp(nodes, axis=0).max())
-    opposite = float(first.direction @ second.direction) < 0.0
-    if opposite and np.linalg.norm(first.point - second.point) <= near:
-        warn(
-            f"{names[body]} and {names[other]} touch at {plain(first.point)} m with outward "
-            "normals on the same side: choose the point that faces the other body"
-        )
+    return bool(np.linalg.norm(place - second.point) <= near)
 
 
 def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
@@ -599,7 +583,7 @@ _BENDING = 2.5
 def warning_limits(plan: Scenario) -> tuple[float, float]:
     """Return up to which force, N, and velocity, m/s, an impact needs no warning; 0 of none."""
     mass, most = plan.bodies[0].known_mass, {"force": math.inf, "speed": math.inf}
-    for limit in limits(plan, plan.contacts[0], warned=True).values():
+    for limit in limits(plan, plan.contacts[0]).values():
         of, value = limit.of, limit.most
         if of == "energy":
             of, value = "speed", math.sqrt(2.0 * value / mass) if mass else 0.0

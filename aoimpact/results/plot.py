@@ -137,8 +137,8 @@ def plot_indentation(
     run = shown(result, during)
     depth = run.indentation
     apart = (depth < 0.0) & (run.force == 0.0)
-    curves: list[Curve] = [(depth if apart.all() else np.where(apart, np.nan, depth), {})]
-    return draw_curves(ax, (run.t, "time", "s"), "indentation", "m", curves, kwargs)
+    drawn = depth if apart.all() else np.where(apart, np.nan, depth)
+    return draw_curves(ax, (run.t, "time", "s"), "indentation", "m", [(drawn, {})], kwargs)
 
 
 def plot_energy(
@@ -207,8 +207,8 @@ def plot_displacement(
     """
     run = shown(run, during)
     curves: list[Curve] = []
-    for name, body, colour in zip(run.names, run.bodies, cycle(COLOURS), strict=False):
-        place, centre = body.displacement, body.centre_displacement
+    for body, colour in zip(run.bodies, cycle(COLOURS), strict=False):
+        name, place, centre = body.name, body.displacement, body.centre_displacement
         style = {} if run.plan.scene else {"color": colour, "linestyle": "-"}
         bends = bool(style) and not np.array_equal(place, centre)
         curves.append((place, style | {"label": f"{name}, contact point" if bends else name}))
@@ -231,13 +231,13 @@ def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> A
     touching = np.flatnonzero(at.force > 0.0)
     which = slice(0, int(touching[-1]) + 2 if touching.size else None)
     across = (at.approach[which], "approach of the centres of mass", "m")
-    curves: list[Curve] = [(at.force[which], {"label": "modified law"})]
-    ax = draw_curves(ax, across, "contact force", "N", curves, kwargs)
+    name, known = ("contact force", "N"), {"label": "modified law"}
+    ax = draw_curves(ax, across, *name, [(at.force[which], known)], kwargs)
     law = getattr(own_law(result.law), "force", None)
     if touching.size and callable(law):
         depth = np.linspace(0.0, float(result.indentation.max()), 200)
         style = {"color": "0.4", "linestyle": "--", "label": "contact law", "zorder": 1}
-        ax = draw_curves(ax, (depth, *across[1:]), "contact force", "N", [(law(depth), style)])
+        ax = draw_curves(ax, (depth, *across[1:]), *name, [(law(depth), style)])
     return ax
 
 
@@ -304,5 +304,5 @@ def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArra
         way = read(lambda run: run.bodies[0].centre_displacement, hit, times)
         moved = np.repeat((way[:, None] * down)[:, None], mesh.n_nodes, axis=1)
         middle = place - (radius + hit.gap) * down
-        bodies.append(Shown(mesh, mesh.nodes + middle, moved, None))
+        bodies.append(Shown(mesh, mesh.nodes + middle, moved, np.full(moved.shape[:2], np.nan)))
     return bodies, down

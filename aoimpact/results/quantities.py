@@ -330,7 +330,7 @@ def number_errors(
         if name == "force":
             differences = (times * QUANTITIES[name].difference(run, of) for of, times in others)
             return max(differences, default=0.0)
-        quantity, at, values = _number(run, name)
+        quantity, at, values = number(run, name)
         ours, found = quantity.compared(run), [0.0]
         for other, times in others:
             theirs = quantity.compared(other)
@@ -363,18 +363,7 @@ def _momentum_apart(run: Run, other: Run) -> FloatArray:
     return np.where(alike, np.sqrt((passed**2).mean(axis=1)), math.inf)
 
 
-def all_numbers(run: Run) -> Mapping[str, float]:
-    """Return the numbers of a run by name, each of which is found when it is first read."""
-
-    def find(name: str) -> float:
-        _, at, values = _number(run, name)
-        return float(values[at])
-
-    numeric = [quantity for quantity in QUANTITIES.values() if not quantity.is_history]
-    return Found(lambda: [name for quantity in numeric for name in quantity.names(run)], find)
-
-
-def _number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
+def number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
     """A number's quantity, and its place among the values of this; KeyError if there is none."""
     *_, at, last = ("", "", *name.split("."))
     quantity, place = QUANTITIES[last], int(at) if at.isdigit() else 0
@@ -487,10 +476,9 @@ def _tangential_restitution(run: Run) -> FloatArray:
         return np.empty(0)
     if not run.events[0].contacts or run.in_contact_at_end:
         return np.array([np.nan])
-    held = np.array([plan.bodies[body].constrained for body in pair]) & ~moved.any(axis=1)
-    bodies = zip(pair, moved, held, strict=True)
-    after = np.array([came if still else run.motion_after(of)[:3] for of, came, still in bodies])
-    return -_restitution(Speeds(moved @ way, after @ way, held))
+    fixed = np.array([plan.bodies[body].constrained for body in pair])
+    after = np.array([run.motion_after(body)[:3] for body in pair])
+    return -_restitution(Speeds(moved @ way, after @ way, fixed))
 
 
 def _final_spins(run: Run) -> FloatArray:

@@ -7,7 +7,7 @@ measured along the direction of travel, from where the bodies were at t = 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -22,26 +22,27 @@ from ..base import (
     Found,
     Frozen,
     InputError,
-    checked,
-    finite_array,
     integer,
     read_only,
     text,
     with_unit,
-    write_csv,
 )
 from ..fem import whole_motion
-from ..fields import History, Measured, Response, errors_of, response_of, times_within, write_movie
+from ..fields import History, Measured, errors_of, response_of, times_within, write_movie
 from ..integrate import Events, Recorder
 from ..laws import ContactLaw, Dent, own_law
 from ..reduction import FullModel
 from ..scene import Scenario
 from . import plot as figures
+from . import table
 from .advice import Advice, advice, follows, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
-from .quantities import QUANTITIES, all_numbers, look_up, number_errors, read
+from .quantities import QUANTITIES, look_up, number, number_errors, read
 from .summary import impact_rows, scene_rows, summary_text
-from .table import ROLES, as_dataframe, as_dataset, columns, different
+from .table import ROLES, different
+
+# Starts and ends, s.
+Spans = list[tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,7 +222,7 @@ class BodyResult(Frozen, Measured):
         return errors_of(self._run, self._histories)
 
     @cached_property
-    def _histories(self) -> dict[str, History[Run]]:
+    def _histories(self) -> dict[str, History]:
         run, moved = self._run, partial(_moved, self._number, "displacement")
         return {
             name: History(
@@ -247,7 +248,7 @@ class BodyResult(Frozen, Measured):
 
         :meta private:
         """
-        response = self._run._response(self._number)
+        response = response_of(self._run, self._number)
         if response is None:
             return _moved(self._number, "displacement", self._run, times)
         return response.displacement_of(functional, times)
@@ -331,7 +332,7 @@ class ContactResult(Frozen, Eventful):
     friction_energy: FloatArray | None = None
 
     @property
-    def slip_intervals(self) -> list[tuple[float, float]]:
+    def slip_intervals(self) -> Spans:
         """Start and end [s] of every interval in which all of the contact slips.
 
         One begins with the contact, or where the last point that sticks begins to slip: its centre,
@@ -345,12 +346,12 @@ class ContactResult(Frozen, Eventful):
         return list(self.intervals if self.events.slips is None else self.events.slips)
 
     @property
-    def stick_intervals(self) -> list[tuple[float, float]]:
+    def stick_intervals(self) -> Spans:
         """Start and end [s] of every interval in which it sticks, at least in one point.
 
         With `slip_intervals` they make up the intervals of contact.
         """
-        found: list[tuple[float, float]] = []
+        found: Spans = []
         for start, end in self.intervals if self.stuck is not None else ():
             slips = [span for span in self.slip_intervals if start <= span[0] < end]
             ends = [start, *(time for span in slips for time in span), end]
@@ -362,7 +363,7 @@ class ContactResult(Frozen, Eventful):
         return self.events
 
     @property
-    def intervals(self) -> list[tuple[float, float]]:
+    def intervals(self) -> Spans:
         """Start and end [s] of every interval in which the force acts."""
         return list(self.events.contacts)
 
@@ -439,10 +440,6 @@ class Handle:
     name: str = field(default="", compare=False)
     scene: str = field(default="", compare=False, repr=False, metadata={"identity": True})
 
-    def __post_init__(self) -> None:
-        checked(self, body=partial(integer, low=0), at=partial(integer, low=0))
-        checked(self, name=text, scene=text)
-
     def port(self, at: int) -> Handle:
         """Return the handle of another of its contact points: `at` in the order of `tips`.
 
@@ -455,7 +452,7 @@ class Handle:
         >>> struck.port(1) != struck.port(0)
         True
         """
-        return replace(self, at=at)
+        return replace(self, at=integer("at", at, low=0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -547,13 +544,6 @@ class Run:
         given = [contact.name for contact in self.plan.contacts]
         return different(given, [f"contact {i}" for i in range(len(given))])
 
-    def _response(self, body: int) -> Response | None:
-        compared = partial(self._other_response, body)
-        return response_of(self.plan, self.recorder, self.events, body, compared=compared)
-
-    def _other_response(self, body: int) -> Response | None:
-        return None if self.other is None else self.other._response(body)
-
     # ------------------------------------------------------------------- histories
 
     @cached_property
@@ -604,15 +594,15 @@ class Run:
         motion = rows.port_displacements[0], rows.port_velocities[0], *centre
         names = "displacement", "velocity", "centre_displacement", "centre_velocity"
         return BodyResult(
-            name=self.names[index],
-            label=body.label,
-            mass=body.known_mass,
-            constrained=body.constrained,
-            port_displacements=rows.port_displacements,
-            port_velocities=rows.port_velocities,
-            _motion=dict(zip(names, map(read_only, motion), strict=True)),
-            _run=self,
-            _number=index,
+            self.names[index],
+            body.label,
+            body.known_mass,
+            body.constrained,
+            rows.port_displacements,
+            rows.port_velocities,
+            dict(zip(names, map(read_only, motion), strict=True)),
+            self,
+            index,
         )
 
     @property
@@ -711,14 +701,11 @@ class Run:
 
         :meta private:
         """
-        contact = self.plan.contacts[number]
-        law = contact.law
-        if self.recorder.dense and not (contact.friction or law.depends_on_rate or law.by_caller):
-            times = np.array([self.events[number].peak_time])  # where it is deepest
-        else:
-            times = self.recorder.times
+        times = self.recorder.times
+        if self.recorder.dense:  # most laws are deepest where the force is largest
+            times = np.union1d(times, self.events[number].peak_time)
         rows = self.plan.layout.contact(self.recorder.rows(times, energies=False), number)
-        return float(contact.own_indentation(rows).max(initial=0.0))
+        return float(self.plan.contacts[number].own_indentation(rows).max(initial=0.0))
 
     @cached_property
     def energy(self) -> Energy:
@@ -732,10 +719,6 @@ class Run:
         if not self.plan.energies:
             raise InputError("energies: this run has none; call simulate(..., energies=True)")
         layout, contacts, nothing = self.plan.layout, self.each_contact, np.zeros(len(self.t))
-
-        def summed(of: Sequence[Any], name: str) -> FloatArray:
-            return sum((getattr(one, name) for one in of), nothing)
-
         recorded = [layout.body(self._rows, number) for number in range(len(layout.ports))]
         strain = [of.elastic.copy() for of in recorded]
         for between, touch in zip(self.plan.contacts, contacts, strict=True):
@@ -745,10 +728,13 @@ class Run:
             BodyEnergy(of.kinetic, elastic, of.dissipated, of.work)
             for of, elastic in zip(recorded, strain, strict=True)
         )
-        kinetic, elastic, work = (summed(bodies, name) for name in ("kinetic", "elastic", "work"))
-        sliding = [of for of in contacts if of.friction_energy is not None]
-        contact, friction = summed(contacts, "elastic"), summed(sliding, "friction_energy")
-        dissipated = summed(contacts, "dissipated") + summed(bodies, "dissipated") + friction
+        kinetic, elastic, lost, work = np.sum([[*vars(of).values()] for of in bodies], axis=0)
+        parts: Any = [(of.elastic, of.dissipated, of.friction_energy) for of in contacts]
+        contact, by_law, friction = (
+            sum((of for of in each if of is not None), nothing)
+            for each in zip((nothing,) * 3, *parts, strict=True)
+        )
+        dissipated = by_law + lost + friction
         total = kinetic + elastic + contact + dissipated - work
         return Energy(kinetic, elastic, contact, dissipated, work, total, bodies, friction)
 
@@ -803,7 +789,13 @@ class Run:
     @cached_property
     def numbers(self) -> Mapping[str, float]:
         """All numbers that sum up the run, by the names that `value` takes."""
-        return all_numbers(self)
+        numeric = [of for of in QUANTITIES.values() if not of.is_history]
+
+        def find(name: str) -> float:
+            _, at, values = number(self, name)
+            return float(values[at])
+
+        return Found(lambda: [name for of in numeric for name in of.names(self)], find)
 
     @cached_property
     def compared(self) -> dict[str, FloatArray]:
@@ -866,15 +858,14 @@ class Run:
             if self.recorder.dense and energy is not None:
                 warn_of_ledger(energy, self.time_error)
         names = number_errors(self, ())
-        full = [isinstance(model, FullModel) for model in models]
-        whole = any(full) and all(one or not of.tips for one, of in zip(full, models, strict=True))
-        quantity = rtol = None
+        full = [model for model in models if isinstance(model, FullModel)]
+        whole = full and all(of in full for of in models if of.tips)
+        quantity = rtol = absent = None
         by_model: Mapping[str, float] = names if whole else {}  # which leaves nothing out
         if self.chosen is not None:
             quantity, rtol, by_model = self.chosen.quantity, self.chosen.rtol, self.chosen.numbers
+            absent = None if self.plan.meshed else 0.0
         out = self._left_out
-        numeric = not self.plan.meshed
-        absent = 0.0 if numeric and self.chosen is not None else None  # there are no meshes
 
         def parts(name: str) -> ErrorParts:
             if name not in names and name not in by_model:
@@ -893,65 +884,7 @@ class Run:
 
     # ---------------------------------------------------------------------- output
 
-    def to_csv(self, path: FilePath) -> None:
-        """Write all histories, one row a time, under a header line with names and units.
-
-        Examples
-        --------
-        >>> import tempfile, pathlib
-        >>> folder = pathlib.Path(tempfile.mkdtemp())
-        >>> scene = ao.Scene()
-        >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
-        >>> wall = scene.add(ao.rigid(mass=float("inf")))
-        >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
-        >>> run = scene.simulate(duration=1e-3)
-        >>> run.to_csv(folder / "scene.csv")
-        """
-        table = columns(self)
-        write_csv(path, table, np.column_stack(list(table.values())).tolist())
-
-    def to_dataframe(self) -> Any:
-        """Return all histories as a pandas DataFrame, a row a time.
-
-        The columns are those of `to_csv`, "name [unit]"; the index is "t [s]".
-
-        Raises
-        ------
-        MissingPackageError
-            If pandas is not installed.
-
-        Examples
-        --------
-        >>> import aoimpact as ao
-        >>> ball = ao.rigid(mass=0.0327)
-        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
-        >>> table = hit.to_dataframe()
-        >>> float(table["force [N]"].max()) == hit.peak_force
-        True
-        """
-        return as_dataframe(columns(self))
-
-    def to_xarray(self) -> Any:
-        """Return all histories as an xarray Dataset, with units.
-
-        Dimensions are time, contact and body; ``data.sel(body="body 1").velocity`` is one history.
-
-        Raises
-        ------
-        MissingPackageError
-            If xarray is not installed.
-
-        Examples
-        --------
-        >>> import aoimpact as ao
-        >>> ball = ao.rigid(mass=0.0327)
-        >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
-        >>> data = hit.to_xarray()
-        >>> data.force.attrs["units"], float(data.force.max()) == hit.peak_force
-        ('N', True)
-        """
-        return as_dataset(self)
-
+    to_csv, to_dataframe, to_xarray = table.to_csv, table.to_dataframe, table.to_xarray
     plot_force = figures.plot_force
     plot_displacement = figures.plot_displacement
     plot_energy = figures.plot_energy
@@ -1024,12 +957,12 @@ class Result(Eventful, Run):
         return self._with_friction("stuck")
 
     @property
-    def slip_intervals(self) -> list[tuple[float, float]]:
+    def slip_intervals(self) -> Spans:
         """Start and end [s] of every interval in which all of the contact slips."""
         return self.each_contact[0].slip_intervals
 
     @property
-    def stick_intervals(self) -> list[tuple[float, float]]:
+    def stick_intervals(self) -> Spans:
         """Start and end [s] of every interval in which it sticks, at least in its middle."""
         return self.each_contact[0].stick_intervals
 
@@ -1077,7 +1010,7 @@ class Result(Eventful, Run):
         return self.events[0]
 
     @property
-    def contacts(self) -> list[tuple[float, float]]:
+    def contacts(self) -> Spans:
         """Start and end [s] of every contact; empty without contact."""
         return list(self.events[0].contacts)
 
@@ -1192,7 +1125,7 @@ class Result(Eventful, Run):
         count = integer("frames", frames, low=2, high=10_000)
         wanted = np.linspace(*figures.span_of(self, "contact"), count)
         if times is not None:
-            wanted = np.atleast_1d(finite_array("times", times, unit="s"))
+            wanted = times_within(times, self.duration)
         return write_movie(path, fps, lambda: figures.shown_bodies(self, wanted), wanted, scale)
 
     def __repr__(self) -> str:

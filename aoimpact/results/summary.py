@@ -33,8 +33,9 @@ _NOTHING = 1e-12
 def impact_rows(result: Result) -> list[tuple[str, str]]:
     """Return (name, value with unit) for everything that a user asks first."""
     oblique, contact = result.plan.oblique, result.plan.contacts[0]
-    velocity = f"{result.velocity:.6g} m/s"
+    velocity, along = f"{result.velocity:.6g} m/s", ""
     if oblique is not None:
+        along = f" along {plain(oblique.axes[0])}"
         way, spin = np.split(oblique.velocities[0], 2)
         velocity = f"{plain(way)} m/s" + (f", spin {plain(spin)} rad/s" if spin.any() else "")
     gap = f", gap {with_unit(result.gap, 'm')}" if result.gap else ""
@@ -63,7 +64,7 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
             ("impulse", _told(result, "impulse")),
         ]
     rows += [
-        ("rebound velocity", _rebound(result, "rebound_velocity")),
+        ("rebound velocity", _rebound(result, "rebound_velocity", along)),
         ("restitution", _rebound(result, "restitution")),
     ]
     if "tangential_restitution" in result.numbers:
@@ -90,13 +91,13 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
 
 def scene_rows(run: Run) -> list[tuple[str, str]]:
     """Return (name, value with unit) of the bodies and contacts of a scene."""
-    bodies, contacts, oblique = run.plan.bodies, len(run.events), run.plan.oblique
+    bodies, contacts, oblique = len(run.names), len(run.events), run.plan.oblique
     rows = [(name, _body(run, i)) for i, name in enumerate(run.names[:SHOWN])]
     if oblique is not None:
         rows += [
-            (f"{name}, after", f"{plain(of.final_velocity)} m/s, {plain(of.final_spin)} rad/s")
-            for name, of, body in zip(run.names[:SHOWN], run.bodies, bodies, strict=False)
-            if not body.constrained
+            (f"{of.name}, after", f"{plain(of.final_velocity)} m/s, {plain(of.final_spin)} rad/s")
+            for of in run.bodies[:SHOWN]
+            if not of.constrained
         ]
     for i, contact in enumerate(run.each_contact[:SHOWN]):
         count, owner = contact.contact_count, f"contacts.{i}."
@@ -110,8 +111,8 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
         dent = contact.dent.depth
         times += f", dent of {with_unit(dent, 'm', 3)}" if dent > 0.0 else ""
         rows.append((contact.name, f"{text}, {times}" if count else "none"))
-    if max(len(bodies), contacts) > SHOWN:
-        rows.append(("…", f"{len(bodies)} bodies and {contacts} contacts in all"))
+    if max(bodies, contacts) > SHOWN:
+        rows.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
     if run.chosen is not None:
         rows.append(error_row(run))
     return [*rows, ("solver", run.solver), ("cost", str(run.cost))]
@@ -206,12 +207,9 @@ def _place(tip: ContactPoint, *, rigid: bool) -> str:
     return f", {what} at ({point}) m along ({along})"
 
 
-def _rebound(result: Result, name: str) -> str:
+def _rebound(result: Result, name: str, along: str = "") -> str:
     if math.isnan(result.value(name)):
         return "none" if result.in_contact_at_end or not result.contacts else "not known"
-    oblique, along = result.plan.oblique, ""
-    if name == "rebound_velocity" and oblique is not None:
-        along = f" along {plain(oblique.axes[0])}"
     return _told(result, name, 5, along=along)
 
 
@@ -240,10 +238,8 @@ def _interest(run: Run, parts: ErrorParts) -> str:
     if interest is None or interest.is_history:
         bound = _bound(run, QUANTITIES["force"], math.inf, parts)
         at, when = "", run.error.worst_time
-        touches = run.events[0].contacts if len(run.events) == 1 and name == "force" else ()
-        if when is not None and len(touches) > 1:  # in which of them the error is largest
-            away = [max(start - when, when - end) for start, end in touches]
-            at = f" (in contact {away.index(min(away)) + 1} of {len(away)})"
+        if when is not None and len(run.events) == 1 and len(run.events[0].contacts) > 1:
+            at = f" (most at {with_unit(when, 's', 3)})"
         largest, chosen = "", run.chosen
         if chosen is not None and not math.isnan(chosen.most):
             largest = f", {with_unit(chosen.most, chosen.unit, 5)}"

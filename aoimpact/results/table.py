@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import FloatArray, optional_package
+from ..base import FilePath, FloatArray, optional_package, write_csv
 from ..laws import own_law
 
 if TYPE_CHECKING:
@@ -85,38 +85,85 @@ def different(names: Sequence[str], others: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def as_dataframe(table: Mapping[str, FloatArray]) -> Any:
-    """Return columns "name [unit]", times first, as a pandas DataFrame with times for its index."""
+def to_csv(run: Run, path: FilePath) -> None:
+    """Write all histories, one row a time, under a header line with names and units.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> scene = ao.Scene()
+    >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0)
+    >>> wall = scene.add(ao.rigid(mass=float("inf")))
+    >>> number = scene.connect(ball, wall, ao.Hertz(k=1e9))
+    >>> run = scene.simulate(duration=1e-3)
+    >>> run.to_csv(folder / "scene.csv")
+    """
+    table = columns(run)
+    write_csv(path, table, np.column_stack(list(table.values())).tolist())
+
+
+def to_dataframe(run: Run) -> Any:
+    """Return all histories as a pandas DataFrame, a row a time.
+
+    The columns are those of `to_csv`, "name [unit]"; the index is "t [s]".
+
+    Raises
+    ------
+    MissingPackageError
+        If pandas is not installed.
+
+    Examples
+    --------
+    >>> import aoimpact as ao
+    >>> ball = ao.rigid(mass=0.0327)
+    >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+    >>> table = hit.to_dataframe()
+    >>> float(table["force [N]"].max()) == hit.peak_force
+    True
+    """
     pandas = optional_package("pandas", "to_dataframe", "take .to_csv(path)")
-    times, *others = table
-    index = pandas.Index(table[times], name=times)
-    return pandas.DataFrame({name: table[name] for name in others}, index=index)
+    return pandas.DataFrame(columns(run)).set_index("t [s]")
 
 
-def as_dataset(run: Run) -> Any:
-    """Return a run as an xarray Dataset with dimensions time, contact and body."""
+def to_xarray(run: Run) -> Any:
+    """Return all histories as an xarray Dataset, with units.
+
+    Dimensions are time, contact and body; ``data.sel(body="body 1").velocity`` is one history.
+
+    Raises
+    ------
+    MissingPackageError
+        If xarray is not installed.
+
+    Examples
+    --------
+    >>> import aoimpact as ao
+    >>> ball = ao.rigid(mass=0.0327)
+    >>> hit = ao.simulate(projectile=ball, target=ball, law=ao.Hertz(k=1e10), velocity=1.0)
+    >>> data = hit.to_xarray()
+    >>> data.force.attrs["units"], float(data.force.max()) == hit.peak_force
+    ('N', True)
+    """
     xarray = optional_package("xarray", "to_xarray", "take .to_csv(path) or the arrays themselves")
     called = {"contact": run.contact_names, "body": run.names, "run": ("",)}
     data: dict[str, Any] = {}
     for kind, owners in called.items():
         for name, unit, meaning in _HISTORIES[kind]:
             rows = [_history(run, kind, number, name) for number in range(len(owners))]
-            known = next((row for row in rows if row is not None), None)
-            if known is None:
-                continue
-            values = np.array([np.full_like(known, np.nan) if of is None else of for of in rows])
-            dims = (kind, "time", "axis")[: values.ndim]
-            if kind == "run":
-                values, dims = values[0], ("time",)
-            data[name] = (dims, values, {"units": unit, "long_name": meaning})
-    coordinates = {
-        "time": ("time", run.t, {"units": "s", "long_name": "time"}),
-        "contact": list(called["contact"]),
-        "body": list(called["body"]),
-    }
-    dataset = xarray.Dataset(data, coordinates, {"solver": run.solver})
+            known = [row for row in rows if row is not None]
+            if known:
+                unknown = np.full_like(known[0], np.nan)
+                values = np.array([unknown if row is None else row for row in rows])
+                dims = (kind, "time", "axis")[: values.ndim]
+                data[name] = (dims, values, {"units": unit, "long_name": meaning})
+    time = "time", run.t, {"units": "s", "long_name": "time"}
+    names = {kind: list(owners) for kind, owners in called.items()}
+    dataset = xarray.Dataset(data, {"time": time, **names}, {"solver": run.solver})
+    dataset = dataset.squeeze("run", drop=True)
     if run.plan.scene:
         return dataset
-    given = {"velocity": run.plan.velocities[0], "gap": run.plan.contacts[0].gap}
+    contact = run.plan.contacts[0]
     dataset = dataset.squeeze("contact", drop=True)  # of the one contact of an impact
-    return dataset.assign_attrs(given | {"law": str(own_law(run.plan.contacts[0].law))})
+    given = {"velocity": run.plan.velocities[0], "gap": contact.gap}
+    return dataset.assign_attrs(given, law=str(own_law(contact.law)))

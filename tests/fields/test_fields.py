@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib as mpl
 import meshio
@@ -27,8 +28,12 @@ def stretched(*, held: bool = False) -> Field:
     displacement = STRAIN[:, None, None] * shape
     still = np.zeros_like(displacement)
     dofs = np.hstack([displacement, still]).reshape(3, -1)
-    moved = displacement, displacement / 1e-5, still, body, dofs
-    return Field(body, TIMES, *moved, lambda x: np.zeros((3, len(x), 6)), lambda: None)
+    response = SimpleNamespace(
+        body=body,
+        half_space=lambda x, times, rates: (0.0, 0.0, np.zeros((3, len(x), 6))),
+        field_error=lambda times: None,
+    )
+    return Field(body, TIMES, displacement, displacement / 1e-5, still, response, dofs)
 
 
 def test_files_hold_the_field(tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import scipy.linalg as la
-import scipy.sparse as sp
 
 import aoimpact as ao
 from aoimpact.reduction import Recovery
@@ -132,20 +131,6 @@ def test_the_momentum_of_a_free_body_needs_no_correction(model: Any) -> None:
     momentum = tip.body.rigid_modes.T @ (tip.body.M @ (found - star.expand(coordinates)))
     size = np.abs(tip.body.rigid_modes.T @ (tip.body.M @ found)).max()
     assert np.abs(momentum).max() < 1e-8 * size
-
-
-@pytest.mark.parametrize("count", [2, 40])
-@pytest.mark.parametrize("fixed", SUPPORTS)
-def test_functionals_are_those_of_the_displacement(fixed: Any, count: int) -> None:
-    tip = tip_of(fixed)
-    star = ao.antioscillators(tip, 5).modal
-    rows = np.random.default_rng(2).standard_normal((count, tip.body.n_dofs))
-    coordinates, force = some_motion(star), np.array([[1e3, -2e3]])
-    recovery = recovery_of(star, 1e5)
-    exact = rows @ recovery.displacement(coordinates, force)
-    of_coordinates, of_forces = recovery.functionals(sp.csr_array(rows))
-    found = of_coordinates @ coordinates + of_forces @ force
-    np.testing.assert_allclose(found, exact, atol=1e-9 * np.abs(exact).max())
 
 
 def test_it_survives_pickling() -> None:
