@@ -58,40 +58,29 @@ class Checkpoint:
     def __init__(self, path: FilePath) -> None:
         self._name = str(file_path("checkpoint", path))
         self._known: dict[str, Outcome] = {}
+        name, place, damaged = f"checkpoint {self._name!r}", 0, 0
         try:
             with open(self._name, "a+b") as file:
-                self._find_lines(file)
+                file.seek(0)
+                for line in file:
+                    if not place and not _HEAD.startswith(line):
+                        raise InputError(f"{name} is a file of another kind; give another path")
+                    if not line.endswith(b"\n"):  # the process was killed as it wrote
+                        break
+                    place += len(line)
+                    try:
+                        record = json.loads(line)
+                        told = tuple(map(str, record["warnings"]))
+                        self._known[record["case"]] = record["value"], told
+                    except (ValueError, TypeError, LookupError, RecursionError):
+                        damaged += line != _HEAD
+                file.truncate(place)
+                file.write(b"" if place else _HEAD)
         except OSError as error:
             raise InputError(
-                f"checkpoint {self._name!r} cannot be opened: {error.strerror}; give another path"
+                f"{name} cannot be opened: {error.strerror}; give another path"
             ) from None
-
-    def _find_lines(self, file: Any) -> None:
-        """Find all lines; cut off an incomplete last one."""
-        file.seek(0)
-        head = file.readline()
-        if not _HEAD.startswith(head):
-            raise InputError(
-                f"checkpoint {self._name!r} is a file of another kind; give another path"
-            )
-        if head != _HEAD:  # new, or killed during its first write
-            file.truncate(0)
-            file.write(_HEAD)
-            return
-        place, damaged = len(head), 0
-        for line in file:
-            if not line.endswith(b"\n"):
-                file.truncate(place)
-                break
-            try:
-                record = json.loads(line)
-                told = tuple(map(str, record["warnings"]))
-                self._known[record["case"]] = record["value"], told
-            except (ValueError, TypeError, LookupError, RecursionError):
-                damaged += line != _HEAD
-            place += len(line)
         if damaged:
-            name = f"checkpoint {self._name!r}"
             warn(f"{name} is damaged in {damaged} lines: their cases are run again")
 
     def __contains__(self, digest: str) -> bool:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import itertools
 import math
 import os
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import NDArray
 
 from ..accuracy import Named, keeper
 from ..base import (
@@ -25,6 +26,7 @@ from ..base import (
     plain,
     require,
     sequence,
+    text,
     write_csv,
 )
 from ..contact import ContactPoint
@@ -32,6 +34,8 @@ from ..impact import simulate
 from ..results import COLUMNS, quantity_unit
 from ..scenefile import SceneFile, read_scene
 from .many import check_keywords, run_cases
+
+Column = NDArray[Any]
 
 # Each number stands in a column of its own and in the structured array.
 _BYTES_PER_NUMBER = 16.0
@@ -67,7 +71,7 @@ class SweepTable(Frozen):
     ((2, 2), True)
     """
 
-    data: npt.NDArray[Any]
+    data: Column
     parameters: tuple[str, ...]
     quantities: tuple[str, ...]
     shape: tuple[int, ...]
@@ -76,7 +80,7 @@ class SweepTable(Frozen):
     def __len__(self) -> int:
         return len(self.data)
 
-    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+    def __getitem__(self, name: str) -> Column:
         """Return a column, shape (cases,)."""
         return self.data[choice("column", name, self.columns)]
 
@@ -85,7 +89,7 @@ class SweepTable(Frozen):
         """Names of all columns, parameters first."""
         return self.parameters + self.quantities
 
-    def _filled(self) -> dict[str, npt.NDArray[Any]]:
+    def _filled(self) -> dict[str, Column]:
         """All columns by name, and "error" where cases failed."""
         columns = {name: self.data[name] for name in self.columns}
         if self.errors:
@@ -277,10 +281,10 @@ def _checked_grid(grid: Any) -> dict[str, list[Any]]:
         raise InputTypeError(
             f'grid must be a dict such as {{"velocity": [0.5, 1.0]}}, got {type(grid).__name__}'
         )
-    for name in grid:
-        if not isinstance(name, str) or not name:
-            raise InputTypeError(f"grid: names of parameters must be text, got {name!r}")
-    checked = {name: sequence(f"grid[{name!r}]", values) for name, values in grid.items()}
+    checked = {
+        text("grid: the name of a parameter", name): sequence(f"grid[{name!r}]", values)
+        for name, values in grid.items()
+    }
     empty = next((f"[{name!r}]" for name, values in checked.items() if not values), "")
     if empty or not checked:
         raise InputError(f"grid{empty} has no values: there is nothing to sweep over")
@@ -332,7 +336,8 @@ def _table(
     """
     axes = np.meshgrid(*map(_column, grid.values()), indexing="ij")
     shape, count = axes[0].shape, axes[0].size
-    columns: dict[str, npt.NDArray[Any]] = {}
+    # Errors are known of some cases only.
+    columns = defaultdict[str, Column](lambda: np.full(count, math.nan))
     errors: dict[int, Exception] = {}
     for i, value in enumerate(values):
         if isinstance(value, Exception):
@@ -345,8 +350,6 @@ def _table(
                 f"{', '.join(map(str, named))}"
             )
         for name, number in named.items():
-            if name not in columns:  # errors are known of some cases only
-                columns[name] = np.full(count, math.nan)
             try:
                 columns[name][i] = float(number)
             except (TypeError, ValueError):
@@ -356,7 +359,7 @@ def _table(
     for name in columns.keys() & grid.keys():
         raise InputError(f"keep: {name!r} is a parameter of the grid; give it another name")
     for name in () if columns else names or ("value",):  # all have failed
-        columns[name] = np.full(count, math.nan)
+        columns[name][:] = math.nan
     filled = {name: axis.ravel() for name, axis in zip(grid, axes, strict=True)} | columns
     data = np.empty(count, dtype=[(name, column.dtype) for name, column in filled.items()])
     for name, column in filled.items():
@@ -364,7 +367,7 @@ def _table(
     return SweepTable(data, tuple(grid), tuple(columns), shape, errors)
 
 
-def _column(values: Sequence[Any]) -> npt.NDArray[Any]:
+def _column(values: Sequence[Any]) -> Column:
     """Numbers as numbers, text as text, anything else as the objects themselves."""
     single = (bool, int, float, str, np.generic)
     kinds = {np.asarray(one).dtype.kind if isinstance(one, single) else "O" for one in values}

@@ -4,7 +4,6 @@ They turn what a caller gives into a plan, and have models chosen where a tolera
 `scenefile`, `batch`, `study` and `paper`.
 """
 
-from .defaults import LEAST_SPEED
 from .foreseen import Foreseen
-from .scene import Scene
+from .scene import LEAST_SPEED, Scene
 from .twobodies import pair, plan_impact, simulate

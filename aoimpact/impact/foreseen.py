@@ -20,7 +20,6 @@ from ..linalg import LinearSolver, Solver
 from ..reduction import BodyModel, FullModel
 from ..results import RecordLength
 from ..scene import Contact, Load, Scenario
-from .defaults import goes_against
 from .oblique import ROLES, with_functionals
 
 
@@ -151,6 +150,13 @@ def _known(find: Callable[..., float | None], met: Any) -> float | None:
         return None if met is None else find(*met)
     except AOImpactError:
         return None
+
+
+def goes_against(tip: ContactPoint | None, *, outward: bool) -> bool:
+    """True if a contact point's direction goes into the body and not out of it, or the reverse."""
+    if tip is None or tip.normal is None or tip.direction is None:
+        return False
+    return (float(tip.direction @ tip.normal) > 0.0) != outward
 
 
 def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:

@@ -9,16 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, nonnegative, plain
+from ..base import FloatArray, InputError, plain
 from ..contact import ContactPoint
-from ..laws import ContactLaw
 from ..mesh import plane_of
 from ..reduction import Body, BodyModel, FullModel, turning
-from ..scene import Friction
 
 # Directions of travel within 5° are one; a contact point's is along its normal within 1°.
 _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
@@ -28,33 +25,6 @@ ROLES = (1.0, -1.0)
 
 # Along the outward normal of a body without a mesh.
 _DOWN = np.array([0.0, 0.0, -1.0])
-
-
-def checked_friction(value: Any, law: ContactLaw) -> Friction:
-    """Return the friction of a contact, whose law must not remember or pull.
-
-    Raises
-    ------
-    InputError, InputTypeError
-    """
-    mu = nonnegative("friction", value)
-    if mu and (law.has_memory or law.pulls):
-        raise InputError(
-            f"friction: law={law!r} remembers or pulls; give Hertz(...), a damped law and "
-            "solver=Newmark(), or friction=0"
-        )
-    return Friction(mu)
-
-
-def refuse_held(name: str, model: BodyModel) -> None:
-    """Refuse the spin of a body that cannot turn."""
-    numbers = model.numbers if isinstance(model, Body) else None
-    if model.constrained or (numbers is not None and numbers.inertia is None):
-        why = "is held" if model.constrained else "has no inertia to turn with"
-        raise InputError(
-            f"spin: {name} {why}; give the spin of a free body: ao.ball(...), "
-            "ao.rigid(mass, inertia=) or one of finite elements"
-        )
 
 
 def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import uuid
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from ..accuracy import (
     Sensor,
@@ -30,6 +31,7 @@ from ..base import (
     boolean,
     finite_array,
     held_warnings,
+    nonnegative,
     positive,
     real,
     text,
@@ -37,9 +39,9 @@ from ..base import (
 )
 from ..contact import ContactPoint
 from ..fem import Layers
-from ..laws import ContactLaw
+from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import Solver
-from ..reduction import BodyModel, FullModel, body_model
+from ..reduction import Body, BodyModel, FullModel, body_model
 from ..results import (
     Handle,
     Quantity,
@@ -50,20 +52,12 @@ from ..results import (
     warn_of_misfit,
     warn_of_run,
 )
-from ..scene import (
-    Contact,
-    Load,
-    Oblique,
-    Scenario,
-)
-from .defaults import chosen_law, number_or_vector
-from .foreseen import Foreseen
-from .oblique import (
-    axes_of,
-    checked_friction,
-    refuse_held,
-    with_tangents,
-)
+from ..scene import Contact, Friction, Load, Oblique, Scenario
+from .foreseen import Foreseen, goes_against
+from .oblique import axes_of, with_tangents
+
+# Squares and energies of lower speeds, m/s, vanish, and of those above the reciprocal overflow.
+LEAST_SPEED = 1e-60
 
 
 @dataclass(frozen=True)
@@ -78,11 +72,11 @@ class Member(NamedTuple):
 
     body: BodyModel
     velocity: float
+    vector: FloatArray | None
+    spin: FloatArray | None
     position: float
     name: str
     called: str
-    vector: FloatArray | None
-    spin: FloatArray | None
 
 
 class Scene:
@@ -110,7 +104,7 @@ class Scene:
     1394.5 N, -1.0000 m/s
     """
 
-    def __init__(self, *, gravity: float | npt.ArrayLike = 0.0) -> None:
+    def __init__(self, *, gravity: float | ArrayLike = 0.0) -> None:
         # Along the direction of travel, and in three directions where it is given so.
         self.gravity, self._falls = number_or_vector("gravity", gravity, "m/s²")
         self._members: list[Member] = []
@@ -133,8 +127,8 @@ class Scene:
         self,
         body: Any,
         *,
-        velocity: float | npt.ArrayLike = 0.0,
-        spin: npt.ArrayLike | None = None,
+        velocity: float | ArrayLike = 0.0,
+        spin: ArrayLike | None = None,
         position: float = 0.0,
         name: str = "",
     ) -> Handle:
@@ -171,26 +165,25 @@ class Scene:
         >>> ball = scene.add(ao.rigid(mass=0.1), velocity=1.0, name="ball")
         """
         where, called = real("position", position, unit="m"), text("name", name)
-        motion = number_or_vector("velocity", velocity, "m/s")
-        self._take("body", body, motion, spin, where, called)
+        self._take("body", body, velocity, spin, where, called)
         return Handle(len(self._members) - 1, name=called, scene=self._mark.name)
 
     def _take(
         self,
         argument: str,
         body: Any,
-        motion: tuple[float, FloatArray | None] = (0.0, None),
+        velocity: Any = 0.0,
         spin: Any = None,
         position: float = 0.0,
         name: str = "",
     ) -> Member:
         """Add a body that was given as an argument, and return it with its motion."""
-        model, (speed, vector) = body_model(argument, body), motion
+        model, motion = body_model(argument, body), number_or_vector("velocity", velocity, "m/s")
         turns = None if spin is None else finite_array("spin", spin, shape=(3,), unit="rad/s")
         own, role = name or model.name, f"body {len(self._members)}"
         role = role if self._mark.name else argument
         called = f"{role} ({own})" if own else role
-        self._members.append(Member(model, speed, position, name, called, vector, turns))
+        self._members.append(Member(model, *motion, turns, position, name, called))
         return self._members[-1]
 
     def connect(
@@ -268,11 +261,14 @@ class Scene:
         if law is None:
             found = chosen_law(ends, names)
             law, law_error = found.law, found.error
-        contact = Contact(
-            *(*first, *second, law, gap, name),
-            friction=None if friction is None else checked_friction(friction, law),
-            law_error=law_error,
-        )
+        mu = nonnegative("friction", 0.0 if friction is None else friction)
+        if mu and (law.has_memory or law.pulls):
+            raise InputError(
+                f"friction: law={law!r} remembers or pulls; give Hertz(...), a damped law and "
+                "solver=Newmark(), or friction=0"
+            )
+        rubs = None if friction is None else Friction(mu)
+        contact = Contact(*first, *second, law, gap, name, friction=rubs, law_error=law_error)
         self._contacts.append(contact)
         return len(self._contacts) - 1
 
@@ -427,7 +423,7 @@ class Scene:
             If a contact has no friction though others do, or contacts differ in their direction of
             travel.
         """
-        bodies, speeds, _, names, *_ = zip(*self._members, strict=True)
+        bodies, speeds, *_, names, _ = zip(*self._members, strict=True)
         oblique, gravity = self._oblique(), self.gravity
         if oblique is not None:
             along = oblique.axes[0]
@@ -451,10 +447,8 @@ class Scene:
     def _oblique(self) -> Oblique | None:
         """Motion in three directions; None of a scene along one."""
         members, frictions = self._members, [of.friction for of in self._contacts]
-        given = [self._falls, *frictions]
-        for member in members:
-            given += [member.vector, member.spin]
-        if not [of for of in given if of is not None]:
+        given = [of for member in members for of in (member.vector, member.spin)]
+        if all(of is None for of in (self._falls, *frictions, *given)):
             return None
         if None in frictions:
             raise InputError(
@@ -465,11 +459,16 @@ class Scene:
             [(members[body].called, members[body].body, port) for body, port in contact.ports]
             for contact in self._contacts
         )
-        for member in members:
-            if member.spin is not None:
-                refuse_held(member.called, member.body)
         velocities = []
         for of in members:
+            numbers = of.body.numbers if isinstance(of.body, Body) else None
+            stiff = numbers is not None and numbers.inertia is None
+            if of.spin is not None and (stiff or of.body.constrained):
+                why = "has no inertia to turn with" if stiff else "is held"
+                raise InputError(
+                    f"spin: {of.called} {why}; give the spin of a free body: ao.ball(...), "
+                    "ao.rigid(mass, inertia=) or one of finite elements"
+                )
             moving = of.velocity * axes[0] if of.vector is None else of.vector
             velocities.append(np.append(moving, np.zeros(3) if of.spin is None else of.spin))
         falls = self.gravity * axes[0] if self._falls is None else self._falls
@@ -591,3 +590,55 @@ class Scene:
                 "the handle of a body for its displacement"
             )
         return interest
+
+
+def number_or_vector(name: str, value: Any, unit: str) -> tuple[float, FloatArray | None]:
+    """Return a number along the direction of travel, or the length of a vector, and that vector.
+
+    The vector, in three directions, is None of a number.
+    """
+    number, vector = value, None
+    if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
+        vector = finite_array(name, value, shape=(3,), unit=unit)
+        number = math.hypot(*vector)
+    number = real(name, number, unit=unit)
+    if number and not LEAST_SPEED <= abs(number) <= 1.0 / LEAST_SPEED:
+        raise InputError(f"{name}={number:g} {unit} is beyond what can be computed with")
+    return number, vector
+
+
+def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> LawFromSurfaces:
+    """Return Hertz's law of two bodies from their surfaces and materials.
+
+    Parameters
+    ----------
+    ends : sequence of (model, int)
+        Projectile and target, and at which of their places they touch.
+    names : sequence of str
+        Names of both.
+
+    Raises
+    ------
+    InputError
+        If a surface is not known, or they have no Hertz contact.
+    """
+    surfaces, tips = [], []
+    for name, (body, port), outward in zip(names, ends, (True, False), strict=True):
+        tip = body.touched_at(port)
+        body = body.turned((port,) if goes_against(tip, outward=outward) else ())
+        surface = body.surface_at(port)
+        if surface is None:
+            raise InputError(
+                f"law: it was left out, but {name}, {body!r}, does not know its surface and "
+                "material; give law=, such as Hertz.between(...), or a body made by "
+                "FEModel.from_mesh(...).contact(point=...), or ball(radius, material)"
+            )
+        surfaces.append(surface)
+        tips.append(body.touched_at(port))
+    along = [None if tip is None else tip.direction for tip in tips]
+    try:
+        return law_between(
+            surfaces[0], surfaces[1], projectile_direction=along[0], target_direction=along[1]
+        )
+    except InputError as error:
+        raise InputError(f"law: it was left out, but {error}") from None

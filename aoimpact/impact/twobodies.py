@@ -6,7 +6,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
-import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from ..accuracy import Sensor
 from ..base import InputError, InputTypeError, boolean, nonnegative, plain, warn
@@ -15,7 +15,6 @@ from ..laws import ContactLaw
 from ..linalg import Solver
 from ..results import ROLES, Result, TimeSolver, warn_of_exchange
 from ..scene import Scenario
-from .defaults import number_or_vector
 from .foreseen import Foreseen
 from .scene import Mark, Scene
 
@@ -23,11 +22,11 @@ from .scene import Mark, Scene
 def simulate(
     projectile: Any,
     target: Any,
-    velocity: float | npt.ArrayLike,
+    velocity: float | ArrayLike,
     *,
     law: ContactLaw | None = None,
     friction: float | None = None,
-    spin: npt.ArrayLike | None = None,
+    spin: ArrayLike | None = None,
     duration: float | None = None,
     solver: TimeSolver | None = None,
     gap: float = 0.0,
@@ -168,8 +167,7 @@ def pair(
     """
     scene = Scene()
     scene._mark = Mark("")
-    motion = number_or_vector("velocity", velocity, "m/s")
-    moving = scene._take("projectile", projectile, motion, spin)
+    moving = scene._take("projectile", projectile, velocity, spin)
     held = scene._take("target", target)
     for name, member in zip(ROLES, (moving, held), strict=True):
         if member.body.places > 1:

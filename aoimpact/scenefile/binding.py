@@ -26,9 +26,8 @@ class Numbers:
 
 
 # What annotations name: also what a body's methods return, whose files import that of bodies.
-_STAND_INS = (
-    vars(fem) | vars(contact) | {"npt": SimpleNamespace(ArrayLike=Numbers), "FloatArray": Numbers}
-)
+_ARRAYS = SimpleNamespace(ArrayLike=Numbers, FloatArray=Numbers)
+_STAND_INS = vars(fem) | vars(contact) | vars(_ARRAYS) | {"npt": _ARRAYS}
 
 
 @record
