@@ -1,23 +1,21 @@
 """Stiffness and consistent mass of a mesh of solid elements, and of one with shells and beams.
 
-Both matrices are blocks of 3 x 3 between pairs of nodes that share an element. Where each element's
-entries go is worked out once, for pairs of nodes; then they are added up where the matrices over
-dofs have them, and no entry is ever stored twice.
+Both matrices are blocks between pairs of nodes that share an element. Which pair each block of an
+element belongs to is worked out once; then the blocks are added up, and no entry is stored twice.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray, at_once, bar, record, require, sp
+from ..base import FloatArray, IntArray, at_once, bar, require, sp
 from ..linalg import ENTRIES_AT_ONCE
-from ..mesh import Mesh, ReferenceElement, cofactors, jacobians
+from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, parted
 from .beams import Beam, beam_mass, beam_stiffness
 from .composition import AnyMaterial, Piece, pieces
 from .laminate import Layers
@@ -31,9 +29,9 @@ _BATCH = 4e6
 # Shells that are taken at a time, for the same reason.
 _SHELLS = 512
 
-# Bytes per pair of nodes that share an element: nine entries of K and three of M, each with its
-# column, and M's before they are spread over the dofs.
-_BYTES_PER_PAIR = 9 * 12 + 3 * 12 + 8
+# Bytes per pair of nodes that share an element: nine entries of K in blocks, and by rows with their
+# columns, and three of M, with its own before they are spread over the dofs.
+_BYTES_PER_PAIR = 9 * 8 + 9 * 12 + 3 * 12 + 8
 
 # Bytes per pair of nodes of one shell or beam: 36 entries of K and M, with their columns, twice.
 _BYTES_PER_BLOCK = 2 * 2 * 36 * 12
@@ -42,27 +40,9 @@ _BYTES_PER_BLOCK = 2 * 2 * 36 * 12
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
-@record
-class _Pattern:
-    """The pairs of nodes that share an element, by rows.
-
-    Attributes
-    ----------
-    indptr, indices : int32 arrays
-        Compressed rows: row a holds the nodes b that share an element with a, ascending.
-    place : tuple of int32 arrays, shape (n_elements, n_local, n_local)
-        Which of the pairs each entry of each element's matrix belongs to; for each block.
-    """
-
-    indptr: npt.NDArray[np.int32]
-    indices: npt.NDArray[np.int32]
-    place: tuple[npt.NDArray[np.int32], ...]
-
-    def entries(self, place: Any, cells: IntArray) -> tuple[IntArray, IntArray]:
-        """Return where K has entry xx of pairs, and how far on that of the next row is."""
-        start = self.indptr[cells].astype(np.int64)[:, :, None]
-        length = self.indptr[cells + 1][:, :, None] - start
-        return 3 * place.astype(np.int64) + 6 * start, 3 * length
+# Pairs of nodes that share an element, in compressed rows: ends of rows, columns, and which of the
+# pairs each entry of each element's matrix belongs to, (n_elements, n_local, n_local) by group.
+_Pattern = tuple[npt.NDArray[np.int32], npt.NDArray[np.int32], list[IntArray]]
 
 
 def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
@@ -124,16 +104,16 @@ def thin_stiffness_mass(
     normals = nodal_normals(nodes, [cells for cells, _ in surfaces]) if surfaces else []
     constant = len({cells.shape[1] for cells, _ in surfaces}) > 1
     strips = [strip for _, strip, _ in joints]
-    pattern = _pattern([*(cells for cells, _ in parts), *strips], len(nodes))
-    K, M = np.zeros((2, len(pattern.indices), 6, 6))
+    indptr, indices, places = _pattern([*(cells for cells, _ in parts), *strips], len(nodes))
+    K, M = np.zeros((2, len(indices), 6, 6))
 
     def add(values: FloatArray, place: Any, matrices: FloatArray) -> None:
         blocks = matrices.reshape(*place.shape[:2], 6, -1, 6).swapaxes(2, 3)
-        at = 36 * place[..., None].astype(np.int64) + np.arange(36)
+        at = 36 * place[..., None] + np.arange(36)
         np.add.at(values.reshape(-1), at.reshape(-1), blocks.reshape(-1))
 
-    shells = iter(zip(normals, joints, pattern.place[len(parts) :], strict=True))
-    for (cells, part), place in zip(parts, pattern.place, strict=False):
+    shells = iter(zip(normals, joints, places[len(parts) :], strict=True))
+    for (cells, part), place in zip(parts, places, strict=False):
         if isinstance(part, Beam):
             add(K, place, beam_stiffness(nodes[cells], part))
             add(M, place, beam_mass(nodes[cells], part))
@@ -148,7 +128,7 @@ def thin_stiffness_mass(
             add(K, there, element_stiffness(nodes[strip], part, ends=links))
     found, shape = [], (6 * len(nodes), 6 * len(nodes))
     for of in (K, M):
-        found.append(sp.bsr_array((of, pattern.indices, pattern.indptr), shape=shape).tocsr())
+        found.append(sp.bsr_array((of, indices, indptr), shape=shape).tocsr())
         found[-1].eliminate_zeros()
     return found
 
@@ -160,41 +140,42 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
     Blocks of K for isotropic elasticity: K_ij = ∫ λ ∂iφ ∂jφᵀ + μ ∂jφ ∂iφᵀ + δij μ ∇φ·∇φᵀ dV; else
     K_ij = ∫ C_ikjl ∂kφ ∂lφᵀ dV.
     """
-    pattern = _pattern([block.cells for block in mesh.blocks], mesh.n_nodes)
+    indptr, indices, places = _pattern([block.cells for block in mesh.blocks], mesh.n_nodes)
     require(
-        _BYTES_PER_PAIR * float(len(pattern.indices)),
+        _BYTES_PER_PAIR * float(len(indices)),
         f"stiffness and mass of {mesh.n_nodes} nodes",
         "coarsen the mesh away from the contact",
     )
-    stiffness, mass = np.zeros(9 * len(pattern.indices)), np.zeros(len(pattern.indices))
+    stiffness, mass = np.zeros((len(indices), 3, 3)), np.zeros(len(indices))
     with bar("assembly", mesh.n_cells, unit="element") as progress:
 
         def add_stiffness() -> None:
-            for batch, place in _batches(mesh, material, pattern):
-                first, row = pattern.entries(place, batch.cells)
-                for (i, j), block in zip(
-                    _PAIRS, _stiffness(batch, mesh.nodes[batch.cells]), strict=True
-                ):
-                    np.add.at(stiffness, (first + i * row + j).reshape(-1), block.reshape(-1))
+            for batch, place in _batches(mesh, material, places):
+                blocks = _stiffness(batch, mesh.nodes[batch.cells])
+                at, whole = 9 * place.reshape(-1), stiffness.reshape(-1)
+                for (i, j), block in zip(_PAIRS, blocks, strict=True):
+                    np.add.at(whole, at + 3 * i + j, block.reshape(-1))
                     if i != j:  # the other triangle
-                        turned = block.transpose(0, 2, 1).reshape(-1)
-                        np.add.at(stiffness, (first + j * row + i).reshape(-1), turned)
+                        np.add.at(whole, at + 3 * j + i, block.transpose(0, 2, 1).reshape(-1))
                 progress.update(len(place))
 
         def add_mass() -> None:
-            for batch, place in _batches(mesh, material, pattern):
+            for batch, place in _batches(mesh, material, places):
                 values = batch.of.rho * _mass(batch.element, mesh.nodes[batch.cells])
                 values = batch.signed(batch.signed(values).swapaxes(1, 2))
                 np.add.at(mass, place.reshape(-1), values.reshape(-1))
 
         at_once([add_stiffness, add_mass])
-    return _over_dofs(pattern, stiffness, mass)
+    pairs, shape = (indices, indptr), (mesh.n_nodes, mesh.n_nodes)
+    K = sp.bsr_array((stiffness, *pairs), shape=(3 * mesh.n_nodes, 3 * mesh.n_nodes)).tocsr()
+    M = sp.kron(sp.csr_array((mass, *pairs), shape=shape), sp.eye_array(3), format="csr")
+    return with_int32(K), with_int32(M)
 
 
-def _batches(mesh: Mesh, material: AnyMaterial, pattern: _Pattern) -> Iterator[tuple[Piece, Any]]:
+def _batches(mesh: Mesh, material: AnyMaterial, places: Any) -> Iterator[tuple[Piece, Any]]:
     """Yield elements alike, some at a time, and which pairs their entries belong to."""
     for piece in pieces(mesh, material):
-        place, of = pattern.place[mesh.blocks.index(piece.block)], piece.element
+        place, of = places[mesh.blocks.index(piece.block)], piece.element
         n_points = max(len(of.stiffness_rule.weights), len(of.mass_rule.weights))
         for batch in piece.batches(int(_BATCH / (8 * max((3 * of.n_nodes) ** 2, 9 * n_points)))):
             yield batch, place[batch.rows]
@@ -244,75 +225,12 @@ def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:
 
 
 def _pattern(groups: Sequence[IntArray], n_nodes: int) -> _Pattern:
-    """Sort the pairs of nodes of all elements by two transpositions: linear in their number."""
-    blocks = [cells.astype(np.int32) for cells in groups]
-    cells = np.concatenate([block.reshape(-1) for block in blocks])
-    lengths = np.concatenate([np.full(block.size, block.shape[1]) for block in blocks])
-    size = int(lengths.sum())
-    # Row (e, a) of this matrix lists the nodes b of element e; the values number the entries.
-    entries = sp.csr_array(
-        (
-            np.arange(size, dtype=np.int32 if size < 2**31 else np.int64),
-            np.concatenate([np.repeat(of, of.shape[1], axis=0).reshape(-1) for of in blocks]),
-            np.concatenate([[0], np.cumsum(lengths)]),
-        ),
-        shape=(cells.size, n_nodes),
-    )
-    by_column = entries.tocsc()
-    del entries
-    # With row (e, a) replaced by its node, transposing back sorts rows and, within them, columns.
-    by_row = sp.csc_array(
-        (by_column.data, cells[by_column.indices], by_column.indptr),
-        shape=(n_nodes, n_nodes),
-    ).tocsr()
-    del by_column
-    starts_row = np.zeros(size + 1, dtype=bool)
-    starts_row[by_row.indptr] = True
-    first = starts_row[:-1] | np.concatenate([[True], np.diff(by_row.indices) != 0])
-    number: Any = np.cumsum(first, dtype=np.int32 if size < 2**31 else np.int64)
-    number -= 1
-    place = np.empty(size, dtype=np.int32)
-    place[by_row.data] = number
-    indices = by_row.indices[first].astype(np.int32)
-    ends = by_row.indptr  # 0 before the first row, and after empty ones there
-    indptr = np.where(ends > 0, number[ends - 1] + 1, 0).astype(np.int32)
-    ends = np.cumsum([block.size * block.shape[1] for block in blocks])
-    places = tuple(
-        part.reshape(*block.shape, block.shape[1])
-        for part, block in zip(np.split(place, ends[:-1]), blocks, strict=True)
-    )
-    return _Pattern(indptr, indices, places)
-
-
-def _over_dofs(
-    pattern: _Pattern, stiffness: FloatArray, mass: FloatArray
-) -> tuple[sp.csr_array, sp.csr_array]:
-    """Return K with these entries, and M ⊗ I₃ of a mass by pairs of nodes."""
-    whole: Any = np.int32 if len(stiffness) < 2**31 else np.int64
-    lengths, component = np.repeat(np.diff(pattern.indptr), 3), np.arange(3, dtype=whole)
-    n, pairs = len(lengths), 3 * len(pattern.indices)
-    indptr = np.zeros(n + 1, dtype=whole)
-    np.cumsum(lengths, out=indptr[1:])
-    masses, column = np.empty(pairs), np.empty(pairs, dtype=whole)
-    columns = np.empty((pairs, 3), dtype=whole)
-
-    def fill(first: int, last: int) -> None:
-        nodes, rows = slice(first, last), slice(3 * first, 3 * last)
-        some = slice(indptr[rows.start], indptr[rows.stop])
-        # Which pair each entry of M belongs to: a node's pairs once for each of its three rows.
-        before = indptr[rows] - np.repeat(pattern.indptr[nodes], 3)
-        pair = np.arange(some.start, some.stop) - np.repeat(before, lengths[rows])
-        masses[some] = mass[pair]
-        first_column = 3 * pattern.indices[pair].astype(whole, copy=False)
-        np.add(first_column[:, None], component, out=columns[some])
-        of_row = np.repeat(np.tile(component, last - first), lengths[rows])
-        np.add(first_column, of_row, out=column[some])
-
-    cuts = np.linspace(0, n // 3, 2 + pairs // ENTRIES_AT_ONCE, dtype=int).tolist()
-    at_once([partial(fill, *piece) for piece in pairwise(cuts)])
-    K = sp.csr_array((stiffness, columns.reshape(-1), 3 * indptr), shape=(n, n))
-    M = sp.csr_array((masses, column, indptr), shape=(n, n))
-    return with_int32(K), with_int32(M)
+    """Return the pairs of nodes of all elements, each once, and where those of the elements are."""
+    pairs = [cells[:, :, None] * n_nodes + cells[:, None, :] for cells in groups]
+    key, place = np.unique(np.concatenate([of.ravel() for of in pairs]), return_inverse=True)
+    row, column = np.divmod(key, n_nodes)
+    indptr = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=n_nodes))])
+    return indptr.astype(np.int32), column.astype(np.int32), parted(place, pairs)
 
 
 def kept_rows_columns(matrix: Any, kept: IntArray) -> sp.csr_array:
