@@ -235,12 +235,18 @@ static void set_changes(const aoi_adaptive *run, double time, int after, const a
     }
 }
 
-/* Sets the rates by the changes of forces, and finds the largest rate. Returns the largest change of a rate beyond
- * rounding. */
-static double set_rates(double time, const aoi_coupled *e, const double *change, double *largest)
+/* An iteration of Newton's method: solves the equations for the changes of forces and sets the rates by them. most: the
+ * largest change of a rate beyond rounding. Returns the largest rate; NaN where there is no solution. */
+static double change_rates(const aoi_adaptive *run, double time, int after, const aoi_coupled *e, double *change,
+                           double *most)
 {
-    double most = 0.0;
-    *largest = 0.0;
+    double largest = 0.0;
+    set_changes(run, time, after, e, change);
+    *most = 0.0;
+    if (!aoi_band_factorise(e->count, e->band, e->rate_compliance)) {
+        return (double)NAN;
+    }
+    aoi_band_substitute(e->count, e->band, e->rate_compliance, change);
     for (size_t i = 0; i < e->count; i++) {
         const double *row = e->compliance + i * (2 * e->band + 1);
         double sum = 0.0, size = 0.0;
@@ -250,11 +256,11 @@ static double set_rates(double time, const aoi_coupled *e, const double *change,
             size += j < e->count ? fabs(row[k] * change[j]) : 0.0;
         }
         const double rate = e->rate_free[i] - sum / time;
-        most = fmax(most, fabs(rate - e->rate[i]) - AOI_COUPLED_ROUNDING * size / time);
-        *largest = fmax(*largest, fmax(fabs(rate), fabs(e->rate_free[i])));
+        *most = fmax(*most, fabs(rate - e->rate[i]) - AOI_COUPLED_ROUNDING * size / time);
+        largest = fmax(largest, fmax(fabs(rate), fabs(e->rate_free[i])));
         e->rate[i] = rate;
     }
-    return most;
+    return largest;
 }
 
 /* Sets the indentations under the forces, and the rates at constant forces. */
@@ -276,19 +282,14 @@ static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
  * which is hit within a tolerance. Returns 0 where none are found. */
 static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
-    double *change = e->free, largest = 0.0, changed = HUGE_VAL, force = 0.0;
+    double *change = e->free, largest = 0.0, most, changed = HUGE_VAL, force = 0.0;
     for (int k = 0; k < MOST_LOOPS && isfinite(largest) && changed > AOI_RATE_ERROR * force; k++) {
         set_motion(run, e);
         for (size_t i = 0; i < e->count; i++) {
             e->rate_free[i] += (e->indentation[i] - run->balanced[i].indentation) / time;
             e->rate[i] = e->rate_free[i];
         }
-        set_changes(run, time, 1, e, change);
-        if (!aoi_band_factorise(e->count, e->band, e->rate_compliance)) {
-            return 0;
-        }
-        aoi_band_substitute(e->count, e->band, e->rate_compliance, change);
-        (void)set_rates(time, e, change, &largest);
+        largest = change_rates(run, time, 1, e, change, &most);
         changed = force = 0.0;
         for (size_t i = 0; i < e->count; i++) {
             e->force[i] += change[i];
@@ -304,18 +305,11 @@ static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *
  * Returns the largest rate, m/s; NaN where it does not converge. */
 static double rates_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
-    double *change = e->free, largest;
-    for (int i = 0; i < MOST_LOOPS; i++) {
-        set_changes(run, time, 0, e, change);
-        if (!aoi_band_factorise(e->count, e->band, e->rate_compliance)) {
-            break;
-        }
-        aoi_band_substitute(e->count, e->band, e->rate_compliance, change);
-        if (set_rates(time, e, change, &largest) <= AOI_RATE_ERROR * largest) {
-            return largest;
-        }
+    double largest = 0.0, most = HUGE_VAL;
+    for (int i = 0; i < MOST_LOOPS && !isnan(largest) && !(most <= AOI_RATE_ERROR * largest); i++) {
+        largest = change_rates(run, time, 0, e, e->free, &most);
     }
-    return (double)NAN;
+    return most <= AOI_RATE_ERROR * largest ? largest : (double)NAN;
 }
 
 /* Rates and forces just after a sudden change, extrapolated from those after a short time and twice that. A strong

@@ -69,9 +69,11 @@ size_t aoi_adaptive_room(const aoi_system *system)
     if (!system->first) {
         return 0;
     }
-    const size_t more = AOI_TRACK_FRICTION_SIZE - AOI_TRACK_CONTACT_SIZE;
-    return AOI_TRACK_FIXED + system->contact_count * AOI_TRACK_CONTACT_SIZE + rubbing_of(system) * more +
-           AOI_TRACK_STATE * system->body_count + 2 * system->first[system->body_count];
+    size_t room = AOI_TRACK_FIXED + AOI_TRACK_STATE * system->body_count + 2 * system->first[system->body_count];
+    for (size_t c = 0; c < system->contact_count; c++) {
+        room += aoi_row_contact_size(&system->contact[c]);
+    }
+    return room;
 }
 
 /* Work space of the collocation, which the balance of massless contact points takes as well. */
@@ -652,7 +654,7 @@ static int advance_all_to_end(aoi_adaptive *run)
 static int go_on(aoi_adaptive *run, aoi_track *track, int idle, int *paused)
 {
     const double began = run->time, next_halt = run->halt;
-    double *row = track->values + track->used;
+    double *row = track->values + track->used, *of;
     size_t size = 0;
     int status = AOI_OK;
     if (idle >= MOST_IDLE) {
@@ -662,7 +664,7 @@ static int go_on(aoi_adaptive *run, aoi_track *track, int idle, int *paused)
         status = contact_step(run, row, &size);
         *paused = run->halt > next_halt && run->time > began;
     } else if (run->changed.count > 0) {
-        size = aoi_step_write(run, 0.0, 0, row);
+        size = aoi_step_write(run, 0.0, 0, row, &of);
     } else if (run->time >= run->halt) {
         halt(run);
     } else {

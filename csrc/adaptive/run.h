@@ -212,8 +212,9 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt);
 /* Writes the step's row, advances bodies and contacts to its end and applies its events there. */
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size);
 
-/* Writes the row of bodies that move freely from now on; entry_count contacts of the step, 0 for none. */
-size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row);
+/* Writes the row of bodies that move freely from now on; contacts: entries of the step, 0 for none; of: the first of them in
+ * the row. Returns its size. */
+size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row, double **of);
 
 /* Reduction of a contact's indentation by the contact forces on residual compliances, m; with rates, the same of its
  * rate by the force rates at the end of the last step, m/s. */

@@ -326,25 +326,18 @@ static int advance_friction(aoi_adaptive *run)
     return status;
 }
 
-/* Doubles of so many closed contacts in a row, two more entries of each that has friction. */
-static size_t contacts_size(const aoi_adaptive *run, size_t count)
-{
-    const size_t more = AOI_TRACK_FRICTION_SIZE - AOI_TRACK_CONTACT_SIZE;
-    return count * AOI_TRACK_CONTACT_SIZE + (run->closed_count - count) / 2 * more;
-}
-
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
 {
     const double h = attempt->h, later = run->origin + (run->elapsed + (h + run->left_off));
     const int with_rates =
         aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
     int status = aoi_system_rubs(run->system) ? advance_friction(run) : AOI_OK;
+    double *of;
     if (status != AOI_OK) {
         return status;
     }
-    *size = aoi_step_write(run, h, run->closed_count, row);
+    *size = aoi_step_write(run, h, run->closed_count, row, &of);
     move_bodies(run, h, later);
-    const double *of = row + *size - contacts_size(run, (size_t)row[AOI_TRACK_CONTACTS]);
     for (size_t s = 0; s < run->closed_count; s++) {
         if (run->entry[s].axis == 0) {
             status = move_contact(run, &run->entry[s], h, with_rates, of);

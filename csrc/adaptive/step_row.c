@@ -68,7 +68,7 @@ static void write_friction(aoi_sliding *sliding, const aoi_contact *contact, con
     sliding->work = aoi_row_slide_work(contact, of, 1.0);
 }
 
-size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
+size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row, double **of)
 {
     size_t at = AOI_TRACK_FIXED;
     for (size_t i = 0; contacts > 0 && i < run->engaged.count; i++) {
@@ -82,6 +82,7 @@ size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row)
         run->body[run->changed.at[i]].changed = 0;
     }
     run->changed.count = 0;
+    *of = row + at;
     size_t written = 0;
     for (size_t s = 0; s < contacts; s += aoi_contact_forces(&run->system->contact[run->entry[s].contact])) {
         const aoi_contact_step *entry = &run->entry[s];

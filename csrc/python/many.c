@@ -5,20 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Columns of a case, and of its answer. */
+/* Columns of a case; its answer is the status and an aoi_brief. */
 enum { CASE_VELOCITY = 0, CASE_GAP, CASE_DURATION, CASE_RTOL, CASE_COLUMNS };
-enum {
-    ANSWER_STATUS = 0,
-    ANSWER_TOUCHES,
-    ANSWER_LASTING,
-    ANSWER_PEAK_FORCE,
-    ANSWER_PEAK_TIME,
-    ANSWER_IMPULSE,
-    ANSWER_START,
-    ANSWER_END,
-    ANSWER_VELOCITIES,
-    ANSWER_COLUMNS = ANSWER_VELOCITIES + 2
-};
+enum { ANSWER_COLUMNS = 1 + sizeof(aoi_brief) / sizeof(double) };
 
 /* A contact takes some hundred rows; what needs more is made elsewhere, with room that grows. */
 enum { MOST_ROWS = 1024 };
@@ -31,14 +20,14 @@ typedef struct cases {
     aoi_law *law;
 } cases;
 
-/* One case at a time is made on it; memory grows with the largest so far. */
+/* One case at a time is made on it; memory, for the rates and the run, grows with the largest so far. */
 typedef struct work {
     aoi_system system;
     aoi_modes pair[2];
     aoi_contact contact;
-    void *links, *memory;
-    double *v;
-    size_t v_count, memory_size;
+    void *links;
+    double *memory;
+    size_t size;
 } work;
 
 static void take_cases(call *of, PyObject *bodies, PyObject *moving, PyObject *laws, cases *made)
@@ -71,20 +60,8 @@ static int check_cases(const cases *of, size_t count, const int32_t *which)
     return AOI_OK;
 }
 
-/* Makes a block larger where it is not large enough; 0 where there is no memory. */
-static int have(void **block, size_t *size, size_t needed)
-{
-    if (needed <= *size) {
-        return 1;
-    }
-    void *larger = realloc(*block, needed);
-    *block = larger ? larger : *block;
-    *size = larger ? needed : *size;
-    return larger != NULL;
-}
-
-/* Puts a case's bodies together. */
-static int set_up(work *on, const cases *of, const int32_t *which, const double *numbers)
+/* Runs a case. */
+static int run_case(work *on, const cases *of, const int32_t *which, const double *numbers, aoi_brief *brief)
 {
     const double *moving = of->moving[which[0]];
     for (size_t b = 0; b < 2; b++) {
@@ -98,15 +75,20 @@ static int set_up(work *on, const cases *of, const int32_t *which, const double 
     if (status != AOI_OK) {
         return status;
     }
-    const size_t n = on->system.first[2];
-    void *v = on->v;
-    const int fine = have(&v, &on->v_count, n * sizeof(double)) &&
-                     have(&on->memory, &on->memory_size, aoi_brief_size(&on->system, MOST_ROWS));
-    on->v = v;
-    for (size_t j = 0; fine && j < n; j++) {
-        on->v[j] = j < on->system.first[1] ? numbers[CASE_VELOCITY] * moving[j] : 0.0;
+    const size_t n = on->system.first[2], rates = n + n % 2; /* so that the run is aligned */
+    const size_t size = rates * sizeof(double) + aoi_brief_size(&on->system, MOST_ROWS);
+    double *larger = size > on->size ? realloc(on->memory, size) : on->memory;
+    if (!larger) {
+        return CALL_NO_MEMORY;
     }
-    return fine ? AOI_OK : CALL_NO_MEMORY;
+    on->memory = larger;
+    on->size = size > on->size ? size : on->size;
+    for (size_t j = 0; j < n; j++) {
+        on->memory[j] = j < on->system.first[1] ? numbers[CASE_VELOCITY] * moving[j] : 0.0;
+    }
+    const aoi_start start = {.v = on->memory};
+    return aoi_brief_run(&on->system, &start, numbers[CASE_RTOL], numbers[CASE_DURATION], MOST_ROWS,
+                         on->memory + rates, brief);
 }
 
 /* Cases under way. */
@@ -123,34 +105,20 @@ typedef struct job {
 static int one_case(void *data)
 {
     job *at = data;
-    work *on = &at->on;
     const double *numbers = at->numbers + CASE_COLUMNS * at->done;
     double *answer = at->answers + ANSWER_COLUMNS * at->done;
     aoi_brief brief;
     if (at->done == at->count) {
         return 0;
     }
-    int status = set_up(on, at->of, at->which + 3 * at->done++, numbers);
+    const int status = run_case(&at->on, at->of, at->which + 3 * at->done++, numbers, &brief);
     if (status == CALL_NO_MEMORY) {
         at->status = status;
         return 0;
     }
+    answer[0] = (double)status;
     if (status == AOI_OK) {
-        const aoi_start start = {.v = on->v};
-        status = aoi_brief_run(&on->system, &start, numbers[CASE_RTOL], numbers[CASE_DURATION],
-                               MOST_ROWS, on->memory, &brief);
-    }
-    answer[ANSWER_STATUS] = (double)status;
-    if (status == AOI_OK) {
-        answer[ANSWER_TOUCHES] = (double)brief.touches;
-        answer[ANSWER_LASTING] = (double)brief.lasting;
-        answer[ANSWER_PEAK_FORCE] = brief.peak_force;
-        answer[ANSWER_PEAK_TIME] = brief.peak_time;
-        answer[ANSWER_IMPULSE] = brief.impulse;
-        answer[ANSWER_START] = brief.start;
-        answer[ANSWER_END] = brief.end;
-        answer[ANSWER_VELOCITIES] = brief.velocity[0];
-        answer[ANSWER_VELOCITIES + 1] = brief.velocity[1];
+        memcpy(answer + 1, &brief, sizeof brief);
     }
     return 1;
 }
@@ -172,7 +140,6 @@ PyObject *briefs(PyObject *args)
         of.status = at.status;
     }
     free(at.on.links);
-    free(at.on.v);
     free(at.on.memory);
     free(made.body);
     free((void *)made.moving);

@@ -39,7 +39,7 @@ static void find_touches(const aoi_system *system, const parts *of, size_t rows,
 {
     const aoi_interval *interval = of->interval + 1;
     const size_t count = aoi_track_intervals(system, &of->track, end, of->interval, rows, of->interval + 1);
-    brief->touches = count;
+    brief->touches = (double)count;
     brief->start = count > 0 ? interval[0].start : 0.0;
     brief->end = count > 0 ? fmin(interval[count - 1].end, end) : 0.0;
     brief->lasting = count > 0 && interval[count - 1].lasts;
@@ -83,5 +83,5 @@ int aoi_brief_run(const aoi_system *system, const aoi_start *start, double rtol,
     brief->peak_force = peak.force;
     brief->peak_time = peak.time;
     brief->impulse = peak.impulse;
-    return find_velocities(system, &of, brief->touches > 0 ? brief->end : end, brief->velocity);
+    return find_velocities(system, &of, brief->touches > 0.0 ? brief->end : end, brief->velocity);
 }

@@ -6,11 +6,10 @@
 
 /* What many impacts are compared by. */
 typedef struct aoi_brief {
+    double touches, lasting; /* how many; 1 if the record ends in contact, else 0 */
     double peak_force, peak_time, impulse;
     double start, end;  /* of the first touch, and of the last; 0 without any                    */
     double velocity[2]; /* of the centres of mass when the last touch ends; without any, at the end */
-    size_t touches;
-    int lasting; /* the record ends in contact */
 } aoi_brief;
 
 /* Makes an adaptive run of a linked system of two bodies and one contact, in a track of so many rows at most,
