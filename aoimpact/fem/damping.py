@@ -106,6 +106,4 @@ def damping_or_none(value: Any) -> Damping | None:
         return None
     if isinstance(value, (Rayleigh, ModalDamping)):
         return None if value in (Rayleigh(), ModalDamping(0.0)) else value
-    raise InputTypeError(
-        f"damping must be Rayleigh(alpha=, beta=) or ModalDamping(ratio), got {value!r}"
-    )
+    raise InputTypeError(f"damping must be Rayleigh(alpha, beta) or ModalDamping, got {value!r}")

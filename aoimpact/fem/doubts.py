@@ -31,9 +31,7 @@ def warn_of_locking(mesh: Mesh, material: AnyMaterial) -> None:
     if locking:
         nu = max(piece.of.nu for piece in locking)
         count = sum(len(piece.rows) for piece in locking)
-        warn(
-            f"{count} elements of first order have nu={nu:g} and bend far too little: take order=2"
-        )
+        warn(f"{count} elements of first order with nu={nu:g} bend far too little: take order=2")
 
 
 def check_joints(mesh: Mesh, material: AnyMaterial) -> None:

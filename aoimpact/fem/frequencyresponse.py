@@ -129,9 +129,7 @@ def frequency_response(
     b, c = excitation.b, other.b
     hertz = np.atleast_1d(finite_array("frequencies", frequencies, unit="Hz", most=HUGE))
     if hertz.ndim != 1 or not hertz.size or hertz.min() < 0.0:
-        raise InputError(
-            f"frequencies must be a flat list of numbers, none negative, got {frequencies!r}"
-        )
+        raise InputError(f"frequencies must be a list, none negative, got {frequencies!r}")
     if hertz.min() == 0.0 and body.rigid_modes.shape[1]:
         raise InputError("frequencies: a free body has no response at 0 Hz; give some above 0")
     of = choice("kind", kind, tuple(KINDS))
@@ -146,9 +144,7 @@ def frequency_response(
         values, error = _by_modes(body, modes, b, c, omega)
     if not np.isfinite(values).all():
         at = hertz[~np.isfinite(values)][0]
-        raise InputError(
-            f"frequencies: {at:g} Hz is a natural frequency, and there is no damping; take others"
-        )
+        raise InputError(f"frequencies: {at:g} Hz is a natural one without damping; take others")
     factor = (1j * omega) ** list(KINDS).index(of)  # a derivative for each step
     taken = 0 if modes is None else len(modes[0])
     return FrequencyResponse(hertz, factor * values, np.abs(factor) * error, of, taken)

@@ -84,9 +84,7 @@ def nodes_by_number(name: str, given: Any, count: int, labels: IntArray | None) 
     several = after - first > 1
     if several.any():
         at = int(np.flatnonzero(several)[0])
-        raise InputError(
-            f"{name}: {after[at] - first[at]} nodes have the number {wanted[at]}; take a node set"
-        )
+        raise InputError(f"{name}: several nodes have the number {wanted[at]}; take a node set")
     return np.sort(order[first])
 
 

@@ -258,19 +258,13 @@ class Orthotropic:
         with np.errstate(over="ignore", invalid="ignore"):  # refused below
             relative = self._compliance[:3, :3] * max(self.E)
         if not np.isfinite(relative).all():
-            raise InputError(
-                f"E={self.E} Pa, nu={self.nu}: these lie too far apart to compute with"
-            )
+            raise InputError(f"E={self.E} Pa, nu={self.nu}: they are too far apart")
         energies = np.linalg.eigvalsh(relative)
         if not energies.min() > _ROUNDED * energies.max():
             e1, e2, e3 = self.E
-            raise InputError(
-                f"nu={self.nu}: some strain would have zero or negative energy; with these E, "
-                f"|ν12| must be below {math.sqrt(e1 / e2):.3g}, "
-                f"|ν13| below {math.sqrt(e1 / e3):.3g}, |ν23| "
-                f"below {math.sqrt(e2 / e3):.3g}, and all three smaller together (νij belongs to a "
-                "stress along i; was νji meant?)"
-            )
+            most = ", ".join(f"{x**0.5:.3g}" for x in (e1 / e2, e1 / e3, e2 / e3))
+            why = f"a strain has no positive energy; |nu| must be below ({most}), together less"
+            raise InputError(f"nu={self.nu}: {why} (νij belongs to a stress along i: is it νji?)")
         for name in ("E", "G"):
             for i, value in enumerate(getattr(self, name)):
                 warn_of_units(name, value, f"{name}[{i}]")

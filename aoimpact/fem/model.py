@@ -645,9 +645,7 @@ class FEModel(Frozen):
         elastic = modes[:, self.rigid_modes.shape[1] :]
         warn_of_rounding(self.K, elastic, f"{elastic.shape[1]} elastic frequencies")
         if len(omega2) < count:
-            raise InputError(
-                f"n must be at most {len(omega2)}, got {count}: the other motions have no mass"
-            )
+            raise InputError(f"n must be at most {len(omega2)}, got {count}: others have no mass")
         return np.sqrt(omega2) / (2.0 * np.pi)
 
     @cached_property

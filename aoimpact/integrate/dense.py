@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
 
 from .. import _core
-from ..base import ArrayPair, FloatArray, MemoryLimitError
+from ..base import ArrayPair, FloatArray, MemoryLimitError, record
 from ..laws import CoreLaw
 from ..scene import Scenario
 from .events import Events
@@ -36,7 +35,7 @@ _DIFFERENCE, _RESOLUTION = 1e-6, 1e-3
 _MOST_VALUES = 2e7
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class DenseRecorder:
     """An adaptive run as a :class:`Recorder`: exact at any time.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 from time import perf_counter
 from typing import ClassVar
@@ -21,6 +21,7 @@ from ..base import (
     InputError,
     IterationError,
     NotFiniteError,
+    record,
     warn,
 )
 from ..laws import ContactLaw, check_width
@@ -58,7 +59,7 @@ _SHORTENED, _MOST_SHORTENED, _SAME_START = 2.0**-4, 6, 1e-6
 _Start = tuple[FloatArray | None, FloatArray | None]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SteppedRecorder(Frozen):
     """A run with fixed steps as a :class:`Recorder`, to be read at those.
 

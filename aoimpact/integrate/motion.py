@@ -8,13 +8,12 @@ these takes the body through the very states that it had in the run.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, SingularError
+from ..base import ArrayPair, FloatArray, SingularError, record
 from ..linalg import Factorization, factorize
 from ..scene import Equations
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from .fixed_steps import SteppedRecorder
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Motion:
     """A body in a run, its coordinates q and the forces on its ports.
 

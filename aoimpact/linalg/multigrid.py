@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import copy
 import threading
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..base import ROUNDING, ConvergenceError, FloatArray, bar, sp
+from ..base import ROUNDING, ConvergenceError, FloatArray, bar, record, sp
 from ..mesh import Mesh
 from .blocks import Blocks, congruent
 from .coarsening import (
@@ -72,7 +71,7 @@ def _most_in_coarsest(pencil: Pencil) -> float:
     return max(_FEWEST_ENTRIES, _COARSEST_SHARE * stored, few)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Level:
     smoother: Smoother
     prolongation: Any

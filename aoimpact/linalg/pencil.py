@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, IntArray
+from ..base import ArrayPair, FloatArray, IntArray, record
 from .blocks import ENTRIES_AT_ONCE, product, rows_of
 from .dissection import Fill, fill, nested_dissection
 
@@ -18,7 +18,7 @@ from .dissection import Fill, fill, nested_dissection
 _ALMOST_ZERO = 1e-300
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Pencil:
     """The matrix K + s²M of a body, and where its rows are, for solvers that make use of it.
 

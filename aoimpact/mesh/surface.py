@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterator
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -208,19 +208,20 @@ class Surface:
         corners = self.corners(face)
         return np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
 
-    @cached_property
-    def _found(self) -> dict[bytes, Place]:
-        """The last results of `nearest`: one contact asks for its own many times."""
-        return {}
-
     def nearest(self, point: FloatArray) -> Place:
         """Return the nearest point of the surface, on each of the faces that share it.
 
         Where a web of shells ends on a skin, on those of the skin.
         """
-        if (found := self._found.get(point.tobytes())) is not None:
-            return found
-        centre, radius = self.balls
+        return self._remembered(*point.tolist())
+
+    @cached_property
+    def _remembered(self) -> Callable[..., Place]:
+        """The last results of `nearest`: one contact asks for its own many times."""
+        return lru_cache(_REMEMBERED)(self._nearest)
+
+    def _nearest(self, *of: float) -> Place:
+        point, (centre, radius) = np.array(of), self.balls
         distance = np.linalg.norm(centre - point, axis=1)
         face = np.flatnonzero(distance - radius <= (distance + radius).min())
         uv = self.middle(face)
@@ -240,13 +241,7 @@ class Surface:
         shared = np.flatnonzero(distance <= distance.min() + PRINTED * radius[face].max())
         shared = shared[np.argsort(distance[shared], kind="stable")]
         shared = shared[self._continuing(face[shared], x[shared[0]], float(radius[face].max()))]
-        found = Place(face[shared], uv[shared], x[shared], distance[shared])
-        for values in vars(found).values():
-            values.flags.writeable = False
-        if len(self._found) >= _REMEMBERED:
-            self._found.clear()
-        self._found[point.tobytes()] = found
-        return found
+        return Place(face[shared], uv[shared], x[shared], distance[shared])
 
     def smooth_normal(self, place: Place) -> FloatArray | None:
         """Return the unit normal at a point that several faces may share; None on a sharp edge."""

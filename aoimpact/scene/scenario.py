@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from operator import attrgetter
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, InputError
+from ..base import ArrayPair, FloatArray, InputError, record
 from ..contact import ContactPoint
 from ..fem import Rayleigh
 from ..laws import RoundContact, own_law, round_contact
@@ -21,7 +21,7 @@ from .rows import RecordLayout
 from .stepped import PARTS, SteppedBody, SteppedFull
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Oblique:
     """Motion of a scene in three directions.
 
@@ -40,7 +40,7 @@ class Oblique:
     gravity: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Scenario:
     """All that a run needs to know.
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from .. import _core
-from ..base import FloatArray, sp
+from ..base import FloatArray, record, sp
 from ..fem import Rayleigh
 from ..linalg import core_rows, factorize
 
@@ -36,7 +35,7 @@ class Equations(NamedTuple):
     v0: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SteppedBody:
     """A body in natural modes, and how it starts.
 
@@ -79,7 +78,7 @@ class SteppedBody:
         return K, sp.eye_array(len(omega), format="csr"), C
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SteppedFull(SteppedBody):
     """All degrees of freedom of a finite-element body.
 
