@@ -99,16 +99,14 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
     }
 }
 
-/* Extrapolates the last step's polynomial to the nodes of a step of length h, with its slope there. */
-static void extrapolate(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
+/* Extrapolates a polynomial of the last step to the nodes of a step of length h, with its slope there; rate: or NULL. */
+static void extrapolate(const double *last, double last_length, double h, double *values, double *rate)
 {
-    const double stretch = h / contact->closed.last_length;
     for (size_t i = 0; i < AOI_NODES; i++) {
         double slope;
-        indentation[i] = aoi_legendre_evaluate(AOI_NODES + 1, contact->closed.last,
-                                               1.0 + aoi_radau_node[i] * stretch, &slope);
+        values[i] = aoi_legendre_evaluate(AOI_NODES + 1, last, 1.0 + aoi_radau_node[i] * (h / last_length), &slope);
         if (rate) {
-            rate[i] = slope / contact->closed.last_length;
+            rate[i] = slope / last_length;
         }
     }
 }
@@ -131,7 +129,7 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
     const int known = contact->closed.last_length > 0.0 && h <= 2.0 * contact->closed.last_length;
     double drawn_on[AOI_NODES], rate[AOI_NODES], largest = 0.0;
     if (known) {
-        extrapolate(contact, h, drawn_on, with_rates ? rate : NULL);
+        extrapolate(contact->closed.last, contact->closed.last_length, h, drawn_on, with_rates ? rate : NULL);
     } else if (massless) {
         extrapolate_linearly(contact, h, drawn_on, rate);
     }
@@ -151,15 +149,12 @@ static void guess_slide(const aoi_adaptive_contact *contact, double h, double us
     const aoi_friction *friction = &entry->sliding->rub.friction;
     const double stretch = friction->mu / friction->ratio;
     double largest = 0.0;
+    memcpy(entry->indentation, entry->homogeneous, sizeof entry->indentation);
+    memcpy(entry->rate, entry->homogeneous_rate, sizeof entry->rate);
+    if (contact->closed.last_length > 0.0 && h <= 2.0 * contact->closed.last_length) {
+        extrapolate(entry->sliding->last[entry->axis - 1], contact->closed.last_length, h, entry->indentation, NULL);
+    }
     for (size_t i = 0; i < AOI_NODES; i++) {
-        double slope;
-        entry->indentation[i] = entry->homogeneous[i];
-        entry->rate[i] = entry->homogeneous_rate[i];
-        if (contact->closed.last_length > 0.0 && h <= 2.0 * contact->closed.last_length) {
-            const double beyond = 1.0 + aoi_radau_node[i] * h / contact->closed.last_length;
-            entry->indentation[i] =
-                aoi_legendre_evaluate(AOI_NODES + 1, entry->sliding->last[entry->axis - 1], beyond, &slope);
-        }
         largest = fmax(largest, fabs(entry->indentation[i] - entry->start));
     }
     entry->scale = fmax(fmax(largest, stretch * contact->scales.indentation), NEWTON_SHARE * usual);

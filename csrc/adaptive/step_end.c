@@ -167,7 +167,7 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
         const double impulse = aoi_collocation_impulse(entry, h);
         contact->ledger.peak.impulse += impulse;
         contact->ledger.since_touch += impulse;
-        contact->ledger.work += aoi_collocation_work(entry);
+        contact->ledger.work += aoi_collocation_work(entry->legendre, entry->force, 1.0);
     }
     contact->scales.impulse = fmax(contact->scales.impulse, contact->ledger.since_touch);
     contact->scales.indentation = fmax(contact->scales.indentation, largest);

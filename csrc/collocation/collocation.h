@@ -85,8 +85,8 @@ static inline void aoi_edge_project(enum aoi_edge edge, const double *points, do
     aoi_nodes_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
 }
 
-/* int F dt over the step, and int F d(indentation). */
+/* int F dt over the step; and int F d(indentation) over its part up to a place, F at the nodes of that part. */
 double aoi_collocation_impulse(const aoi_contact_step *entry, double h);
-double aoi_collocation_work(const aoi_contact_step *entry);
+double aoi_collocation_work(const double *legendre, const double *force, double place);
 
 #endif

@@ -299,12 +299,13 @@ double aoi_collocation_impulse(const aoi_contact_step *entry, double h)
     return h * aoi_nodes_dot(aoi_radau_to_legendre[0], entry->force);
 }
 
-double aoi_collocation_work(const aoi_contact_step *entry)
+double aoi_collocation_work(const double *legendre, const double *force, double place)
 {
-    double slope[AOI_NODES], sum = 0.0;
-    aoi_nodes_multiply_from(entry->start, &aoi_radau_slope_at_node[0][0], entry->indentation, slope);
+    double work = 0.0;
     for (size_t i = 0; i < AOI_NODES; i++) {
-        sum += aoi_radau_to_legendre[0][i] * entry->force[i] * slope[i];
+        double slope;
+        (void)aoi_legendre_evaluate(AOI_NODES + 1, legendre, place * aoi_radau_node[i], &slope);
+        work += aoi_radau_to_legendre[0][i] * place * force[i] * slope;
     }
-    return sum;
+    return work;
 }

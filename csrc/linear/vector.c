@@ -18,6 +18,26 @@ double aoi_vector_dot(size_t n, const double *x, const double *y)
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
+double aoi_vector_squares(size_t n, const double *weight, const double *factor, const double *x)
+{
+    static const double ones[4] = {1.0, 1.0, 1.0, 1.0};
+    const double *by = weight ? weight : ones, *of = factor ? factor : ones;
+    const size_t next = weight ? 4 : 0, after = factor ? 4 : 0;
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    size_t j = 0;
+    for (; j + 4 <= n; j += 4, by += next, of += after) {
+        for (size_t lane = 0; lane < 4; lane++) {
+            const double term = of[lane] * x[j + lane];
+            sum[lane] += by[lane] * term * term;
+        }
+    }
+    for (size_t lane = 0; j < n; j++, lane++) {
+        const double term = of[lane] * x[j];
+        sum[lane] += by[lane] * term * term;
+    }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 void aoi_vector_add(size_t n, double factor, const double *x, double *y)
 {
     for (size_t i = 0; i < n; i++) {

@@ -7,6 +7,9 @@
 /* x^T y of n doubles. */
 double aoi_vector_dot(size_t n, const double *x, const double *y);
 
+/* Sum of weight (factor x)^2; weight and factor may be NULL, for ones. */
+double aoi_vector_squares(size_t n, const double *weight, const double *factor, const double *x);
+
 /* y += factor x, n doubles, not overlapping. */
 void aoi_vector_add(size_t n, double factor, const double *x, double *y);
 

@@ -37,8 +37,6 @@ double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped)
     return skipped < load->count - next ? load->time[next + skipped] : HUGE_VAL;
 }
 
-double aoi_load_next_bend(const aoi_load *load, double time) { return aoi_load_later_bend(load, time, 0); }
-
 int aoi_load_is_sound(const aoi_load *load, size_t ports)
 {
     if (load->count > 0 && (!load->time || !load->force)) {

@@ -13,10 +13,7 @@ typedef struct aoi_load_span {
 /* The span of a load on so many ports, with count > 0; just after the time where the load jumps. */
 aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
 
-/* The first time after a time at which it bends; infinite where there is none. */
-double aoi_load_next_bend(const aoi_load *load, double time);
-
-/* The one that comes after so many others. */
+/* The time after another at which it bends for the next time but so many; infinite where there is none. */
 double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped);
 
 /* True if times ascend (equal neighbours may be) and all numbers are finite. */

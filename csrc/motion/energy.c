@@ -1,6 +1,5 @@
 /* Where a body's energy is, and what loads and damping have done to it. */
 #include "motion/energy.h"
-#include "motion/lanes.h"
 #include "motion/modes.h"
 #include "motion/path.h"
 #include "motion/polynomial.h"
@@ -13,32 +12,11 @@
 #include <math.h>
 #include <string.h>
 
-/* Sum of inertia v^2, and with omega of inertia (omega v)^2. */
-static double squares(const aoi_modes *body, const double *omega, const double *v)
-{
-    static const double ones[AOI_LANES] = {1.0, 1.0, 1.0, 1.0};
-    const double *inertia = body->inertia ? body->inertia : ones, *factor = omega ? omega : ones;
-    const size_t next = body->inertia ? AOI_LANES : 0, after = omega ? AOI_LANES : 0;
-    double sum[AOI_LANES] = {0.0};
-    size_t j = 0;
-    for (; j + AOI_LANES <= body->n; j += AOI_LANES, inertia += next, factor += after) {
-        for (size_t i = 0; i < AOI_LANES; i++) {
-            const double speed = factor[i] * v[j + i];
-            sum[i] += inertia[i] * speed * speed;
-        }
-    }
-    for (size_t i = 0; j < body->n; j++, i++) {
-        const double speed = factor[i] * v[j];
-        sum[i] += inertia[i] * speed * speed;
-    }
-    return aoi_lanes_sum(sum);
-}
-
 void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, const double *force,
                       double *kinetic, double *elastic)
 {
-    *kinetic = 0.5 * squares(body, NULL, v);
-    *elastic = 0.5 * squares(body, body->omega, x);
+    *kinetic = 0.5 * aoi_vector_squares(body->n, body->inertia, NULL, v);
+    *elastic = 0.5 * aoi_vector_squares(body->n, body->inertia, body->omega, x);
     for (size_t k = 0; force && body->residual && k < body->ports * body->ports; k++) {
         *elastic +=
             0.5 * force[k / body->ports] * body->residual[k] * force[k % body->ports];

@@ -8,11 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-double aoi_modes_next_bend(const aoi_modes *body, double time)
-{
-    return aoi_load_next_bend(&body->load, time);
-}
-
 static void load_of(const aoi_load_span *at, size_t port, double *force, double *slope)
 {
     *slope = (at->next[port] - at->here[port]) / at->length;

@@ -3,10 +3,14 @@
 #define AOI_MOTION_MODES_H
 
 #include "aoimpact.h"
+#include "model/load.h"
 #include "motion/lanes.h"
 
 /* The first time after `time` at which a load bends; infinite where there is none. */
-double aoi_modes_next_bend(const aoi_modes *body, double time);
+static inline double aoi_modes_next_bend(const aoi_modes *body, double time)
+{
+    return aoi_load_later_bend(&body->load, time, 0);
+}
 
 /* The load on a port just after a time, N, and its slope, N/s. */
 void aoi_modes_load(const aoi_modes *body, size_t port, double time, double *force, double *slope);

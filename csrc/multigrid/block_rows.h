@@ -9,9 +9,9 @@
 #define OF(x) aoi_single_##x
 #endif
 
-static inline void OF(widen)(const aoi_blocks *matrix, size_t b, aoi_part part, const REAL *x, REAL *wide)
+static void OF(spread)(const aoi_blocks *matrix, aoi_part part, const REAL *x, REAL *wide)
 {
-    const size_t width = aoi_four_width(b);
+    const size_t b = matrix->size, width = aoi_four_width(b);
     for (size_t row = part.begin; row < part.end; row++) {
         const size_t i = (size_t)matrix->order[row];
         for (size_t k = 0; k < width; k++) {
@@ -20,32 +20,14 @@ static inline void OF(widen)(const aoi_blocks *matrix, size_t b, aoi_part part, 
     }
 }
 
-static inline void OF(narrow)(const aoi_blocks *matrix, size_t b, aoi_part part, const REAL *wide, REAL *x)
+static void OF(gather)(const aoi_blocks *matrix, aoi_part part, const REAL *wide, REAL *x)
 {
-    const size_t width = aoi_four_width(b);
+    const size_t b = matrix->size, width = aoi_four_width(b);
     for (size_t row = part.begin; row < part.end; row++) {
         const size_t i = (size_t)matrix->order[row];
         for (size_t k = 0; k < b; k++) {
             x[b * i + k] = wide[width * i + k];
         }
-    }
-}
-
-static void OF(spread)(const aoi_blocks *matrix, aoi_part part, const REAL *x, REAL *wide)
-{
-    if (matrix->size == 3) {
-        OF(widen)(matrix, 3, part, x, wide);
-    } else {
-        OF(widen)(matrix, matrix->size, part, x, wide);
-    }
-}
-
-static void OF(gather)(const aoi_blocks *matrix, aoi_part part, const REAL *wide, REAL *x)
-{
-    if (matrix->size == 3) {
-        OF(narrow)(matrix, 3, part, wide, x);
-    } else {
-        OF(narrow)(matrix, matrix->size, part, wide, x);
     }
 }
 

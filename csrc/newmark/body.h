@@ -13,7 +13,7 @@ typedef struct aoi_rule_step {
 /* AOI_ERROR_ARGUMENT for an invalid rule, or where dt^2 leaves the range of numbers. */
 int aoi_rule_prepare(const aoi_rule *rule, aoi_rule_step *step);
 
-enum { AOI_STEPPED_OWN = 5, AOI_PLAIN_SEEN = 4 };
+enum { AOI_STEPPED_OWN = 3, AOI_PLAIN_SEEN = 4 };
 
 /* A body in steps. */
 typedef struct aoi_stepped {

@@ -10,9 +10,6 @@
 /* omega^2, 2 decay and gravity of each mode, over that factor of a'. */
 enum { STIFFNESS, DRAG, DRIVE };
 
-/* Of every body. */
-enum { INERTIA = DRIVE + 1, SPRING };
-
 /* A plain body has its predictors at hand: PLACE, and of the rates in free_a. These move by a whole step at once, since
  * what corrects a step and predicts the next adds up: q' = q + dt (w + (gamma + 1/2) dt a), w' = w + dt a. */
 enum { PLACE = DRIVE };
@@ -38,8 +35,6 @@ static int modal_prepare(aoi_stepped *body)
         body->own[STIFFNESS][j] = mobility * (omega * omega);
         body->own[DRAG][j] = mobility * twice_decay(modes, j);
         body->own[DRIVE][j] = modes->gravity ? mobility * modes->gravity[j] : 0.0;
-        body->own[INERTIA][j] = aoi_modes_inertia(modes, j);
-        body->own[SPRING][j] = body->own[INERTIA][j] * omega * omega;
         for (size_t p = 0; p < modes->ports; p++) {
             body->gain[p * n + j] = mobility * modes->push[p * n + j];
         }
@@ -191,41 +186,20 @@ static double modal_power(const aoi_stepped *body)
 {
     double power = 0.0;
     for (size_t j = 0; j < body->model->n; j++) {
-        power += body->own[INERTIA][j] * twice_decay(body->model, j) * body->before[j] * body->before[j];
+        power += aoi_modes_inertia(body->model, j) * twice_decay(body->model, j) * body->before[j] * body->before[j];
     }
     return power;
-}
-
-/* sum weight_j x_j^2, by four partial sums. */
-static double weighted_squares(size_t n, const double *weight, const double *x)
-{
-    double sum[4] = {0.0, 0.0, 0.0, 0.0};
-    size_t i = 0;
-    if (n == 1) {
-        return *weight * *x * *x;
-    }
-    for (; i + 4 <= n; i += 4) {
-        for (size_t lane = 0; lane < 4; lane++) {
-            const double y = x[i + lane];
-            sum[lane] += weight[i + lane] * y * y;
-        }
-    }
-    for (; i < n; i++) {
-        sum[0] += weight[i] * x[i] * x[i];
-    }
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 static void modal_observe(const aoi_stepped *body, double *row, size_t stride)
 {
     const aoi_modes *modes = body->model;
-    const double *inertia = body->own[INERTIA];
     double work = 0.0;
     for (size_t j = 0, n = modes->gravity ? modes->n : 0; j < n; j++) {
-        work += inertia[j] * modes->gravity[j] * body->x[j];
+        work += aoi_modes_inertia(modes, j) * modes->gravity[j] * body->x[j];
     }
-    row[AOI_BODY_KINETIC * stride] = 0.5 * weighted_squares(modes->n, inertia, body->v);
-    row[AOI_BODY_ELASTIC * stride] = 0.5 * weighted_squares(modes->n, body->own[SPRING], body->x);
+    row[AOI_BODY_KINETIC * stride] = 0.5 * aoi_vector_squares(modes->n, modes->inertia, NULL, body->v);
+    row[AOI_BODY_ELASTIC * stride] = 0.5 * aoi_vector_squares(modes->n, modes->inertia, modes->omega, body->x);
     row[AOI_BODY_WORK * stride] = work;
 }
 

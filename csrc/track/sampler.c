@@ -266,16 +266,9 @@ void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *s
 /* Work on a contact over its row up to place: the quadrature of the run itself, on that part. */
 static double contact_work(const aoi_sampler *sampler, size_t c, double place)
 {
-    const double *of = sampler->track + sampler->contact_at[c];
-    double force[3][AOI_NODES], work = 0.0;
+    double force[3][AOI_NODES];
     forces_on_part(sampler, c, place, force);
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        double slope;
-        (void)aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION,
-                                    place * aoi_radau_node[i], &slope);
-        work += aoi_radau_to_legendre[0][i] * place * force[0][i] * slope;
-    }
-    return work;
+    return aoi_collocation_work(sampler->track + sampler->contact_at[c] + AOI_TRACK_INDENTATION, force[0], place);
 }
 
 /* A law that gives back all it takes: what its work does not balance is the run's own error. */

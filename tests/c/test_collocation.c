@@ -306,7 +306,8 @@ static void impulse_and_work_are_momentum_and_energy(void)
     prepare(&p);
     CHECK(solve(&p, h, 0, 0) == AOI_OK, "solved");
     const double impulse = aoi_collocation_impulse(&p.entry[0], h);
-    const double work = aoi_collocation_work(&p.entry[0]);
+    aoi_legendre_fit(p.entry[0].start, p.entry[0].indentation, p.entry[0].legendre);
+    const double work = aoi_collocation_work(p.entry[0].legendre, p.entry[0].force, 1.0);
     take_step(&p);
     double lost = 0.0;
     for (int b = 0; b < 2; b++) {
