@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any
-
-import numpy as np
 
 from ..base import ConvergenceError, InputError, positive, warn
 from ..integrate import TIGHTEST, Adaptive, Newmark
@@ -80,7 +78,7 @@ def checked_rtol(rtol: float | None) -> float:
 
 def choose_models(
     plan: Scenario,
-    interest: Callable[[], Quantity],
+    interest: Callable[[], Sequence[Quantity]],
     rtol: float | None,
     solver: Any,
     *,
@@ -95,7 +93,7 @@ def choose_models(
     plan : Scenario
         Of the bodies.
     interest : callable
-        Returns the quantity of interest.
+        Returns the quantities of interest.
     rtol : float, optional
         Relative.
     solver : Adaptive or Newmark, optional
@@ -109,7 +107,7 @@ def choose_models(
     Returns
     -------
     Run
-        Run of the chosen models; `Run.chosen` has the quantity, and its errors by the models.
+        Run of the chosen models; `Run.chosen` has the quantities, and the errors by the models.
 
     Raises
     ------
@@ -118,7 +116,7 @@ def choose_models(
     ConvergenceError
         If neither the largest models tried nor the given solver meet the tolerance.
     """
-    tolerance, quantity = checked_rtol(rtol), interest()
+    tolerance, wanted = checked_rtol(rtol), interest()
     given = rtol is not None
     rule, in_time = time_rule(solver, tolerance, plan, given=given)
     fixed = cache(fixed_model)  # like bodies share one
@@ -131,11 +129,13 @@ def choose_models(
     left_out = partial(errors_left_out, interest=interest, solver=rule)
     in_models = tolerance - in_time
     if models := only_models(bodies):
-        error, compared = 0.0, []
+        error = 0.0
+        errors = [0.0] * len(wanted)
+        compared = []
         run = record.run(plan.of_models(models, energies=plan.energies), rule)
     else:
         how = rule, record, _MOST_ORDER[given], linear_solver
-        search = Search(plan, bodies, quantity, in_models, *how)
+        search = Search(plan, bodies, wanted, in_models, *how)
         while (error := search.error()) > in_models and search.enlarge(in_models):
             pass
         if error > in_models:
@@ -146,7 +146,9 @@ def choose_models(
             else:
                 _warn_of_the_best(search, error, tolerance)
         assert search.run is not None
-        run, compared = search.run, search.compared
+        run = search.run
+        errors = search.errors.tolist()
+        compared = search.compared
         with_finer = finer_plan(run.plan, linear_solver)
         energies = plan.energies and with_finer is None
         made = plan.of_models(search.models(), energies=energies)
@@ -170,11 +172,10 @@ def choose_models(
             f"{in_steps:.2g} of the peak force or the impulse, and that of the models, "
             f"{error:.2g}, are more; {cure}"
         )
-    numbers = number_errors(run.beside or run, compared, {quantity.name: error})
-    largest = math.nan
-    if quantity.history is not None:
-        largest = float(np.abs(quantity.history(run, run.t)).max(initial=0.0))
-    run = replace(run, chosen=Chosen(quantity.name, tolerance, numbers, quantity.unit, largest))
+    known = dict(zip([of.name for of in wanted], errors, strict=True))
+    numbers = number_errors(run.beside or run, compared, known)
+    quantities = {of.name: (of.unit, of.largest(run)) for of in wanted}
+    run = replace(run, chosen=Chosen(quantities, tolerance, numbers))
     return replace(run, left_out=left_out) if plan.meshed else run
 
 
@@ -188,8 +189,9 @@ def _warn_of_the_best(search: Search, error: float, tolerance: float) -> None:
         if count > 1
         else "the waves of a short contact take more of them; choose a shorter duration="
     )
+    names = " and ".join(of.name for of in search.wanted)
     warn(
-        f"{search.quantity.name}: its error from the models is {error:.2g}, and not the "
+        f"{names}: its error from the models is {error:.2g}, and not the "
         f"{tolerance:.2g} that is aimed at, with up to {max(search.orders)} vectors: {why}, "
         "a quantity= that sums up (peak_force, impulse), or rtol= as large as you allow"
     )

@@ -23,6 +23,9 @@ from ..results import (
 )
 from .sensor import Sensor
 
+# What `simulate` takes for a quantity, or several of which.
+Interest = str | ContactPoint | Sensor
+
 _DEFAULT = "force"
 
 

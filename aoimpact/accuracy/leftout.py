@@ -20,7 +20,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -40,7 +40,7 @@ _IN_PLACE_OF_ALL = 16
 
 
 def errors_left_out(
-    run: Run, *, interest: Callable[[], Quantity], solver: TimeSolver | None
+    run: Run, *, interest: Callable[[], Sequence[Quantity]], solver: TimeSolver | None
 ) -> LeftOut:
     """Return the errors of a run by its meshes and laws; none where a body's are not known.
 
@@ -48,7 +48,8 @@ def errors_left_out(
     ----------
     run : Run
     interest : callable
-        Returns a new quantity of interest, so that what it stores while runs are compared is freed.
+        Returns new quantities of interest, so that what they store while runs are compared is
+        freed.
     solver : Adaptive or Newmark, optional
         As of the run.
     """
@@ -63,57 +64,50 @@ def errors_left_out(
     if any(of.mesh is not None and of.finer is None for of in bodies):
         return LeftOut()  # of elements that cannot be made finer, or are so already
     other = compared_run(run, solver)
-    with held_warnings():  # the quantity has had its warnings
-        quantity = interest()
+    with held_warnings():  # the quantities have had their warnings
+        wanted = interest()
     altered = _altered_laws(run)
     if altered is None:
         return LeftOut()
-    by_contact = None
-    if altered != tuple(run.plan.contacts):
-        by_contact = replace(run.plan, contacts=altered, energies=False)
+    softer = replace(run.plan, contacts=altered, energies=False)
+    changed = altered != tuple(run.plan.contacts)
+    by_contact = _tried(lambda: softer, solver) if changed else None
     # Where the bodies as meshed leave nothing of a law, they were run with all of it.
     whole = meshed.plan.bounded != run.plan.bounded
     unknown = math.inf if whole or any(outgrown(run)) else None
-    mesh = _sum_of_changes(quantity, run, [unknown, other])
-    contact = _sum_of_changes(quantity, run, [_tried(lambda: by_contact, solver)])
+    mesh = _changes(wanted, run, unknown or other)
+    contact = _changes(wanted, run, by_contact)
     touched = [(of.law, tip) for of in run.plan.contacts for *_, tip in run.plan.touched(of)]
     # Shells beside solids are not cut, so that nothing is known of them.
     mixed = any(of.mesh and len({b.element.thin for b in of.mesh.blocks}) > 1 for of in bodies)
     if mixed or any(_is_bare(*of) for of in touched):
-        mesh = _Change({}, mesh.when)
-    larger = max(mesh, contact, key=lambda change: change.errors.get(quantity.name, 0.0))
-    return LeftOut(mesh.errors, contact.errors, larger.when)
+        mesh = {}
+    return LeftOut(mesh, contact, _worst_time(wanted[0], run, [other, by_contact]))
 
 
-class _Change(NamedTuple):
-    """Relative changes of numbers by name, and when a history changes most, s."""
-
-    errors: Mapping[str, float]
-    when: float | None
-
-
-def _sum_of_changes(quantity: Quantity, run: Run, others: Sequence[Run | float | None]) -> _Change:
-    """The sum of the changes of a quantity, and of each number, from a run to others."""
-    changes = [_change(quantity, run, other) for other in others]
-    largest = max(changes, key=lambda change: change.errors[quantity.name])
-    total = Found(largest.errors.keys, lambda one: math.fsum(of.errors[one] for of in changes))
-    return _Change(total, largest.when)
-
-
-def _change(quantity: Quantity, run: Run, other: Run | float | None) -> _Change:
+def _changes(
+    wanted: Sequence[Quantity], run: Run, other: Run | float | None
+) -> Mapping[str, float]:
+    """Relative changes of the quantities, and of each number, from a run to another, by name."""
     if not isinstance(other, Run):
-        size = other or 0.0
-        errors = number_errors(run, (), known={quantity.name: size})
-        return _Change(Found(lambda: errors, lambda name: errors[name] + size), None)
-    find = partial(number_errors, run, [(other, 1.0)], on_the_way=True)
-    if quantity.is_history:
-        changes = np.abs(quantity.deviation(other, run))
-        when = float(run.t[changes.argmax() % len(run.t)])
-    else:  # in a scene of each contact or body
-        each = find()
-        when = None
-        changes = np.array([each[name] for name in quantity.names(run)])
-    return _Change(find({quantity.name: float(changes.max(initial=0.0))}), when)
+        return Found(lambda: run.numbers, lambda _: other or 0.0)
+    each = number_errors(run, [(other, 1.0)], on_the_way=True)
+    known = {
+        of.name: of.difference(other, run)
+        if of.is_history
+        # In a scene of each contact or body.
+        else max((each[name] for name in of.names(run)), default=0.0)
+        for of in wanted
+    }
+    return Found(lambda: each, each.__getitem__, known)
+
+
+def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float | None]) -> float | None:
+    """When a history changes most from a run to others, s; None of a number."""
+    runs = [of for of in others if isinstance(of, Run) and quantity.is_history]
+    changes = [np.abs(quantity.deviation(of, run)) for of in runs]
+    largest = max(changes, key=np.max, default=None)
+    return None if largest is None else float(run.t[largest.argmax() % len(run.t)])
 
 
 def _with_models(run: Run) -> Run:

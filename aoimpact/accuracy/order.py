@@ -14,7 +14,16 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
-from ..base import AOImpactError, ConvergenceError, InputError, InputTypeError, LawLimitError
+import numpy as np
+
+from ..base import (
+    AOImpactError,
+    ConvergenceError,
+    FloatArray,
+    InputError,
+    InputTypeError,
+    LawLimitError,
+)
 from ..contact import own_contact_time
 from ..linalg import Solver
 from ..reduction import Body, BodyModel, FullModel
@@ -67,7 +76,7 @@ class TimeScales(NamedTuple):
 
 
 def first_guess(
-    bodies: Sequence[BodyModel], run: Callable[[Models], Run], quantity: Quantity
+    bodies: Sequence[BodyModel], run: Callable[[Models], Run], wanted: Sequence[Quantity]
 ) -> TimeScales:
     """Estimate the time scales of a scene by rigid bodies."""
     meshed = (body for body in bodies if isinstance(body, FullModel))
@@ -75,7 +84,7 @@ def first_guess(
     otherwise = TimeScales(min((time for time in own if math.isfinite(time)), default=1.0), 0.0)
     rigid = tuple(_rigid(body, otherwise.contact_time) for body in bodies)
     try:
-        return _scales(quantity, run(rigid), otherwise)
+        return _scales(wanted, run(rigid), otherwise)
     except (InputError, ConvergenceError):  # e.g. of two walls
         return otherwise
 
@@ -88,9 +97,10 @@ def _rigid(body: BodyModel, contact_time: float) -> Any:
     return body.body.kept.get(("rigid", contact_time, *(tip.key for tip in body.tips)), make)
 
 
-def _scales(quantity: Quantity, run: Run, otherwise: TimeScales) -> TimeScales:
+def _scales(wanted: Sequence[Quantity], run: Run, otherwise: TimeScales) -> TimeScales:
     """The time scales of a run; the contact time of `otherwise` if no contact ends in it."""
-    return TimeScales(quantity.contact_time(run) or otherwise.contact_time, quantity.span(run))
+    contact_time = wanted[0].contact_time(run) or otherwise.contact_time
+    return TimeScales(contact_time, max(of.span(run) for of in wanted))
 
 
 @dataclass(eq=False)
@@ -105,9 +115,9 @@ class Search:
     plan : Scenario
         Of the bodies.
     bodies : sequence of Body, FullModel or Hierarchy
-    quantity : Quantity
+    wanted : sequence of Quantity
     rtol : float
-        Relative error that is aimed at; the first orders follow from it.
+        Relative error of each that is aimed at; the first orders follow from it.
     rule : Adaptive or Newmark
     record : RecordLength
         How long runs are. The largest models determine it for those compared with them.
@@ -122,11 +132,13 @@ class Search:
         With models of these orders; None where models that small cannot be run.
     compared : list of (Run, float)
         Runs with smaller models, and the error over the difference to each.
+    errors : ndarray
+        Relative error of each quantity by the models.
     """
 
     plan: Scenario
     bodies: Sequence[Any]
-    quantity: Quantity
+    wanted: Sequence[Quantity]
     rtol: float
     rule: TimeSolver
     record: RecordLength
@@ -135,6 +147,7 @@ class Search:
     orders: _Orders = field(init=False)
     run: Run | None = field(init=False, default=None)
     compared: list[tuple[Run, float]] = field(init=False, default_factory=list)
+    errors: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
         self._unlike = list(dict.fromkeys(self.bodies))
@@ -145,10 +158,10 @@ class Search:
         # How long contacts last hardly depends on friction, which costs twenty times as much.
         smooth = [of._replace(friction=None) for of in self.plan.contacts]
         guess = partial(self._run_of, replace(self.plan, contacts=smooth))
-        self._fit(first_guess(self.bodies, guess, self.quantity))
+        self._fit(first_guess(self.bodies, guess, self.wanted))
 
     def error(self) -> float:
-        """Return the relative error of the quantity from the models; infinite where none can run.
+        """Return the largest relative error by the models; infinite where none can run.
 
         Models that were fitted to quite another contact time are fitted anew.
         """
@@ -157,17 +170,18 @@ class Search:
             self.run = self._at(self.orders)
             if self.run is None:
                 return math.inf
-            found = _scales(self.quantity, self.run, self._scales)
+            found = _scales(self.wanted, self.run, self._scales)
             if self._fits == _MOST_FITS or self._scales.suit(found):
                 break
             self._fit(found)
-        error, self.compared = 0.0, []
+        self.errors = np.zeros(len(self.wanted))
+        self.compared = []
         for orders, share in zip(self._smaller, _SHARES, strict=False):
             other = self._at(orders)
-            error = max(error, share * self._apart(other))
+            self.errors = np.maximum(self.errors, share * self._apart(other))
             if other is not None:
                 self.compared.append((other, share))
-        return error
+        return float(self.errors.max())
 
     def enlarge(self, rtol: float) -> bool:
         """Take larger models, and return True; False where there are none, or none are tried.
@@ -186,7 +200,7 @@ class Search:
         orders, poor = self.orders, []
         for i, n in enumerate(self._smaller[0]):
             apart = self._apart(self._at((*orders[:i], n, *orders[i + 1 :])))
-            poor.append(_SHARES[0] * apart * len(orders) > rtol)
+            poor.append(_SHARES[0] * apart.max() * len(orders) > rtol)
         grown = zip(self._made, orders, poor, strict=True)
         self.orders = tuple(
             [
@@ -198,8 +212,15 @@ class Search:
 
     def failure(self, error: float) -> AOImpactError:
         """Return why there are no models of a smaller error."""
-        failure = self._failure if self.run is None else None
-        return failure or _no_convergence(error, max(self.orders))
+        if self.run is None and self._failure is not None:
+            return self._failure
+        eased = _EASED * error
+        larger = f"take rtol={eased:.2g} or more, " if eased < 1.0 else "take "
+        return ConvergenceError(
+            f"the quantity still changes by {error:.2g} at {max(self.orders)} anti-oscillators: "
+            f"{larger}a shorter duration, a contact over a patch (radius=), whose waves are "
+            "longer, or the full finite-element models"
+        )
 
     def models(self) -> Models:
         """Return the models of the bodies; what only larger ones need is given back."""
@@ -261,18 +282,9 @@ class Search:
             tuple([n if n >= one.most else int(n / share) for one, n in pairs]) for share in shares
         ]
 
-    def _apart(self, other: Run | None) -> float:
-        """The relative difference of the quantity to another run; infinite where there is none."""
+    def _apart(self, other: Run | None) -> FloatArray:
+        """The relative difference of each quantity to another run; infinite where there is none."""
         if self.run is None or other is None:
-            return math.inf
-        apart = self.quantity.difference(self.run, other)
-        return apart if math.isfinite(apart) else math.inf
-
-
-def _no_convergence(error: float, order: int) -> ConvergenceError:
-    larger = f"take rtol={_EASED * error:.2g} or more, " if _EASED * error < 1.0 else "take "
-    return ConvergenceError(
-        f"the quantity still changes by {error:.2g} at {order} anti-oscillators: "
-        f"{larger}a shorter duration, a contact over a patch (radius=), whose waves are longer, or "
-        "the full finite-element models"
-    )
+            return np.full(len(self.wanted), np.inf)
+        apart = np.array([of.difference(self.run, other) for of in self.wanted])
+        return np.where(np.isfinite(apart), apart, np.inf)

@@ -74,6 +74,7 @@ class Sensor(Frozen):
             history=history,
             each="bodies",
             lasting=True,
+            memory=self.memory,
         )
 
 

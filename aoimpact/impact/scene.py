@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..accuracy import (
-    Sensor,
+    Interest,
     check_linear_solver,
     checked_rtol,
     choose_models,
@@ -37,7 +37,6 @@ from ..base import (
     text,
     warn,
 )
-from ..contact import ContactPoint
 from ..fem import Layers
 from ..laws import ContactLaw, LawFromSurfaces, law_between
 from ..linalg import Solver
@@ -331,7 +330,7 @@ class Scene:
         solver: TimeSolver | None = None,
         energies: bool = True,
         preload: bool = False,
-        quantity: str | Handle | ContactPoint | Sensor | None = None,
+        quantity: Handle | Interest | Sequence[Handle | Interest] | None = None,
         rtol: float | None = None,
         linear_solver: Solver | None = None,
     ) -> Run:
@@ -350,7 +349,7 @@ class Scene:
             Whether to start from rest under gravity and the loads at t = 0, bodies pressed on each
             other, found by a static solve; velocities are then added. What no force presses stays
             where it was put, or moves aside as far as it must.
-        quantity : str, Handle, ContactPoint or sensor, optional
+        quantity : str, Handle, ContactPoint or sensor, or list of these, optional
             The quantity of interest: "force" (of every contact over the record), "peak_force",
             "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
             every contact), "rebound_velocity" (after the last contact, of every body but those held
@@ -360,7 +359,8 @@ class Scene:
             displacement over the record, or a sensor such as `ReactionAt`, as for `simulate`.
             Contact points are reduced as far as the tolerance allows, and AO models truncated if
             this or `rtol` is given; `Run.models` are those taken. A body
-            that was added twice is reduced once. Numbers are read by `Run.value`.
+            that was added twice is reduced once. Numbers are read by `Run.value`. Each of a list is
+            right to `rtol`, see `simulate`.
         rtol : float, optional
             Its relative error. If left out, 2e-3, or up to 1e-2 where the largest models that are
             tried do not give 2e-3. That of a history is its largest over the record, relative to
@@ -503,15 +503,16 @@ class Scene:
         chosen = controlled or (plan.meshed and any(body.reducible for body in plan.bodies))
         if linear_solver is not None:
             check_linear_solver(linear_solver, chosen=chosen)
+        margin = 0.0
         if controlled:  # bad input is refused before any work is done
             checked_rtol(rtol)
-            self._interest(quantity, plan)
+            margin = max(of.memory for of in self._interest(quantity, plan))
         foreseen = Foreseen(plan, linear_solver or "auto")
         if duration is None:
             record = foreseen.record()
         else:
             record = RecordLength(positive("duration", duration, unit="s"), given=True)
-        record.margin = quantity.memory if isinstance(quantity, Sensor) else 0.0
+        record.margin = margin
         names = [member.called for member in self._members]
         eased: dict[int | None, str] = {}  # contacts that are stiffer than their meshes
         said = list[str]()
@@ -540,11 +541,11 @@ class Scene:
             except LawLimitError as error:
                 number = error.contact
                 ends = [] if number is None else plan.touched(plan.contacts[number])
-                widen = any(tip.automatic for *_, tip in ends)
-                whole = any(
+                ways = ["", *["wider"] * any(tip.automatic for *_, tip in ends)]
+                if any(
                     isinstance(tip.thin, Layers) or (chosen and tip.body.finer) for *_, tip in ends
-                )
-                ways = ["", *["wider"] * widen, *["whole"] * whole]
+                ):
+                    ways.append("whole")
                 left = ways[ways.index(eased.get(number, "")) + 1 :]
                 if not left:
                     raise
@@ -563,8 +564,21 @@ class Scene:
         warn_of_run(run)
         return run
 
-    def _interest(self, quantity: Any, plan: Scenario) -> Quantity:
-        """The quantity of interest; where nothing meets, the motion of a body to be reduced."""
+    def _interest(self, quantity: Any, plan: Scenario) -> tuple[Quantity, ...]:
+        """The quantities of interest, by distinct names."""
+        given = quantity if isinstance(quantity, (list, tuple)) else [quantity]
+        if not given:
+            raise InputError("quantity is empty: give one quantity at least, or leave it out")
+        found = dict.fromkeys(self._quantity(of, plan) for of in given)
+        names = [of.name for of in found]
+        before = [names[:i].count(name) for i, name in enumerate(names)]
+        return tuple(
+            replace(of, name=f"{of.name}_{n + 1}") if n else of
+            for of, n in zip(found, before, strict=True)
+        )
+
+    def _quantity(self, quantity: Any, plan: Scenario) -> Quantity:
+        """A quantity of interest; where nothing meets, the motion of a body to be reduced."""
         bodies = plan.bodies
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)

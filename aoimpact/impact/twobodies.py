@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 from numpy.typing import ArrayLike
 
-from ..accuracy import Sensor
+from ..accuracy import Interest
 from ..base import InputError, InputTypeError, boolean, nonnegative, plain, warn
-from ..contact import ContactPoint
 from ..laws import ContactLaw
 from ..linalg import Solver
 from ..results import ROLES, Result, TimeSolver, warn_of_exchange
@@ -31,7 +31,7 @@ def simulate(
     solver: TimeSolver | None = None,
     gap: float = 0.0,
     energies: bool = True,
-    quantity: str | ContactPoint | Sensor | None = None,
+    quantity: Interest | Sequence[Interest] | None = None,
     rtol: float | None = None,
     linear_solver: Solver | None = None,
 ) -> Result:
@@ -77,7 +77,7 @@ def simulate(
         Distance to go before the bodies touch, m, not negative.
     energies : bool, optional
         Whether to record energies as well.
-    quantity : str, ContactPoint or sensor, optional
+    quantity : str, ContactPoint or sensor, or list of these, optional
         The quantity of interest: "force" (over the record; the default), "peak_force", "peak_time",
         "impulse", "contact_duration" (of the first contact), "contact_count" (how often they
         touch), "rebound_velocity", "restitution", with friction "peak_friction_force",
@@ -87,7 +87,8 @@ def simulate(
         over the record. Contact points are reduced as
         far as the tolerance allows, and AO models truncated if this or `rtol` is given;
         `Result.models` are those taken. Only this quantity is right to `rtol`:
-        `Result.error` estimates the errors of the others by name.
+        `Result.error` estimates the errors of the others by name. Of a list each is:
+        ``error["strain"]``, and ``error["strain_2"]`` of a second one of that name.
     rtol : float, optional
         Its relative error by reduction and time integration. If left out, 2e-3, or up to 1e-2
         where the largest models that are tried do not give 2e-3. That of a history is its largest

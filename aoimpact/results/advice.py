@@ -35,7 +35,7 @@ from ..laws import (
     yield_pressure,
 )
 from ..reduction import Body, BodyModel, is_valid_for
-from .errors import ErrorEstimate, percent
+from .errors import ErrorParts, percent
 
 if TYPE_CHECKING:
     from ..scene import Contact, Scenario
@@ -522,9 +522,9 @@ _DRIFT, _LEAST_ERROR = 100.0, 1e-12
 MESH_LIMIT = 0.1
 
 
-def warn_of_mesh(run: Run, error: ErrorEstimate) -> None:
-    """Warn of a large error by meshes or contacts, and name the cure."""
-    quantity, plan = error.quantity or "force", run.plan
+def warn_of_mesh(run: Run, quantity: str, error: ErrorParts) -> None:
+    """Warn of a large error of a quantity by meshes or contacts, and name the cure."""
+    plan = run.plan
     tips = {(body, port): tip for of in plan.contacts for body, port, tip in plan.touched(of)}
     meshed = [
         (run.names[body], tip, mesh.quadratic)

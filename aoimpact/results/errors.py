@@ -14,27 +14,22 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
-    """The quantity that a run's models were chosen for, and the errors by these models.
+    """The quantities that a run's models were chosen for, and the errors by these models.
 
     Attributes
     ----------
-    quantity : str
+    quantities : mapping of str to (str, float)
+        Unit of each, and the largest value of a history over the record; NaN of a number.
     rtol : float
-        The tolerance that was requested for it, relative.
+        The tolerance that was requested for each, relative.
     numbers : mapping of str to float
-        The estimated error from the models of the quantity, and of each number that sums up the
+        The estimated error from the models of the quantities, and of each number that sums up the
         run.
-    unit : str
-        That of the quantity.
-    most : float
-        Largest value of a history over the record; NaN of a number.
     """
 
-    quantity: str
+    quantities: Mapping[str, tuple[str, float]]
     rtol: float
     numbers: Mapping[str, float]
-    unit: str = ""
-    most: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -141,8 +136,8 @@ class ErrorEstimate(ErrorParts):
     """Errors of a run: ``error["restitution"].total`` of any number that the summary prints.
 
     ``error.mesh``, ``.contact``, ``.model``, ``.time`` and ``.total`` are those of the quantity of
-    interest, or of the force if none was given. Only the model's part of that quantity is
-    controlled; the others are as they are. Iterating gives the names.
+    interest, the first of several, or of the force if none was given. Only the model's part of
+    these quantities is controlled; the others are as they are. Iterating gives the names.
 
     Attributes
     ----------
@@ -152,7 +147,7 @@ class ErrorEstimate(ErrorParts):
         Range of the total energy over the record, relative to the largest kinetic and elastic
         energy in it. No solver uses it, so it checks the run independently.
     quantity : str or None
-        The quantity of interest, if one was given.
+        The quantity of interest, if one was given; of several the first.
     rtol : float or None
         The tolerance that was requested for it.
     worst_time : float or None

@@ -121,6 +121,8 @@ class Quantity:
         Whether it counts something, so that it is right or wrong.
     lasting : bool
         Whether the motion after the last contact is part of it.
+    memory : float
+        By how much longer than the impact a record is for it, s.
     least : callable, optional
         Least scale of relative errors, from the velocities at the start, as `Speeds.before`.
     sliding : bool
@@ -141,6 +143,7 @@ class Quantity:
     column: bool = False
     count: bool = False
     lasting: bool = False
+    memory: float = 0.0
     sliding: bool = False
     least: Callable[[FloatArray], Any] | None = None
     by_momentum: Callable[[Run, FloatArray], FloatArray] | None = None
@@ -216,6 +219,12 @@ class Quantity:
             first = 0.0
         return (run.duration if self.lasting else last) - first
 
+    def largest(self, run: Run) -> float:
+        """Return the largest value of a history over the record; NaN of a number."""
+        if self.history is None:
+            return math.nan
+        return float(np.abs(self.history(run, run.t)).max(initial=0.0))
+
     def contact_time(self, run: Run) -> float | None:
         """Return the duration of the first contact, s, or None where none ends in the record.
 
@@ -281,9 +290,10 @@ def look_up(result: Run, name: str, argument: str) -> float:
     """
     with contextlib.suppress(KeyError):
         return result.numbers[name]
-    chosen, found = result.chosen, cast("Any", result)
-    if chosen is not None and name == chosen.quantity and not math.isnan(chosen.most):
-        return float(chosen.most)
+    found = cast("Any", result)
+    largest = result.chosen.quantities.get(name, ("", math.nan))[1] if result.chosen else math.nan
+    if not math.isnan(largest):
+        return largest
     for part in name.split("."):
         try:
             found = found[int(part)] if part.isdigit() else getattr(found, part)
@@ -339,11 +349,9 @@ def number_errors(
                 change = quantity.by_momentum(run, _momentum_apart(run, other))
                 apart = np.maximum(apart, change[: len(apart)])
             scales = quantity.at_least(np.abs(theirs), before)
-            found.append(times * float(_relative(apart, scales)[at]))
-        absent = math.isnan(values[at]) or any(
-            math.isnan(quantity.values(of)[at]) for of, _ in others
-        )
-        return math.inf if absent else max(found)
+            absent = math.isnan(quantity.values(other)[at])
+            found.append(math.inf if absent else times * float(_relative(apart, scales)[at]))
+        return math.inf if math.isnan(values[at]) else max(found)
 
     return Found(lambda: ["force", *run.numbers], find, known)
 

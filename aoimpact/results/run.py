@@ -860,11 +860,11 @@ class Run:
         names = number_errors(self, ())
         full = [model for model in models if isinstance(model, FullModel)]
         whole = full and all(of in full for of in models if of.tips)
-        quantity = rtol = absent = None
+        quantities, rtol, absent = list[str](), None, None
         by_model: Mapping[str, float] = names if whole else {}  # which leaves nothing out
         if self.chosen is not None:
-            quantity, rtol, by_model = self.chosen.quantity, self.chosen.rtol, self.chosen.numbers
-            absent = None if self.plan.meshed else 0.0
+            quantities, rtol = list(self.chosen.quantities), self.chosen.rtol
+            by_model, absent = self.chosen.numbers, None if self.plan.meshed else 0.0
         out = self._left_out
 
         def parts(name: str) -> ErrorParts:
@@ -876,11 +876,12 @@ class Run:
             return ErrorParts(mesh, contact, by_model.get(name), self.time_error)
 
         found = Found(lambda: {**names, **by_model}, parts)
+        for name in quantities or ["force"]:
+            warn_of_mesh(self, name, found[name])
+        quantity = quantities[0] if quantities else None
         main = found[quantity or "force"]
         sources = main.mesh, main.contact, main.model, main.time
-        estimate = ErrorEstimate(*sources, found, energy, quantity, rtol, out.worst_time)
-        warn_of_mesh(self, estimate)
-        return estimate
+        return ErrorEstimate(*sources, found, energy, quantity, rtol, out.worst_time)
 
     # ---------------------------------------------------------------------- output
 

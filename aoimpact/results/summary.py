@@ -81,7 +81,7 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
         wide = "" if math.isnan(dent.diameter) else f", {with_unit(dent.diameter, 'm', 3)} wide"
         rows.append(("residual dent", f"{with_unit(dent.depth, 'm', 3)} deep{wide}"))
     rows += [(of.name, str(of)) for of in result.advice]
-    rows += [error_row(result), ("solver", result.solver)]
+    rows += [*error_rows(result), ("solver", result.solver)]
     made_by = [model.linear_solver for model in result.models]
     if any(made_by):
         rows.append(("linear solver", ", ".join(dict.fromkeys(filter(None, made_by)))))
@@ -114,7 +114,7 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
     if max(bodies, contacts) > SHOWN:
         rows.append(("…", f"{bodies} bodies and {contacts} contacts in all"))
     if run.chosen is not None:
-        rows.append(error_row(run))
+        rows += error_rows(run)
     return [*rows, ("solver", run.solver), ("cost", str(run.cost))]
 
 
@@ -213,36 +213,41 @@ def _rebound(result: Result, name: str, along: str = "") -> str:
     return _told(result, name, 5, along=along)
 
 
-def error_row(run: Run) -> tuple[str, str]:
-    """Return what is known of the error: of the quantity of interest, with its value and tolerance.
+def error_rows(run: Run) -> list[tuple[str, str]]:
+    """Return what is known of the error: of the quantities of interest, with value and tolerance.
 
     Of a history, at any time, relative to its largest value.
     """
-    error = run.error
-    parts = error[error.quantity or "force"]
-    if parts.model is None and not run.plan.meshed:
-        return "error of the peak", f"time {percent(parts.time)} %"
-    text = f"{_interest(run, parts)} ({parts.listed()})"
-    if error.quantity is None:
-        return "error", text
-    aim = f"{100.0 * (error.rtol or 0.0):.2g} %"
-    missed = (parts.model or 0.0) > (error.rtol or 0.0)
-    chosen = f"no models tried meet {aim}" if missed else f"models and steps chosen for {aim}"
-    return "error", f"{text}; {chosen}"
+    chosen = run.chosen
+    rows = []
+    for name in ["force"] if chosen is None else chosen.quantities:
+        parts = run.error[name]
+        if parts.model is None and not run.plan.meshed:
+            return [("error of the peak", f"time {percent(parts.time)} %")]
+        text = f"{_interest(run, name, parts)} ({parts.listed()})"
+        if chosen is not None:
+            aim = f"{100.0 * chosen.rtol:.2g} %"
+            missed = (parts.model or 0.0) > chosen.rtol
+            text += (
+                f"; no models tried meet {aim}"
+                if missed
+                else f"; models and steps chosen for {aim}"
+            )
+        rows.append(("error", text))
+    return rows
 
 
-def _interest(run: Run, parts: ErrorParts) -> str:
-    """The quantity of interest, its value and all of its error."""
-    name = run.error.quantity or "force"
+def _interest(run: Run, name: str, parts: ErrorParts) -> str:
+    """A quantity of interest, its value and all of its error."""
     words, interest = name.replace("_", " "), QUANTITIES.get(name)
     if interest is None or interest.is_history:
         bound = _bound(run, QUANTITIES["force"], math.inf, parts)
         at, when = "", run.error.worst_time
-        if when is not None and len(run.events) == 1 and len(run.events[0].contacts) > 1:
+        first = name == (run.error.quantity or "force") and len(run.events) == 1
+        if first and when is not None and len(run.events[0].contacts) > 1:
             at = f" (most at {with_unit(when, 's', 3)})"
-        largest, chosen = "", run.chosen
-        if chosen is not None and not math.isnan(chosen.most):
-            largest = f", {with_unit(chosen.most, chosen.unit, 5)}"
+        unit, most = run.chosen.quantities[name] if run.chosen else ("", math.nan)
+        largest = "" if math.isnan(most) else f", {with_unit(most, unit, 5)}"
         scale = f" of its largest value{largest}" if "±" in bound else ""
         return f"{words} at any time{at}{bound}{scale}"
     values = [run.numbers[of] for of in interest.names(run)]

@@ -375,7 +375,7 @@ def _scene(
 
 
 _WANTED = Annotated[Any, Reader("a name or a table", (str, dict), _read_wanted)]
-_SCENE = Table(_scene, hints={"quantity": _WANTED}, owner=Scene)
+_SCENE = Table(_scene, hints={"quantity": _WANTED | Sequence[_WANTED]}, owner=Scene)
 
 # ------------------------------------------------------------------------------------- sweeps
 

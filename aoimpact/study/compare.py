@@ -288,7 +288,7 @@ def compare(
         with held_warnings():
             return run(*models, solver=_IN_TIME)
 
-    contact_time, span = first_guess(bodies, quick, QUANTITIES["target_displacement"])
+    contact_time, span = first_guess(bodies, quick, [QUANTITIES["target_displacement"]])
     linear = checked_solver(linear_solver, name="linear_solver")
     hierarchies = [
         model_hierarchy(body, contact_time, max(span, duration), linear) for body in bodies
