@@ -176,10 +176,8 @@ class Grounding:
 
     def __init__(self, body: Any) -> None:
         if not body.assembled:
-            raise InputError(
-                "reactions need the rows of K and M of the supports, and this body was given "
-                "without them: make it with FEModel.from_mesh(mesh, material, fixed=...)"
-            )
+            why = "reactions need the rows of K and M of the supports, which this body lacks"
+            raise InputError(f"{why}: make it with FEModel.from_mesh(mesh, material, fixed=...)")
         self.body = body
         self.held, K, M = body.held
         if body.masses is not None:

@@ -59,14 +59,14 @@ def is_nodal(head: bytes) -> bool:
     return _is_entry(next(lines, b"").replace(b",", b" "), 4)
 
 
-def read_triples(file: Path, size: int) -> list[RawMatrix]:
+def read_triples(file: Path) -> list[RawMatrix]:
     """Read lines of row, column and value, rows and columns from 1."""
     rows, cols, values = _coordinates(file, 0)
     largest = int(max(rows.max(), cols.max())) + 1
     return [RawMatrix(file, "", largest, rows, cols, values, before=0)]
 
 
-def read_nodal(file: Path, size: int) -> list[RawMatrix]:
+def read_nodal(file: Path) -> list[RawMatrix]:
     """Read entries by labels."""
     with file.open("rb") as stream:
         first = next(line for line in stream if line.strip() and not line.startswith(b"*"))
@@ -74,11 +74,11 @@ def read_nodal(file: Path, size: int) -> list[RawMatrix]:
     return [labelled(file, "", labels[:2], labels[2:], values)]
 
 
-def read_market(file: Path, size: int) -> list[RawMatrix]:
+def read_market(file: Path) -> list[RawMatrix]:
     """Read a file of Matrix Market, of coordinates or dense."""
     with file.open("rb") as stream:
         header = stream.readline(1024).decode("utf-8-sig", "replace").lower().split()[1:5]
-        before, line = 2, stream.readline(2**16)
+        size, before, line = os.fstat(stream.fileno()).st_size, 2, stream.readline(2**16)
         while line.startswith(b"%") or (line and not line.strip()):
             before, line = before + 1, stream.readline(2**16)
     if not _MARKET.fullmatch(" ".join(header)):

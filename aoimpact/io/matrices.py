@@ -203,21 +203,22 @@ def read_matrices(
 # --------------------------------------------------------------------------------- the files
 
 
-def _read_npz(file: Path, size: int) -> list[RawMatrix]:
+def _read_npz(file: Path) -> list[RawMatrix]:
     """Read a sparse matrix of SciPy's."""
     try:
         with zipfile.ZipFile(file) as archive:
             whole = sum(one.file_size for one in archive.infolist())
         require(3 * whole, f"matrix file {str(file)!r}", "take a coarser mesh")
         matrix = sp.coo_array(sound_matrix("it", sp.load_npz(file)))
+        matrix.sum_duplicates()
     except Exception as error:  # a damaged archive makes zipfile, NumPy and SciPy raise almost any
         raise spoilt(file, f"it is no square matrix of SciPy, or cut short: {error}") from None
     rows, cols = (at.astype(np.int64) for at in matrix.coords)
-    return [RawMatrix(file, "", matrix.shape[0], rows, cols, matrix.data, unique=False)]
+    return [RawMatrix(file, "", matrix.shape[0], rows, cols, matrix.data)]
 
 
 # Formats: their names, the tests of a file's first bytes, and the readers.
-FORMATS: dict[str, tuple[Callable[[bytes], bool], Callable[[Path, int], list[RawMatrix]]]] = {
+FORMATS: dict[str, tuple[Callable[[bytes], bool], Callable[[Path], list[RawMatrix]]]] = {
     "Matrix Market": (is_market, read_market),
     "SciPy .npz": (lambda head: head.startswith(b"PK\x03\x04"), _read_npz),
     "Nastran OP4": (is_op4, read_op4),
@@ -251,7 +252,7 @@ def load_matrices(file: Path) -> list[RawMatrix]:
     )
     for matches, read in FORMATS.values():
         if matches(head):
-            return read(file, size)
+            return read(file)
     for mark, cure in _OTHERS.items():
         if mark in head[:4096]:
             raise spoilt(file, f"it is a file {cure}")

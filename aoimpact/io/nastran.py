@@ -834,7 +834,7 @@ def is_dmig(head: bytes) -> bool:
     return re.search(rb"^DMIG", head, re.MULTILINE | re.IGNORECASE) is not None
 
 
-def read_dmig(file: Path, size: int) -> list[RawMatrix]:
+def read_dmig(file: Path) -> list[RawMatrix]:
     """Read all matrices of a file.
 
     An entry is a header (name, 0, IFO, TIN), or a column: its name, node and component, then node,

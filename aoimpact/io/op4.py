@@ -39,7 +39,7 @@ def is_op4(head: bytes) -> bool:
     return _binary(head) is not None or (text is not None and bool(_NAMED.match(text[5])))
 
 
-def read_op4(file: Path, size: int) -> list[RawMatrix]:
+def read_op4(file: Path) -> list[RawMatrix]:
     """Read all matrices of a file."""
     content = file.read_bytes()
     kind = _binary(content)

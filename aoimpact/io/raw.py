@@ -378,8 +378,6 @@ class RawMatrix:
     values : ndarray
     labels : ndarray of int, shape (size, 2), or None
         Node and component of each row.
-    unique : bool
-        True if an entry given twice is an error; else the two add up.
     triangle : bool
         True if the file says that it holds one triangle only.
     unfit : str
@@ -395,7 +393,6 @@ class RawMatrix:
     cols: IntArray
     values: FloatArray
     labels: IntArray | None = None
-    unique: bool = True
     triangle: bool = False
     unfit: str = ""
     before: int | None = None
@@ -419,7 +416,7 @@ class RawMatrix:
         """
         shape = (self.size, self.size)
         matrix = sp.csr_array(sp.coo_array((self.values, (self.rows, self.cols)), shape=shape))
-        if self.unique and matrix.nnz < len(self.values):
+        if matrix.nnz < len(self.values):
             order = np.lexsort((self.cols, self.rows))
             rows, cols = self.rows[order], self.cols[order]
             first = int(np.flatnonzero((np.diff(rows) == 0) & (np.diff(cols) == 0))[0])
