@@ -54,14 +54,12 @@ static aoi_coupled lay_out(const aoi_adaptive *run, size_t count)
 {
     aoi_coupled e = {.count = count, .band = run->span < count ? run->span : count - 1};
     const size_t entries = count * (2 * e.band + 1);
-    double *work = run->collocation;
+    double **part[] = {&e.free, &e.rate_free, &e.indentation, &e.rate, &e.force}, *work = run->collocation;
     e.compliance = aoi_work_take(&work, entries);
     e.rate_compliance = aoi_work_take(&work, entries);
-    e.free = aoi_work_take(&work, count);
-    e.rate_free = aoi_work_take(&work, count);
-    e.indentation = aoi_work_take(&work, count);
-    e.rate = aoi_work_take(&work, count);
-    e.force = aoi_work_take(&work, count);
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
+        *part[i] = aoi_work_take(&work, count);
+    }
     e.work = work;
     return e;
 }

@@ -20,8 +20,6 @@ enum { SQUARE = AOI_NODES * AOI_NODES };
 /* Blocks of a row of contacts: those up to span away on either side. */
 static size_t blocks_of(size_t span) { return 2 * span + 1; }
 
-static size_t half_width(size_t span) { return AOI_NODES * (span + 1) - 1; }
-
 size_t aoi_collocation_size(size_t count, size_t span)
 {
     const size_t rows = aoi_times(count, AOI_NODES), width = aoi_times(2 * AOI_NODES, span + 1);
@@ -114,7 +112,7 @@ typedef struct equations {
 /* In work space behind the couplings. */
 static equations lay_out(size_t count, size_t span, double *work)
 {
-    const size_t n = count * AOI_NODES, half = half_width(span);
+    const size_t n = count * AOI_NODES, half = AOI_NODES * (span + 1) - 1;
     return (equations){n, half, 2 * half, work, work + half, work + n * (2 * half + 1)};
 }
 

@@ -75,32 +75,21 @@ size_t aoi_coupled_size(size_t count, size_t band)
     return count > 1 ? aoi_times(aoi_plus(VECTORS + 1, aoi_times(2, band)), count) : 0;
 }
 
-static void iterate_lay_out(iterate *at, double **work, size_t n)
-{
-    at->unloaded = aoi_work_take(work, n);
-    at->unloaded_rate = aoi_work_take(work, n);
-    at->of_place = aoi_work_take(work, n);
-    at->of_rate = aoi_work_take(work, n);
-    at->off = aoi_work_take(work, n);
-    at->rate_off = aoi_work_take(work, n);
-}
-
 static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact_state *contact, double *work)
 {
-    const size_t n = e->count;
     *s = (newton){.e = e, .contact = contact, .width = 2 * e->band + 1};
-    s->now.indentation = e->indentation;
-    s->now.force = e->force;
-    iterate_lay_out(&s->now, &work, n);
-    s->trial.indentation = aoi_work_take(&work, n);
-    s->trial.force = aoi_work_take(&work, n);
-    iterate_lay_out(&s->trial, &work, n);
-    s->size = aoi_work_take(&work, n);
-    s->rate_size = aoi_work_take(&work, n);
-    s->change = aoi_work_take(&work, n);
-    s->move = aoi_work_take(&work, n);
-    s->rate_move = aoi_work_take(&work, n);
-    s->matrix = aoi_work_take(&work, s->width * n);
+    iterate *now = &s->now, *trial = &s->trial;
+    double **part[] = {&now->unloaded,   &now->unloaded_rate,   &now->of_place,   &now->of_rate,
+                       &now->off,        &now->rate_off,        &trial->unloaded, &trial->unloaded_rate,
+                       &trial->of_place, &trial->of_rate,       &trial->off,      &trial->rate_off,
+                       &trial->force,    &trial->indentation,   &s->size,         &s->rate_size,
+                       &s->change,       &s->move,              &s->rate_move};
+    now->indentation = e->indentation;
+    now->force = e->force;
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
+        *part[i] = aoi_work_take(&work, e->count);
+    }
+    s->matrix = work;
 }
 
 /* The columns of row i are first .. last-1, column j at [i * width + band + j - i]. */

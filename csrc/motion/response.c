@@ -294,13 +294,12 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_
     const size_t size = AOI_NODES * body->n, pairs = pairs_of(response, body);
     response->h = h;
     response->has_rates = with_rates;
-    response->impulse = block;
-    response->rate = block + size;
-    response->step = block + 2 * size;
-    response->ramp = block + 3 * size;
-    response->to_x = block + 4 * size;
-    response->to_v = block + 5 * size;
-    response->influence = block + 6 * size;
+    double **of_modes[] = {&response->impulse, &response->rate, &response->step,
+                           &response->ramp,    &response->to_x, &response->to_v};
+    for (size_t i = 0; i < sizeof of_modes / sizeof *of_modes; i++, block += size) {
+        *of_modes[i] = block;
+    }
+    response->influence = block;
     response->influence_rate = response->influence + pairs * SQUARE;
     response->scratch = response->influence_rate + pairs * SQUARE;
     response->impulse_response = response->scratch + pairs * OF_PAIR;

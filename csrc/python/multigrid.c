@@ -54,15 +54,16 @@ typedef struct part_call {
     call of;
     aoi_blocks matrix;
     aoi_part part;
-    size_t length, entries, works; /* a work array has n works numbers */
+    size_t stage, length, entries, works; /* a work array has n works numbers */
 } part_call;
 
-/* The first two of `size` items: a matrix, a tuple that begins with a pattern, and (begin, end). */
-static void take_part(part_call *all, PyObject *args, size_t size, size_t parts)
+/* The first three of `size` items: a matrix, a tuple of so many parts that begins with a pattern, (begin, end) and the
+ * stage, of those of a product or any. */
+static void take_part(part_call *all, PyObject *args, size_t size, size_t parts, int product)
 {
     call *of = &all->of;
     PyObject *described = NULL, *rows = NULL;
-    TAKE_SOME(of, args, 0, size, VALUE('t', described), VALUE('t', rows));
+    TAKE_SOME(of, args, 0, size, VALUE('t', described), VALUE('t', rows), VALUE('n', all->stage));
     PyObject *capsule = tuple_item(of, described, 0, parts);
     const pattern *made = of->status == AOI_OK ? PyCapsule_GetPointer(capsule, PATTERN) : NULL;
     call_fail(of, made ? AOI_OK : CALL_RAISED);
@@ -77,19 +78,13 @@ static void take_part(part_call *all, PyObject *args, size_t size, size_t parts)
     if (all->part.begin > all->part.end || all->part.end > made->matrix.n) {
         PyErr_SetString(PyExc_ValueError, "a part must lie within the rows");
         call_fail(of, CALL_RAISED);
+    } else if (product && all->stage > 1) {
+        PyErr_SetString(PyExc_ValueError, "a stage of a product must be 0 or 1");
+        call_fail(of, CALL_RAISED);
     }
     if (parts == 3) { /* (pattern, values, inverse) */
         TAKE_SOME(of, described, 1, 3, ARRAY('f', all->matrix.values, all->entries),
                   MATRIX('f', all->matrix.inverse, all->length, all->matrix.size));
-    }
-}
-
-/* A product has two stages. */
-static void need_stage(call *of, size_t stage)
-{
-    if (of->status == AOI_OK && stage > 1) {
-        PyErr_SetString(PyExc_ValueError, "a stage of a product must be 0 or 1");
-        call_fail(of, CALL_RAISED);
     }
 }
 
@@ -99,15 +94,13 @@ PyObject *blocks_multiply(PyObject *args)
     part_call all = {.matrix.n = 0};
     const double *values, *x;
     double *y, *work;
-    size_t stage;
-    take_part(&all, args, 6, 2);
+    take_part(&all, args, 6, 2, 1);
     TAKE_SOME(&all.of, tuple_item(&all.of, args, 0, 6), 1, 2, ARRAY('d', values, all.entries));
-    TAKE_SOME(&all.of, args, 2, 6, VALUE('n', stage), ARRAY('d', x, all.length), ARRAY('D', y, all.length),
+    TAKE_SOME(&all.of, args, 3, 6, ARRAY('d', x, all.length), ARRAY('D', y, all.length),
               MATRIX('D', work, all.matrix.n, all.works));
-    need_stage(&all.of, stage);
     if (all.of.status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
-        aoi_blocks_multiply(&all.matrix, all.part, (int)stage, values, x, y, work);
+        aoi_blocks_multiply(&all.matrix, all.part, (int)all.stage, values, x, y, work);
         Py_END_ALLOW_THREADS
     }
     return finish(&all.of, "product of blocks", "");
@@ -119,14 +112,12 @@ PyObject *blocks_subtract(PyObject *args)
     part_call all = {.matrix.n = 0};
     const float *x;
     float *r, *work;
-    size_t stage;
-    take_part(&all, args, 6, 3);
-    TAKE_SOME(&all.of, args, 2, 6, VALUE('n', stage), ARRAY('f', x, all.length), ARRAY('F', r, all.length),
+    take_part(&all, args, 6, 3, 1);
+    TAKE_SOME(&all.of, args, 3, 6, ARRAY('f', x, all.length), ARRAY('F', r, all.length),
               MATRIX('F', work, all.matrix.n, all.works));
-    need_stage(&all.of, stage);
     if (all.of.status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
-        aoi_blocks_subtract(&all.matrix, all.part, (int)stage, x, r, work);
+        aoi_blocks_subtract(&all.matrix, all.part, (int)all.stage, x, r, work);
         Py_END_ALLOW_THREADS
     }
     return finish(&all.of, "product of blocks", "");
@@ -136,12 +127,12 @@ PyObject *blocks_subtract(PyObject *args)
 PyObject *blocks_smooth(PyObject *args)
 {
     part_call all = {.matrix.n = 0};
-    size_t stage, steps;
+    size_t steps;
     int finished;
     double low, high;
     float *x, *r, *work;
-    take_part(&all, args, 10, 3);
-    TAKE_SOME(&all.of, args, 2, 10, VALUE('n', stage), VALUE('n', steps), VALUE('x', low), VALUE('x', high),
+    take_part(&all, args, 10, 3, 0);
+    TAKE_SOME(&all.of, args, 3, 10, VALUE('n', steps), VALUE('x', low), VALUE('x', high),
               VALUE('p', finished), ARRAY('F', x, all.length), ARRAY('F', r, all.length),
               MATRIX('F', work, all.matrix.n, all.works));
     if (all.of.status == AOI_OK && (Py_ssize_t)steps < 1) {
@@ -149,7 +140,7 @@ PyObject *blocks_smooth(PyObject *args)
     }
     if (all.of.status == AOI_OK) {
         Py_BEGIN_ALLOW_THREADS
-        all.of.status = aoi_blocks_smooth(&all.matrix, all.part, stage, steps, low, high, finished, x, r, work);
+        all.of.status = aoi_blocks_smooth(&all.matrix, all.part, all.stage, steps, low, high, finished, x, r, work);
         Py_END_ALLOW_THREADS
     }
     return finish(&all.of, "smoothing", "");

@@ -12,13 +12,11 @@ static arrays lay_out(const aoi_star *star, void *block, size_t *size)
 {
     aoi_memory memory = {block, 0};
     arrays made;
-    made.omega = aoi_memory_doubles(&memory, star->n + 1);
-    made.shape = aoi_memory_doubles(&memory, star->n + 1);
-    made.push = aoi_memory_doubles(&memory, star->n + 1);
-    made.inertia = aoi_memory_doubles(&memory, star->n + 1);
-    made.centre = aoi_memory_doubles(&memory, star->n + 1);
+    double **of_modes[] = {&made.omega, &made.shape, &made.push, &made.inertia, &made.centre, &made.work};
+    for (size_t i = 0; i < sizeof of_modes / sizeof *of_modes; i++) {
+        *of_modes[i] = aoi_memory_doubles(&memory, star->n + 1);
+    }
     made.residual = aoi_memory_doubles(&memory, 1);
-    made.work = aoi_memory_doubles(&memory, star->n);
     *size = memory.used;
     return made;
 }

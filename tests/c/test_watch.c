@@ -62,28 +62,8 @@ static void the_first_comes_first(void)
     }
 }
 
-static void all_come_out_in_order(void)
-{
-    uint64_t seed = 5;
-    watching w;
-    size_t c, count = 0;
-    begin(&w);
-    for (size_t i = 0; i < CONTACTS; i++) {
-        w.contact[i].flight.until = i < 10 ? -HUGE_VAL : uniform(&seed);
-        aoi_watch_add(&w.run, i);
-    }
-    for (double last = -HUGE_VAL; aoi_watch_first(&w.run, 0, HUGE_VAL, &c) < HUGE_VAL; count++) {
-        CHECK(w.contact[c].flight.until >= last, "%zu after what is later", c);
-        CHECK(count >= 10 || c == count, "of those at one time %zu before %zu", c, count);
-        last = w.contact[c].flight.until;
-        CHECK(aoi_watch_remove(&w.run, c) && !aoi_watch_remove(&w.run, c), "once");
-    }
-    CHECK(count == CONTACTS, "all: %zu", count);
-}
-
 int main(void)
 {
     the_first_comes_first();
-    all_come_out_in_order();
     return check_report();
 }

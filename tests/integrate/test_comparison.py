@@ -109,13 +109,15 @@ def swinging_table():
 
 
 def test_a_ball_on_a_swinging_table_is_chaos_and_called_so():
+    """But for one of five: two runs may end near each other by chance."""
     scene, ball = swinging_table()
-    runs = []
-    for rtol in (1e-4, 1e-5):
+    runs, called = [], 0
+    for rtol in (1e-4, 3e-5, 2e-5, 1e-5, 8e-6):
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             runs.append(scene.simulate(duration=8.0, solver=ao.Adaptive(rtol=rtol), energies=False))
-        assert any(f"rtol={rtol:g} cannot be met over" in str(w.message) for w in said)
-        assert runs[-1].error.time > 0.01  # by chance two such runs may end near each other
-    one, other = (run.at(np.linspace(6.0, 8.0, 200))[ball].velocity for run in runs)
+        told = any(f"rtol={rtol:g} cannot be met over" in str(w.message) for w in said)
+        called += told and runs[-1].error.time > 0.01
+    assert called >= 4
+    one, other = (run.at(np.linspace(6.0, 8.0, 200))[ball].velocity for run in runs[:2])
     assert np.abs(one - other).max() > 0.1  # at a single time they may be near by chance
