@@ -29,12 +29,9 @@ _BATCH = 4e6
 # Shells that are taken at a time, for the same reason.
 _SHELLS = 512
 
-# Bytes per pair of nodes that share an element: nine entries of K in blocks, and by rows with their
-# columns, and three of M, with its own before they are spread over the dofs.
-_BYTES_PER_PAIR = 9 * 8 + 9 * 12 + 3 * 12 + 8
-
-# Bytes per pair of nodes of one shell or beam: 36 entries of K and M, with their columns, twice.
-_BYTES_PER_BLOCK = 2 * 2 * 36 * 12
+# Bytes for each pair of dofs of nodes that share an element: K, or K and M, as blocks (8 each) and
+# as rows with their columns (12 each).
+_BYTES_PER_DOFS = 40.0
 
 # The blocks of the upper triangle; the others are their transposes.
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -65,11 +62,6 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
     parts = pieces(mesh, material, (Layers, Beam))
     if not parts:
         return _of_solids(mesh, material)
-    require(
-        _BYTES_PER_BLOCK * float(sum(part.cells.size * part.cells.shape[1] for part in parts)),
-        f"stiffness and mass of {mesh.n_nodes} nodes of shells and beams",
-        "coarsen the mesh away from the contact",
-    )
     dofs = np.arange(3 * mesh.n_nodes).reshape(-1, 3)
     order = np.argsort(np.hstack([dofs, dofs + 3 * mesh.n_nodes]).ravel())
     found = thin_stiffness_mass(mesh.nodes, [(part.cells, part.of) for part in parts])
@@ -104,7 +96,7 @@ def thin_stiffness_mass(
     normals = nodal_normals(nodes, [cells for cells, _ in surfaces]) if surfaces else []
     constant = len({cells.shape[1] for cells, _ in surfaces}) > 1
     strips = [strip for _, strip, _ in joints]
-    indptr, indices, places = _pattern([*(cells for cells, _ in parts), *strips], len(nodes))
+    indptr, indices, places = _pattern([*(of for of, _ in parts), *strips], len(nodes), 6)
     K, M = np.zeros((2, len(indices), 6, 6))
 
     def add(values: FloatArray, place: Any, matrices: FloatArray) -> None:
@@ -126,9 +118,9 @@ def thin_stiffness_mass(
             add(M, place[some], element_mass(at, part))
         if len(strip):
             add(K, there, element_stiffness(nodes[strip], part, ends=links))
-    found, shape = [], (6 * len(nodes), 6 * len(nodes))
+    found, n = [], 6 * len(nodes)
     for of in (K, M):
-        found.append(sp.bsr_array((of, indices, indptr), shape=shape).tocsr())
+        found.append(sp.bsr_array((of, indices, indptr), shape=(n, n)).tocsr())
         found[-1].eliminate_zeros()
     return found
 
@@ -140,12 +132,7 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
     Blocks of K for isotropic elasticity: K_ij = ∫ λ ∂iφ ∂jφᵀ + μ ∂jφ ∂iφᵀ + δij μ ∇φ·∇φᵀ dV; else
     K_ij = ∫ C_ikjl ∂kφ ∂lφᵀ dV.
     """
-    indptr, indices, places = _pattern([block.cells for block in mesh.blocks], mesh.n_nodes)
-    require(
-        _BYTES_PER_PAIR * float(len(indices)),
-        f"stiffness and mass of {mesh.n_nodes} nodes",
-        "coarsen the mesh away from the contact",
-    )
+    indptr, indices, places = _pattern([of.cells for of in mesh.blocks], mesh.n_nodes, 3)
     stiffness, mass = np.zeros((len(indices), 3, 3)), np.zeros(len(indices))
     with bar("assembly", mesh.n_cells, unit="element") as progress:
 
@@ -166,9 +153,9 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
                 np.add.at(mass, place.reshape(-1), values.reshape(-1))
 
         at_once([add_stiffness, add_mass])
-    pairs, shape = (indices, indptr), (mesh.n_nodes, mesh.n_nodes)
-    K = sp.bsr_array((stiffness, *pairs), shape=(3 * mesh.n_nodes, 3 * mesh.n_nodes)).tocsr()
-    M = sp.kron(sp.csr_array((mass, *pairs), shape=shape), sp.eye_array(3), format="csr")
+    n, pairs = mesh.n_nodes, (indices, indptr)
+    K = sp.bsr_array((stiffness, *pairs), shape=(3 * n, 3 * n)).tocsr()
+    M = sp.kron(sp.csr_array((mass, *pairs), shape=(n, n)), sp.eye_array(3), format="csr")
     return with_int32(K), with_int32(M)
 
 
@@ -224,12 +211,14 @@ def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:
     return full
 
 
-def _pattern(groups: Sequence[IntArray], n_nodes: int) -> _Pattern:
+def _pattern(groups: Sequence[IntArray], n_nodes: int, dofs: int) -> _Pattern:
     """Return the pairs of nodes of all elements, each once, and where those of the elements are."""
     pairs = [cells[:, :, None] * n_nodes + cells[:, None, :] for cells in groups]
     key, place = np.unique(np.concatenate([of.ravel() for of in pairs]), return_inverse=True)
     row, column = np.divmod(key, n_nodes)
-    indptr = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=n_nodes))])
+    indptr = np.append(0, np.cumsum(np.bincount(row, minlength=n_nodes)))
+    what = f"stiffness and mass of {n_nodes} nodes"
+    require(_BYTES_PER_DOFS * dofs**2 * len(key), what, "coarsen the mesh away from the contact")
     return indptr.astype(np.int32), column.astype(np.int32), parted(place, pairs)
 
 

@@ -188,18 +188,17 @@ class Surface:
     def edges(self, face: IntArray) -> FloatArray:
         """Return the mean length of the straight edges of each face, m, shape (n,)."""
         corner = self.mesh.nodes[self.corners(face)]
-        triangle = self._triangle[self.side[face]]
         lengths = np.linalg.norm(np.diff(corner, axis=1, append=corner[:, :1]), axis=2)
-        return np.asarray(lengths.sum(axis=1) / np.where(triangle, 3, 4))
+        return np.asarray(lengths.sum(axis=1) / np.where(self._triangles[face], 3, 4))
 
     def middle(self, face: IntArray) -> FloatArray:
         """Return the coordinates (u, v) of the faces' middles, shape (n, 2)."""
-        return np.where(self._triangle[self.side[face]], 1.0 / 3.0, 0.5)[:, None] * np.ones(2)
+        return np.where(self._triangles[face], 1.0 / 3.0, 0.5)[:, None] * np.ones(2)
 
     def corners(self, face: IntArray) -> IntArray:
         """Return the faces' corners in turn, shape (n, 4); a triangle's last is its first."""
         corners = self.nodes[face, :4]
-        triangle = self._triangle[self.side[face]]
+        triangle = self._triangles[face]
         corners[triangle, 3] = corners[triangle, 0]
         return corners
 
@@ -231,7 +230,7 @@ class Surface:
             before = uv
             step = _solved(tangents @ tangents.swapaxes(1, 2), gap)
             u, v = np.clip(uv + step, 0.0, 1.0).T  # then the nearest place on a triangle
-            excess = np.where(self._triangle[self.side[face]], np.maximum(u + v - 1.0, 0.0), 0.0)
+            excess = np.where(self._triangles[face], np.maximum(u + v - 1.0, 0.0), 0.0)
             u = np.clip(u - 0.5 * excess, 0.0, 1.0)
             uv = np.stack([u, np.minimum(v, np.where(excess > 0.0, 1.0 - u, 1.0))], axis=1)
             if np.abs(uv - before).max() <= _CONVERGED:
@@ -302,7 +301,7 @@ class Surface:
         within = (at >= (low - margin)[:, None]) & (at <= (high + margin)[:, None])
         point, candidate = np.nonzero(within.all(axis=0))
         face = face[candidate]
-        n, triangle = len(points), self._triangle[self.side]
+        n = len(points)
         best = Place(np.full(n, -1), np.zeros((n, 2)), points.copy(), np.full(n, np.inf))
         for start in range(0, len(face), _CHUNK):
             to, on = point[start : start + _CHUNK], face[start : start + _CHUNK]
@@ -322,7 +321,7 @@ class Surface:
             uv[missed] = np.inf
             looks = np.cross(tangents[:, 0], tangents[:, 1]) @ axis
             height = np.abs((x - points[to]) @ axis)
-            sum_or_larger = np.where(triangle[on], uv.sum(axis=1), uv.max(axis=1))
+            sum_or_larger = np.where(self._triangles[on], uv.sum(axis=1), uv.max(axis=1))
             good = (uv >= -PRINTED).all(axis=1) & (sum_or_larger <= 1.0 + PRINTED)
             good &= ((looks > 0.0) == outward) & (height <= reach)
             good &= height < best.distance[to]
@@ -349,8 +348,8 @@ class Surface:
         return (corners.min(axis=1) - room).T, (corners.max(axis=1) + room).T
 
     @cached_property
-    def _triangle(self) -> BoolArray:
-        return np.array([face.n_corners == 3 for _, face in self.sides])
+    def _triangles(self) -> BoolArray:
+        return np.array([face.n_corners == 3 for _, face in self.sides])[self.side]
 
 
 def boundary(mesh: Mesh) -> Surface:
