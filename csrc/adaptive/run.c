@@ -44,8 +44,6 @@ static const double TRUSTED = 0.1;
 
 /* ------------------------------------------------------------------------------ work space */
 
-static size_t tables_of(const aoi_modes *body) { return body->n > 1 ? AOI_TABLES : 1; }
-
 /* True if a force depends on the rate, or a contact has no mass. */
 static int is_quick(const aoi_system *system)
 {
@@ -109,7 +107,7 @@ static void lay_out_body(const aoi_adaptive *run, const aoi_system *system, size
                          aoi_adaptive_body *body)
 {
     const aoi_modes *modes = &system->body[b];
-    const size_t tables = tables_of(modes), ports = modes->ports;
+    const size_t tables = modes->n > 1 ? AOI_TABLES : 1, ports = modes->ports;
     size_t *of = aoi_memory_numbers(memory, run->crowded ? 0 : ports), count = 0;
     size_t *port = aoi_memory_numbers(memory, run->crowded ? 0 : ports);
     for (size_t i = system->first_contact[b]; i < system->first_contact[b + 1]; i++) {
@@ -250,14 +248,6 @@ static void set_halt(aoi_adaptive *run)
     }
 }
 
-static void begin_bodies(aoi_adaptive *run)
-{
-    for (size_t b = 0; b < run->system->body_count; b++) {
-        run->body[b].time = run->time;
-        aoi_body_note_change(run, b);
-    }
-}
-
 /* Curves of stretches are drawn to the tolerance, but not finer than the first, which takes 1000 springs; within a step
  * this much finer. And the share of the tolerance at which Newton's method ends. */
 static const double FINEST_CURVE = 4e-6, WITHIN_STEP = 0.01, NEWTON_SHARE = 1e-2;
@@ -329,7 +319,10 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
     if (!aoi_vector_take(all, start->x, run->x) || !aoi_vector_take(all, start->v, run->v)) {
         return AOI_ERROR_NOT_FINITE;
     }
-    begin_bodies(run);
+    for (size_t b = 0; b < system->body_count; b++) {
+        run->body[b].time = run->time;
+        aoi_body_note_change(run, b);
+    }
     set_halt(run);
     const int status = begin_contacts(run);
     start_ledger(run);
@@ -472,14 +465,6 @@ static int watch_free_pairs(aoi_adaptive *run)
     return AOI_OK;
 }
 
-/* Forces that a sudden change has raised may fall from there on. */
-static void note_starts(aoi_adaptive *run)
-{
-    for (size_t i = 0; i < run->closed.count; i++) {
-        aoi_contact_note_peak(run, run->closed.at[i], run->contact[run->closed.at[i]].closed.force, 0.0);
-    }
-}
-
 /* Lists the contacts and bodies of the next step, and finds its largest length. */
 static int prepare(aoi_adaptive *run, double *limit)
 {
@@ -491,7 +476,9 @@ static int prepare(aoi_adaptive *run, double *limit)
         }
         if (run->unbalanced) {
             aoi_balance_at_once(run, 0);
-            note_starts(run);
+            for (size_t i = 0; i < run->closed.count; i++) { /* forces that it has raised may fall from there on */
+                aoi_contact_note_peak(run, run->closed.at[i], run->contact[run->closed.at[i]].closed.force, 0.0);
+            }
             run->unbalanced = 0;
         }
     } while (run->closed_count != aoi_run_forces(run));

@@ -111,15 +111,6 @@ static void extrapolate(const double *last, double last_length, double h, double
     }
 }
 
-/* Extrapolates linearly from the indentation and rate at the start. */
-static void extrapolate_linearly(const aoi_adaptive_contact *contact, double h, double *indentation, double *rate)
-{
-    for (size_t i = 0; i < AOI_NODES; i++) {
-        indentation[i] = contact->closed.start + h * aoi_radau_node[i] * contact->closed.rate;
-        rate[i] = contact->closed.rate;
-    }
-}
-
 /* A first guess: the last step's polynomial extrapolated, or the motion without contact force, which bounds the
  * indentation from above. A massless contact point would jump to that motion, far from the solution under a stiff law,
  * and other contacts may press on the point: there the guess is linear. */
@@ -130,8 +121,10 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
     double drawn_on[AOI_NODES], rate[AOI_NODES], largest = 0.0;
     if (known) {
         extrapolate(contact->closed.last, contact->closed.last_length, h, drawn_on, with_rates ? rate : NULL);
-    } else if (massless) {
-        extrapolate_linearly(contact, h, drawn_on, rate);
+    }
+    for (size_t i = 0; i < AOI_NODES && massless && !known; i++) { /* linear */
+        drawn_on[i] = contact->closed.start + h * aoi_radau_node[i] * contact->closed.rate;
+        rate[i] = contact->closed.rate;
     }
     for (size_t i = 0; i < AOI_NODES; i++) {
         const int shallower = massless || (known && drawn_on[i] < entry->homogeneous[i]);

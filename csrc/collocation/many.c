@@ -17,13 +17,10 @@
 
 enum { SQUARE = AOI_NODES * AOI_NODES };
 
-/* Blocks of a row of contacts: those up to span away on either side. */
-static size_t blocks_of(size_t span) { return 2 * span + 1; }
-
 size_t aoi_collocation_size(size_t count, size_t span)
 {
     const size_t rows = aoi_times(count, AOI_NODES), width = aoi_times(2 * AOI_NODES, span + 1);
-    return aoi_plus(aoi_times(aoi_times(count, blocks_of(span)), 2 * SQUARE), aoi_times(rows, width));
+    return aoi_plus(aoi_times(aoi_times(count, 2 * span + 1), 2 * SQUARE), aoi_times(rows, width));
 }
 
 /* Adds what the force of another entry does to one (with a minus sign) by way of the bodies they share. */
@@ -196,7 +193,7 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
     if (count == 1) { /* without friction, which has three */
         return aoi_collocation_solve_one(system, response, h, entry);
     }
-    const size_t blocks = blocks_of(span), size = count * blocks * SQUARE;
+    const size_t blocks = 2 * span + 1, size = count * blocks * SQUARE;
     const int with_rates = aoi_collocation_wants_rates(system, count, entry);
     couplings of = {count, span, blocks, work, with_rates ? work + size : NULL};
     const equations to = lay_out(count, span, work + 2 * size);

@@ -235,23 +235,12 @@ void aoi_law_force(const aoi_law *law, const double *memory, int piece, double i
     }
 }
 
-static int has_nan(const aoi_law_values *values)
-{
-    double sum = 0.0;
-    for (size_t k = 0; k < AOI_NODES; k++) {
-        sum += values->force[k] + values->stiffness[k] + values->damping[k];
-    }
-    return isnan(sum);
-}
-
 void aoi_law_forces(const aoi_law *law, const double *memory, int piece, const double *indentation,
                     const double *rate, aoi_law_values *values)
 {
     if (law->together && law->compliance == 0.0) {
-        law->together(law, indentation, rate, values);
-        if (!law->note || !has_nan(values)) {
-            return;
-        }
+        law->together(law, indentation, rate, values); /* numbers, whatever the indentation */
+        return;
     }
     for (size_t k = 0; k < AOI_NODES; k++) {
         aoi_law_value value;

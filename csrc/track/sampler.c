@@ -346,14 +346,6 @@ static double rubbing_contact(const aoi_sampler *sampler, size_t c, double place
     return force[0];
 }
 
-/* The indentation by the places of the ports. */
-static double between(const aoi_system *system, size_t c, const double *port_displacement)
-{
-    const aoi_contact *contact = &system->contact[c];
-    return port_displacement[system->first_port[contact->body[0]] + contact->port[0]] -
-           port_displacement[system->first_port[contact->body[1]] + contact->port[1]] - contact->gap;
-}
-
 /* What an open contact has lost, at its end too; computed once after each row of it. */
 static double lost_in(aoi_sampler *sampler, size_t c)
 {
@@ -372,13 +364,16 @@ static double lost_in(aoi_sampler *sampler, size_t c)
 static void open_contact(aoi_sampler *sampler, size_t c, const double *port_displacement,
                          int energies, double *record, size_t stride)
 {
+    const aoi_contact *contact = &sampler->system->contact[c];
+    const size_t *first = sampler->system->first_port, *body = contact->body;
     record[AOI_CONTACT_FORCE * stride] = 0.0;
-    record[AOI_CONTACT_INDENTATION * stride] = between(sampler->system, c, port_displacement);
+    record[AOI_CONTACT_INDENTATION * stride] = port_displacement[first[body[0]] + contact->port[0]] -
+                                               port_displacement[first[body[1]] + contact->port[1]] - contact->gap;
     if (energies) {
         record[AOI_CONTACT_ELASTIC * stride] = 0.0;
         record[AOI_CONTACT_DISSIPATED * stride] = lost_in(sampler, c);
     }
-    if (sampler->system->contact[c].friction) {
+    if (contact->friction) {
         const double *of = sampler->track + sampler->contact_at[c];
         const double lost = sampler->contact_row[c] == sampler->rows ? 0.0 : of[AOI_TRACK_DISSIPATED + AOI_NODES + 1];
         for (size_t i = AOI_CONTACT_TANGENTIAL; i < AOI_FRICTION_ROWS; i++) {
