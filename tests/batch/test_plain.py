@@ -91,7 +91,7 @@ CHANGES: list[dict[str, Any]] = [
     {"target": None},
     {"energies": "no"},
     {"speed": 1.0},
-    {"solver": ao.Adaptive(rtol=1e-13), "law": ao.PowerLaw(k=1e300, n=40.0)},
+    {"solver": ao.Adaptive(rtol=1e-13), "law": ao.PowerLaw(k=1e300, n=42.0)},
 ]
 
 
