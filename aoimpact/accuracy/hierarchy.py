@@ -18,13 +18,9 @@ import numpy as np
 
 from ..contact import ContactPoint, moves_rigidly, shortest_contact_time
 from ..linalg import Solver
-from ..reduction import Body, BodyModel, FullModel, KrylovSpace, antioscillators, rigid
+from ..reduction import Body, BodyModel, FullModel, KrylovSpace, rigid
 
 Models = tuple[Body, ...]
-
-# A body of at most this many dofs is taken whole where more than half of its dofs would be Krylov
-# vectors: all its modes take less time.
-_SMALL_BODY = 1500
 
 # Oscillators of the model by which a body is checked for modes slower than the contact.
 _FEW = 6
@@ -83,15 +79,12 @@ class Hierarchy:
     space : callable or None
         Returns the space that they are made from, made when it is first needed. Once all that the
         ports excite is in it, there are no larger ones.
-    small : bool
-        True of a body that is rather taken whole than by half.
     """
 
     first: int
     most: int
     make: Callable[[int], Body]
     space: Any = None
-    small: bool = False
     _models: dict[int, Body] = field(init=False, default_factory=dict)
     _lock: Any = field(init=False, default_factory=RLock)
 
@@ -108,10 +101,6 @@ class Hierarchy:
     def finished(self, order: int) -> Body:
         """Return the model for the caller."""
         return self.model(order).alone
-
-    def larger(self, order: int) -> int:
-        """Return an order so large, or that of the whole body."""
-        return self.most if self.small and 2 * order > self.most else min(order, self.most)
 
     def release(self) -> None:
         """Give back memory that only larger models need."""
@@ -170,7 +159,7 @@ def _of_elements(
         return made
 
     free = moves_rigidly(tip) if single else bool(body.rigid_modes.shape[1])
-    first, small = 0 if free else 1, single and dofs <= _SMALL_BODY
+    first = 0 if free else 1
 
     def make(order: int) -> Body:
         if not single:
@@ -178,11 +167,9 @@ def _of_elements(
             return space().of_all(min(vectors, dofs))
         if order < first:
             return rigid(mass=math.inf, name=tip.name).modal
-        if order == dofs and small:
-            return antioscillators(tip, order="frequency").modal
         return space().of_vectors(order - first)
 
-    return Hierarchy(first, dofs, make, space, small)
+    return Hierarchy(first, dofs, make, space)
 
 
 def _rigid(model: Body) -> Body:

@@ -204,7 +204,7 @@ class Search:
         grown = zip(self._made, orders, poor, strict=True)
         self.orders = tuple(
             [
-                one.larger(math.ceil(_GROWTH * n)) if is_poor or not any(poor) else n
+                min(math.ceil(_GROWTH * n), one.most) if is_poor or not any(poor) else n
                 for one, n, is_poor in grown
             ]
         )
