@@ -182,7 +182,7 @@ def choose_models(
 def _warn_of_the_best(search: Search, error: float, tolerance: float) -> None:
     """Warn that the largest models do not meet the default tolerance, and why."""
     assert search.run is not None
-    count = max(len(events.contacts) for events in search.run.events)
+    count = max((len(events.contacts) for events in search.run.events), default=0)
     why = (
         f"of its {count} contacts each begins from the motion that those before have left, so that "
         "errors grow from one to the next; give the duration= of the first ones"

@@ -130,7 +130,7 @@ def draw_curves(
     """
     axes = given_axes(ax)
     x, x_name, x_unit = across
-    largest = max(float(np.nanmax(np.abs(y), initial=0.0)) for y, _ in curves)
+    largest = max([float(np.nanmax(np.abs(y), initial=0.0)) for y, _ in curves], default=0.0)
     reach = float(np.max(np.abs(x), initial=0.0))
     x_factor, x_shown = scale_of(axes.get_xlabel(), x_unit) or scale_for(reach, x_unit)
     y_factor, y_shown = scale_of(axes.get_ylabel(), unit) or scale_for(largest, unit)
@@ -140,8 +140,8 @@ def draw_curves(
     axes.set_ylabel(label(name, y_shown))
     axes.grid(True, alpha=0.3)
     if x_unit == "s":
-        span = x_factor * x[[0, -1]]  # also where a curve has no values at an end
-        axes.update_datalim(np.stack([span, np.zeros(2)], axis=1), updatey=False)
+        span = x_factor * np.append(x[:1], x[-1:])  # also where a curve has no values at an end
+        axes.update_datalim(np.stack([span, 0.0 * span], axis=1), updatey=False)
         axes.margins(x=0.0)
     legend(axes)
     return axes

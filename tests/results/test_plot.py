@@ -36,6 +36,7 @@ def test_draws_on_the_axes_given_and_returns_them(method: str) -> None:
     assert draw() is not ax
     for label in (ax.get_xlabel(), ax.get_ylabel()):
         assert re.search(r"\(\S+\)$", label), "an axis without unit"
+    getattr(result.at([]), method)()  # without times
 
 
 @pytest.mark.parametrize("method", METHODS)
