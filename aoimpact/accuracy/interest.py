@@ -23,7 +23,7 @@ from ..results import (
 )
 from .sensor import Sensor
 
-# What `simulate` takes for a quantity, or several of which.
+# A quantity of interest as a caller gives it: a name, a point of a body or a sensor.
 Interest = str | ContactPoint | Sensor
 
 _DEFAULT = "force"

@@ -141,7 +141,7 @@ def draw_curves(
     axes.grid(True, alpha=0.3)
     if x_unit == "s":
         span = x_factor * np.append(x[:1], x[-1:])  # also where a curve has no values at an end
-        axes.update_datalim(np.stack([span, 0.0 * span], axis=1), updatey=False)
+        axes.update_datalim(np.column_stack([span, 0.0 * span]), updatey=False)
         axes.margins(x=0.0)
     legend(axes)
     return axes

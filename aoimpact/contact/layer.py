@@ -27,8 +27,6 @@ import scipy
 from ..base import BoolArray, ComplexArray, FloatArray, IntArray
 from ..fem import Laminate, Layers, Material, Shell, thin_stiffness_mass
 
-ComplexArray = ComplexArray
-
 # Wave numbers of the integrals over k: how many, and how far beyond 1/λ and 1/a.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
 

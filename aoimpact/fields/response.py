@@ -118,7 +118,7 @@ class Response:
         m/s².
     run : Run
     number : int
-        Of the body in it.
+        Number of the body in the run.
     """
 
     body: FEModel
@@ -233,7 +233,7 @@ class Response:
         return np.sqrt(apart / (largest if largest > 0.0 else 1.0))
 
     def _parts(self, times: FloatArray) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
-        """What deforms the body: shapes, (n_dofs, k), how much of each, and the rate, (k, times).
+        """Return the shapes that deform the body, (n_dofs, k), their amounts and rates, (k, times).
 
         A full model's own motion is not among them.
         """

@@ -159,9 +159,9 @@ class Sensed:
     def error(self) -> Mapping[str, FloatArray]:
         """Errors by the body's model, each relative to the largest value, shape (n,), by name.
 
-        Of a place "displacement", "velocity", "stress" and "strain", of a reaction "force" and
-        "moment"; each of the largest of its components. See `BodyResult.error`. It is empty of a
-        full model.
+        A probe has errors of "displacement", "velocity", "stress" and "strain", a reaction those of
+        "force" and "moment"; each is that of the largest component. See `BodyResult.error`. A full
+        model has none.
         """
         return errors_of(self._response, self._histories)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 
 from ..base import FloatArray
@@ -10,8 +12,9 @@ from .method import Inverse
 from .pencil import Pencil
 from .solvers import LinearSolver
 
-# ‖f - A x‖ / ‖f‖ of a rough solution. On 63 impacts on 23 bodies, 0.1 and 0.03 give numbers whose
-# true errors are the same in the median, for each kind of element.
+# ‖f - A x‖ / ‖f‖ of a rough solution. On 99 impacts on 15 bodies numbers with 0.1 and 0.03 differ
+# by 0.4 % at most, on tetrahedra of first order, whose median errors are 0.7 to 1.2 %; on elements
+# of second order by 0.05 %.
 _ROUGH = 0.1
 
 # Columns that are solved for at once, of which a few vectors each are held. With 16 factors take a
@@ -74,4 +77,5 @@ def two_level(pencil: Pencil, first: LinearSolver) -> LinearSolver:
         x, taken = zip(*found, strict=True)
         return np.hstack(x).reshape(rhs.shape), sum(taken)
 
-    return LinearSolver(name, pencil, Inverse(None, iterate, precondition), rough=_ROUGH)
+    # Where elements are so flat that iterations do not converge, factors take over.
+    return LinearSolver(name, pencil, Inverse(None, iterate, precondition), sys.maxsize, _ROUGH)

@@ -31,15 +31,15 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
     Parameters
     ----------
     model : Body
-        Of a body of n dofs.
+        Model of a body of n dofs.
     linear : str or callable, optional
         The linear solver; see `FEModel.inverse`.
 
     Returns
     -------
     Body
-        Of the finer body, whose first n dofs are those of the given one, with its own
-        `ContactPoint.extraction` where the given model has one.
+        Model of the finer body. The first n dofs are those of the given one. Contact points have
+        the `extraction` of the finer body where those of the given model have one.
     """
     finer = model.body.finer
     if finer is None or finer.mesh is not model.body.mesh:

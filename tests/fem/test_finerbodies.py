@@ -90,6 +90,14 @@ def test_displacement_and_stress_of_the_next_degree_are_exact_at_nodes_and_anywh
     assert by_rows.reshape(-1, 6) == pytest.approx(nodal.components, abs=1e-9 * size)
 
 
+def test_elements_33_times_as_wide_as_thick_have_factors_where_iterations_fail() -> None:
+    mesh = ao.box_mesh((0.2, 0.2, 0.001), (6, 6, 1), kind="tetra10")
+    finer = ao.FEModel.from_mesh(mesh, STEEL).finer
+    solver, force = finer.inverse(1e8), np.eye(1, finer.n_dofs, 2)[0]
+    x = solver.solve_roughly(force, 1e-3)[0]
+    assert np.linalg.norm(finer.K @ x + solver.s2 * (finer.M @ x) - force) < 1e-6
+
+
 def test_a_finer_body_comes_back_from_a_pickle_as_that_of_its_body() -> None:
     mesh = ao.box_mesh((1, 1, 1), (2, 1, 1))
     body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz")])

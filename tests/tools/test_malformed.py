@@ -14,18 +14,14 @@ import aoimpact as ao
 TOOLS = Path(__file__).parents[2] / "tools"
 PACKAGE = Path(str(ao.__file__)).parents[1]
 
+LONG = (("mesh", 200), ("matrix", 600), ("matrixfile", 600), ("scenefile", 300))
+
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits a process's memory")
 
 
 @pytest.mark.parametrize(
     ("kind", "count"),
-    [
-        ("mesh", 5),
-        *(
-            pytest.param(*case, marks=pytest.mark.slow)
-            for case in (("mesh", 200), ("matrix", 600), ("matrixfile", 600), ("scenefile", 300))
-        ),
-    ],
+    [("mesh", 5), *(pytest.param(*case, marks=pytest.mark.slow) for case in LONG)],
 )
 def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
     command = [sys.executable, "-m", "campaign", kind, "--count", str(count)]
