@@ -190,10 +190,11 @@ def finer_plan(plan: Scenario, solver: Solver = "auto", *, every: bool = False) 
     if not any(every or body.body.finer for body in of):
         return None
     bodies = tuple(_finer(body, make) if body in of else body for body in plan.bodies)
-    shells = [
-        [isinstance(tip.thin, Layers) for *_, tip in plan.touched(of)] for of in plan.contacts
-    ]
-    bounded = frozenset(number for number in plan.bounded if any(shells[number]))
+    bounded = frozenset(
+        number
+        for number in plan.bounded
+        if any(isinstance(tip.thin, Layers) for *_, tip in plan.touched(plan.contacts[number]))
+    )
     contacts = []
     for number, contact in enumerate(plan.contacts):
         law = own_law(contact.law) if any(contact.removed) else contact.law

@@ -13,11 +13,12 @@ import math
 import numbers
 import operator
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from reprlib import repr as _short
+from threading import RLock
 from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
@@ -500,6 +501,24 @@ def _freeze(items: tuple[Any, ...] | dict[Any, Any]) -> None:
             item.flags.writeable = False
         elif isinstance(item, tuple | dict):
             _freeze(item)
+
+
+class Kept:
+    """The results that were last asked for, `most` of them, by their keys."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._found: dict[Hashable, Any] = {}
+        self._lock = RLock()
+
+    def get(self, key: Hashable, make: Callable[[], T]) -> T:
+        """Return what is kept under a key, or else what `make` returns."""
+        with self._lock:
+            found: T = self._found.pop(key) if key in self._found else make()
+            self._found[key] = found
+            while len(self._found) > self._most:
+                del self._found[next(iter(self._found))]
+        return found
 
 
 class Found(Mapping[str, Any]):

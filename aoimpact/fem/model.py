@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 import uuid
 from collections import deque
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from functools import cached_property
-from threading import RLock
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -22,6 +21,7 @@ from ..base import (
     Frozen,
     InputError,
     IntArray,
+    Kept,
     called,
     checked,
     finite_array,
@@ -51,12 +51,7 @@ from ..linalg import (
     unresisted_motions,
     warn_of_rounding,
 )
-from ..mesh import (
-    Mesh,
-    Surface,
-    boundary,
-    rigid_motions,
-)
+from ..mesh import Mesh, Surface, boundary, rigid_motions
 from .assembly import kept_rows_columns, stiffness_mass, with_int32
 from .composition import AnyMaterial, Materials, OneMaterial, materials_of, pieces, thin_groups
 from .damping import Damping, damping_or_none
@@ -76,7 +71,6 @@ if TYPE_CHECKING:
     from .frequencyresponse import FrequencyResponse
     from .statics import Grounding
 
-T = TypeVar("T")
 
 # Heavier or longer than this, kg and m, or with larger elements, m, a body's coordinates are more
 # likely in millimetres.
@@ -94,24 +88,6 @@ _BYTES, _VECTORS, _MOST, _LEAST = 2**30, 64, 32, 4
 # bring the same body again and again: it stays one, with all that has been derived from it.
 _BODIES: WeakValueDictionary[str, FEModel] = WeakValueDictionary()
 _RECEIVED: deque[FEModel] = deque(maxlen=2)
-
-
-class Kept:
-    """The results of a body of so many dofs that were last asked for, by their keys."""
-
-    def __init__(self, dofs: int) -> None:
-        self._most = max(_LEAST, min(_MOST, _BYTES // (8 * _VECTORS * dofs)))
-        self._found: dict[Hashable, Any] = {}
-        self._lock = RLock()
-
-    def get(self, key: Hashable, make: Callable[[], T]) -> T:
-        """Return what is kept under a key, or else what `make` returns."""
-        with self._lock:
-            found: T = self._found.pop(key) if key in self._found else make()
-            self._found[key] = found
-            while len(self._found) > self._most:
-                del self._found[next(iter(self._found))]
-        return found
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -420,7 +396,7 @@ class FEModel(Frozen):
 
         :meta private:
         """
-        return Kept(self.n_dofs)
+        return Kept(max(_LEAST, min(_MOST, _BYTES // (8 * _VECTORS * self.n_dofs))))
 
     def __getattr__(self, name: str) -> Any:
         """K and M of an unpickled body with a mesh, assembled at their first use."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import cached_property, lru_cache
+from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ..base import (
     BoolArray,
     FloatArray,
     IntArray,
+    Kept,
     MeshError,
     record,
     sp,
@@ -212,15 +213,15 @@ class Surface:
 
         Where a web of shells ends on a skin, on those of the skin.
         """
-        return self._remembered(*point.tolist())
+        return self._places.get(point.tobytes(), lambda: self._nearest(point))
 
     @cached_property
-    def _remembered(self) -> Callable[..., Place]:
+    def _places(self) -> Kept:
         """The last results of `nearest`: one contact asks for its own many times."""
-        return lru_cache(_REMEMBERED)(self._nearest)
+        return Kept(_REMEMBERED)
 
-    def _nearest(self, *of: float) -> Place:
-        point, (centre, radius) = np.array(of), self.balls
+    def _nearest(self, point: FloatArray) -> Place:
+        centre, radius = self.balls
         distance = np.linalg.norm(centre - point, axis=1)
         face = np.flatnonzero(distance - radius <= (distance + radius).min())
         uv = self.middle(face)
