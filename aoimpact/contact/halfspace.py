@@ -3,9 +3,9 @@
 The pressure p = p₀ √(1 - r²/a²), p₀ = 3F/(2πa²), acts on a disc of radius a. Coordinates are local:
 z points into the half-space z > 0, and r is the distance from the axis.
 
-Isotropic half-space: M. T. Huber, Ann. Phys. 14, 153 (1904), gives the stress; the displacement is
-written so that no digits cancel, with the root u of r²/(a² + u) + z²/u = 1. Both are continued
-analytically to z < 0, where a body with a concave surface has material.
+Isotropic half-space: potentials in spheroidal coordinates about the disc, where they are elementary
+(M. T. Huber, Ann. Phys. 14, 153, 1904). They are continued analytically to z < 0, where a body with
+a concave surface has material.
 
 Anisotropic half-space: one integral over the angle of plane waves (A. N. Stroh, Phil. Mag. 3, 625,
 1958; J. R. Willis, J. Mech. Phys. Solids 14, 163, 1966), for z ≥ 0 only.
@@ -21,14 +21,11 @@ from typing import ClassVar, Self
 import numpy as np
 
 from ..base import ArrayPair, FloatArray
-from ..fem import Material
+from ..fem import PLACES, Material, hooke
 
-# Distances below these shares of a are replaced by them: they change the field by their square.
-_ON_AXIS, _ON_RIM = 1e-4, 1e-9
-
-# A distance from the axis below this share of that from the disc is replaced by it under shear: it
-# changes the field by its square, where the third derivative by D has lost 6 powers of it.
-_ON_AXIS_SHEARED = 2e-3
+# Distances from the rim below this share of a are replaced by it: they change the field by its
+# square.
+_ON_RIM = 1e-9
 
 # Angles of the integral of an anisotropic half-space. The integrand is periodic and smooth, but for
 # points far out just below the surface; at r = 8 a and z = 0.4 a the error is 1e-4.
@@ -96,7 +93,19 @@ class HalfSpace:
 
 
 class IsotropicHalfSpace(HalfSpace):
-    """The field of an isotropic half-space under a unit force.
+    """The field of an isotropic half-space under a unit force along its normal, or its surface.
+
+    With the potential ψ = ∫ p/ρ dA of the pressure, Ψ,z = ψ and F,z = Ψ, the displacement times 4πG
+    is by Boussinesq and, under p as a traction along x, by Cerruti (K. L. Johnson, Contact
+    Mechanics, section 3.1)
+
+        u_x = -(1 - 2ν) Ψ,x - z ψ,x      u_x = 2 ψ + 2ν F,xx - z Ψ,xx
+        u_y = -(1 - 2ν) Ψ,y - z ψ,y      u_y = 2ν F,xy - z Ψ,xy
+        u_z = 2 (1 - ν) ψ - z ψ,z        u_z = (1 - 2ν) Ψ,x - z ψ,x.
+
+    Derivatives across the axis are written in D = (1/r) ∂/∂r. D² f follows from D f, and D³ f from
+    that, since r² D² f + 2 D f + f,zz = 0 for a harmonic f. For a = 1 the disc has the spheroidal
+    coordinates s and k, z = s k and r² = (1 + s²)(1 - k²), in which ψ and Ψ lose no digits.
 
     Parameters
     ----------
@@ -105,136 +114,86 @@ class IsotropicHalfSpace(HalfSpace):
         a of the pressure's disc, m.
     """
 
+    # A distance from the axis below this share of that from the disc is replaced by it: it changes
+    # the field by its square.
+    on_axis: ClassVar[float] = 1e-4
+
     def __init__(self, material: Material, radius: float) -> None:
         self.material, self.radius = material, radius
         self.stiffness, self.nu = material.tensor, material.nu
         self.modulus = material.plane_strain_modulus
 
     def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
-        a, nu = self.radius, self.nu
-        a2, p0 = a * a, 1.5 / (math.pi * a * a)
-        x1, x2, z = y[..., 0], y[..., 1], y[..., 2]
-        away = np.hypot(x1, x2)
-        r = np.maximum(away, _ON_AXIS * a)
-        q = r * r + z * z - a2
-        root = np.maximum(np.sqrt(q * q + 4.0 * a2 * z * z), _ON_RIM * a2)
-        # The root of u² - q u - a² z² that loses no digits, and by it the other one.
-        within = q < 0.0
-        h = np.maximum(0.5 * np.where(within, root - q, root + q), _ON_RIM**2 * a2)
-        u = np.where(within, a2 * z * z / h, h)
-        k = np.where(within, np.sqrt(h) / a, np.abs(z) / np.sqrt(h))
-        s = np.sqrt(u)
-        through_disc = (z < 0.0) & (r < a)
-        k = np.where((z < 0.0) & ~through_disc, -k, k)
-        s = np.where(through_disc, -s, s)
-        alpha = np.arctan2(a, s)
-        share = u / (a2 + u)
-        b = (alpha / a - s / (a2 + u)) / a2
-        zc = 2.0 / a2 * (k - z * alpha / a)
-        v = 0.25 * a2 * p0 * (2.0 * alpha / a - r * r * b - z * zc)
-        phi = p0 * (a2 / (3.0 * r * r) * (1.0 - k**3) - 0.5 * k * (s / a * alpha - share))
-        twice_mu = 2.0 * self.material.shear_modulus
-        across = (-(1.0 - 2.0 * nu) * phi + 0.5 * z * a2 * p0 * b) / twice_mu
-        along = (2.0 * (1.0 - nu) * v + 0.5 * a2 * p0 * z * zc) / twice_mu
-        moved = np.stack([across * x1, across * x2, along], axis=-1)
+        nu, (x1, x2, z) = self.nu, np.moveaxis(y / self.radius, -1, 0)
+        r2 = np.maximum(x1 * x1 + x2 * x2, self.on_axis**2 * (1.0 + z * z))
+        s, k, root = _spheroidal(r2, z)
+        alpha = np.arctan2(1.0, s)
+        d_psi, psi_z = 0.5 * (s / (1.0 + s * s) - alpha), z * alpha - k
+        psi = 0.5 * (alpha + r2 * d_psi + z * psi_z)
+        d_whole = (1.0 - k**3) / (3.0 * r2) + z * d_psi  # of Ψ
+        scale = 0.75 / (math.pi * self.material.shear_modulus * self.radius)
+        dd_whole = -(psi_z + 2.0 * d_whole) / r2
+        psi_zz, d_psi_z = alpha - s / root, k / ((1.0 + s * s) * root)
+        dd_psi = -(psi_zz + 2.0 * d_psi) / r2
+        if self.axis == 2:
+            across, turned = (
+                (2.0 * nu - 1.0) * whole - z * of
+                for whole, of in ((d_whole, d_psi), (dd_whole, dd_psi))
+            )
+            moved = [x1 * across, x2 * across, 2.0 * (1.0 - nu) * psi - z * psi_z]
+            along, aslant = (1.0 - 2.0 * nu) * psi_z - z * psi_zz, -z * d_psi_z
+            strain = [across + x1 * x1 * turned, across + x2 * x2 * turned, along]
+            strain += [x1 * x2 * turned, x2 * aslant, x1 * aslant]
+        else:
+            cubes = 3.0 * s * s * k - k**3, s**3 - 3.0 * s * k * k
+            d_f = (0.5 + 0.5 * z * z - 0.125 * r2) * (s + z * k + r2 * alpha)
+            d_f += 0.25 * cubes[1] - 5.0 / 12.0 * z * cubes[0]
+            d_f = (z / 3.0 - 0.5 * d_f) / r2
+            dd_f = -(psi + 2.0 * d_f) / r2
+            once, twice = 2.0 * nu * d_f - z * d_whole, 2.0 * nu * dd_f - z * dd_whole
+            down = (1.0 - 2.0 * nu) * d_whole - z * d_psi
+            moved = [2.0 * psi + once + x1 * x1 * twice, x1 * x2 * twice, x1 * down]
+            thrice = z * (d_psi_z + 4.0 * dd_whole) - 2.0 * nu * (d_psi + 4.0 * dd_f)
+            thrice /= r2
+            both = twice + x1 * x1 * thrice
+            strain = [x1 * (2.0 * (d_psi + twice) + both), x1 * (twice + x2 * x2 * thrice)]
+            strain += [-x1 * (2.0 * nu * d_psi + z * d_psi_z), x2 * (d_psi + both)]
+            strain += [-x1 * x2 * z * dd_psi, psi_z - z * (d_psi + x1 * x1 * dd_psi)]
+        u = scale * np.stack(moved, axis=-1)
         if not stress:
-            return moved, np.zeros(0)
-        k3, qa = k**3, s / a * alpha
-        bending = (1.0 - 2.0 * nu) / 3.0 * a2 / (r * r) * (1.0 - k3)
-        hoop = share * (1.0 - nu) - (1.0 + nu) * qa
-        rr = bending + k3 * a2 / root + k * (share * (1.0 - nu) + (1.0 + nu) * qa - 2.0)
-        tt = -bending - k * (2.0 * nu + hoop)
-        rz = -r * k * k * a2 * s / (root * (a2 + u))
-        c = np.divide(x1, away, out=np.ones_like(away), where=away > 0.0)
-        sn = np.divide(x2, away, out=np.zeros_like(away), where=away > 0.0)
-        sigma = np.empty((*y.shape[:-1], 3, 3))
-        sigma[..., 0, 0] = rr * c * c + tt * sn * sn
-        sigma[..., 1, 1] = rr * sn * sn + tt * c * c
-        sigma[..., 0, 1] = sigma[..., 1, 0] = (rr - tt) * c * sn
-        sigma[..., 2, 2] = -k3 * a2 / root
-        sigma[..., 0, 2] = sigma[..., 2, 0] = rz * c
-        sigma[..., 1, 2] = sigma[..., 2, 1] = rz * sn
-        return moved, p0 * sigma
+            return u, np.zeros(0)
+        found = hooke(scale / self.radius * np.stack(strain), self.material)
+        return u, np.moveaxis(found, 0, -1)[..., PLACES]
 
 
 class ShearedHalfSpace(IsotropicHalfSpace):
-    """The field of an isotropic half-space under a unit force along its surface.
+    """The field of an isotropic half-space under a unit force along its surface, in direction x.
 
-    The traction q = q₀ √(1 - r²/a²), q₀ = 3F/(2πa²), acts along x on a disc of radius a.
-
-    By Cerruti's potentials (K. L. Johnson, Contact Mechanics, section 3.1) with F₁ = ∫ q Ω dA,
-    Ω = z ln(ρ + z) - ρ, the displacement times 4πG is
-
-        u_x = 2 F₁,zz + 2ν F₁,xx - z F₁,xxz
-        u_y = 2ν F₁,xy - z F₁,xyz
-        u_z = (1 - 2ν) F₁,xz - z F₁,xzz.
-
-    The disc has the potential of sources at the depths -it, -a < t < a, of the strength
-    3 (a² - t²)/(4a³): F₁ and its derivatives are then elementary integrals over t. With
-    D = (1/r) ∂/∂r derivatives across the axis are written in D f, D² f and D³ f. These follow from
-    each other, since r² D² f + 2 D f + f,zz = 0 for a harmonic f. The field is continued
-    analytically to z < 0, where a body with a concave surface has material.
-
-    Parameters
-    ----------
-    material : Material
-    radius : float
-        a of the traction's disc, m.
+    The traction q = q₀ √(1 - r²/a²), q₀ = 3F/(2πa²), acts on a disc of radius a. Parameters as of
+    `IsotropicHalfSpace`, which has the formulas.
     """
 
     axis = 0
+    on_axis = 2e-3  # where the third derivative by D has lost 6 powers of it
 
     @property
     def mean_displacement(self) -> float:
         """Mean of u_x under the traction itself, m/N: 0.6 (2 - ν)/(4 G a)."""
         return 0.6 * (2.0 - self.nu) / (4.0 * self.material.shear_modulus * self.radius)
 
-    def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
-        a, nu = self.radius, self.nu
-        x1, x2, z = y[..., 0], y[..., 1], y[..., 2]
-        r2 = np.maximum(x1 * x1 + x2 * x2, _ON_AXIS_SHEARED**2 * (a * a + z * z))
-        # Integrals over the sources: the imaginary part at the depth t = z + ia of one over t.
-        t, c, p = z + 1j * a, 1.5 / a**3, a * a + z * z
-        q = r2 + t * t
-        root = np.sqrt(np.where(np.abs(q) < (_ON_RIM * a) ** 2, (_ON_RIM * a) ** 2, q))
-        root = np.where((z < 0.0) & (r2 < a * a), -root, root)  # continued through the disc
-        log, cube = np.log(root + t), root**3
-        less, more = t * root - r2 * log, t * root + r2 * log
-        fzz = c * np.imag(p * log - 2.0 * z * root + 0.5 * less)
-        fzzz = -2.0 * c * np.imag(root - z * log)
-        fzzzz = -2.0 * c * np.imag((t - z) / root - log)
-        d_fzz = -c * np.imag(p * t / (r2 * root) + 2.0 * z / root + log - t / root)
-        d_fzzz = -2.0 * c * np.imag((1.0 - z / (root + t)) / root)
-        d_fz = (1.0 - c * np.imag(p * root - z * less + cube / 3.0 - r2 * root)) / r2
-        d_f = c * np.imag(
-            0.5 * p * more - 2.0 / 3.0 * z * cube + 0.25 * t * cube - 0.125 * r2 * more
-        )
-        d_f = (z - d_f) / r2
-        dd_f, dd_fz = -(fzz + 2.0 * d_f) / r2, -(fzzz + 2.0 * d_fz) / r2
-        once, twice = 2.0 * nu * d_f - z * d_fz, 2.0 * nu * dd_f - z * dd_fz
-        down = (1.0 - 2.0 * nu) * d_fz - z * d_fzz
-        u = [2.0 * fzz + once + x1 * x1 * twice, x1 * x2 * twice, x1 * down]
-        scale = 1.0 / (4.0 * math.pi * self.material.shear_modulus)
-        moved = scale * np.stack(u, axis=-1)
-        if not stress:
-            return moved, np.zeros(0)
-        dd_fzz = -(fzzzz + 2.0 * d_fzz) / r2
-        thrice = -2.0 * nu * (d_fzz + 4.0 * dd_f) / r2 + z * (d_fzzz + 4.0 * dd_fz) / r2
-        deeper = -(1.0 - 2.0 * nu) * dd_fz - z * dd_fzz
-        steeper = (1.0 - 2.0 * nu) * dd_fz - z * dd_fzz
-        across = x1 * x1 * thrice + twice
-        slope = np.empty((*y.shape[:-1], 3, 3))  # ∂u_i/∂x_j
-        slope[..., 0, 0] = x1 * (2.0 * d_fzz + 2.0 * twice + across)
-        slope[..., 0, 1] = x2 * (2.0 * d_fzz + across)
-        slope[..., 0, 2] = 2.0 * fzzz - (1.0 - 2.0 * nu) * d_fz - z * d_fzz + x1 * x1 * deeper
-        slope[..., 1, 0] = x2 * across
-        slope[..., 1, 1] = x1 * (twice + x2 * x2 * thrice)
-        slope[..., 1, 2] = x1 * x2 * deeper
-        slope[..., 2, 0] = down + x1 * x1 * steeper
-        slope[..., 2, 1] = x1 * x2 * steeper
-        slope[..., 2, 2] = x1 * (-2.0 * nu * d_fzz - z * d_fzzz)
-        strain = 0.5 * (slope + slope.swapaxes(-1, -2))
-        return moved, scale * np.einsum("ijkl,...kl->...ij", self.stiffness, strain)
+
+def _spheroidal(r2: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The coordinates s and k about a disc of radius 1, and s² + k², that of r² and z."""
+    q = r2 + z * z - 1.0
+    root = np.maximum(np.sqrt(q * q + 4.0 * z * z), _ON_RIM)
+    # The root of u² - q u - z² that loses no digits, and by it the other one.
+    within = q < 0.0
+    large = np.sqrt(np.maximum(0.5 * np.where(within, root - q, root + q), _ON_RIM**2))
+    small = np.abs(z) / large
+    sign, through_disc = np.where(z < 0.0, -1.0, 1.0), r2 < 1.0
+    s = np.where(within, small, large) * np.where(through_disc, sign, 1.0)
+    k = np.where(within, large, small) * np.where(through_disc, 1.0, sign)
+    return s, k, root
 
 
 class AnisotropicHalfSpace(HalfSpace):
