@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +24,7 @@ def conjugate_gradients(
     rhs: FloatArray,
     tolerance: float,
     most: float,
+    at_once: int = 1,
 ) -> tuple[FloatArray, int]:
     """Return A⁻¹ `rhs`, shape (n,) or (n, m), and the number of preconditioned residuals it took.
 
@@ -39,6 +42,8 @@ def conjugate_gradients(
     tolerance : float
     most : float
         Iterations at most.
+    at_once : int, optional
+        How many columns to solve for at once. A column by itself has the bits that it has alone.
 
     Raises
     ------
@@ -48,6 +53,12 @@ def conjugate_gradients(
         If the iterations do not suffice, or the preconditioner is not positive: of a matrix that is
         nearly singular, by its rounding.
     """
+    if (count := rhs[0].size) > at_once:
+        given: dict[str, Any] = {"tolerance": tolerance, "most": most, "at_once": at_once}
+        solved = partial(conjugate_gradients, name, what, product, precondition, **given)
+        each = np.split(rhs, range(at_once, count, at_once), axis=1)
+        columns, counts = zip(*map(solved, each), strict=True)
+        return np.hstack(columns), sum(counts)
     limit, tolerance = max(1, int(min(most, _MOST_ITERATIONS))), 0.5 * tolerance
     r = rhs.reshape(len(rhs), -1)
     found, size, taken = np.zeros_like(r), np.sqrt(_inner(r, r)), 0

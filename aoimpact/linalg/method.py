@@ -32,7 +32,7 @@ class Inverse:
         f, shape (n,) or (n, m), ‖f - A x‖ / ‖f‖ and the most iterations ↦ (K + s²M)⁻¹ f and the
         residuals preconditioned, of a method that iterates. Raises ConvergenceError.
     precondition : callable or None
-        About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates.
+        About (K + s²M)⁻¹, of shape (n, m), symmetric and much cheaper, of a method that iterates.
     at : callable or None
         s² ↦ the inverse at another shift, for less than setting up another one: at a smaller shift,
         of a method that iterates, where both remain usable. Factors are for one shift at a time: do

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from ..base import ROUNDING, ConvergenceError, FloatArray, bar, record, sp
 from ..mesh import Mesh
-from .blocks import Blocks, congruent
+from .blocks import Blocks, congruent, product
 from .coarsening import (
     add,
     add_to_diagonal,
@@ -116,7 +116,7 @@ class Multigrid:
     @property
     def inverse(self) -> Inverse:
         """The inverse with its properties."""
-        return Inverse(iterate=self.iterate, precondition=self.precondition, at=self._at)
+        return Inverse(None, self.iterate, by_columns(self.precondition), self._at)
 
     def _coarsen(self, A: Any, motions: FloatArray, places: Any, progress: Any) -> None:
         """Make the levels from that of A on."""
@@ -175,16 +175,10 @@ class Multigrid:
 
     def iterate(self, rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
         """Return (K + s²M)⁻¹ `rhs`, each column with the bits that it has alone."""
-        product, cycle = by_columns(self.product), by_columns(self.precondition)
+        operators = by_columns(self.product), by_columns(self.precondition)
         with self._in_use:
-            columns = [
-                conjugate_gradients(
-                    "multigrid", self.pencil.what, product, cycle, column, tolerance, most
-                )
-                for column in rhs.reshape(len(rhs), -1).T
-            ]
-        x, taken = zip(*columns, strict=True)
-        return np.column_stack(x).reshape(rhs.shape), sum(taken)
+            what = self.pencil.what
+            return conjugate_gradients("multigrid", what, *operators, rhs, tolerance, most)
 
     def product(self, x: FloatArray) -> FloatArray:
         """Return (K + s²M) x."""
@@ -192,7 +186,7 @@ class Multigrid:
         padded[self._place] = x
         found = self._blocks.multiply(padded, self._work)[self._place]
         change = self.pencil.s2 - self._stored
-        return found + change * self.pencil.momentum(x) if change else found
+        return found + change * product(self.pencil.M, x) if change else found
 
     def precondition(self, r: FloatArray) -> FloatArray:
         """Return one V-cycle applied to `r`."""
@@ -230,7 +224,7 @@ class Multigrid:
         """
         change = (self.pencil.s2 - self._stored) / self._scale
         if change:
-            momentum = self.pencil.momentum(x[self._place].astype(np.float64))
+            momentum = product(self.pencil.M, x[self._place].astype(np.float64))
             r[self._place] -= (change * momentum).astype(np.float32)
 
 

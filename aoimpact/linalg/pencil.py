@@ -117,10 +117,6 @@ class Pencil:
         """Return K x and M x."""
         return product(self.K, x), product(self.M, x)
 
-    def momentum(self, x: FloatArray) -> FloatArray:
-        """Return M x."""
-        return product(self.M, x)
-
     @cached_property
     def scale(self) -> float:
         """The largest entry of the diagonal: the norm of the matrix is at least that."""

@@ -260,12 +260,8 @@ def _iterated(
     if known is None:  # of an unknown null space the first guess stays
         return davidson(K, M, near.solve, n, s2=near.s2)
     if (cycle := near.precondition) is not None:
-
-        def cycles(columns: FloatArray) -> FloatArray:
-            return np.column_stack([cycle(np.ascontiguousarray(f)) for f in columns.T])
-
         try:
-            return davidson(K, M, cycles, n, away_from=known, s2=near.s2, most=near.most)
+            return davidson(K, M, cycle, n, away_from=known, s2=near.s2, most=near.most)
         except ConvergenceError:
             if near.most == np.inf:
                 raise

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import numpy as np
 
 from ..base import FloatArray
-from .iteration import by_columns, conjugate_gradients
+from .iteration import conjugate_gradients
 from .method import Inverse
 from .pencil import Pencil
 from .solvers import LinearSolver
@@ -54,10 +55,7 @@ def two_level(pencil: Pencil, first: LinearSolver) -> LinearSolver:
     own = function[row] == function[column]
     blocks[function[row[own]], axis[row[own]], axis[column[own]]] = rest.data[own]
     inverses = np.linalg.inv(blocks)
-    by_first = first.inverse.solve
-    if by_first is None:
-        assert first.inverse.precondition is not None
-        by_first = by_columns(first.inverse.precondition)
+    by_first: Any = first.inverse.solve or first.inverse.precondition
 
     def precondition(r: FloatArray) -> FloatArray:
         at_functions = np.zeros((*blocks.shape[:2], r.shape[1]))
@@ -67,15 +65,8 @@ def two_level(pencil: Pencil, first: LinearSolver) -> LinearSolver:
     name = f"{first.name} and conjugate gradients"
 
     def iterate(rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
-        columns = rhs.reshape(len(rhs), -1)
-        found = [
-            conjugate_gradients(
-                name, pencil.what, lambda x: A @ x, precondition, some, tolerance, most
-            )
-            for some in np.split(columns, range(_AT_ONCE, columns.shape[1], _AT_ONCE), axis=1)
-        ]
-        x, taken = zip(*found, strict=True)
-        return np.hstack(x).reshape(rhs.shape), sum(taken)
+        given = name, pencil.what, lambda x: A @ x, precondition
+        return conjugate_gradients(*given, rhs, tolerance, most, _AT_ONCE)
 
     # Where elements are so flat that iterations do not converge, factors take over.
     return LinearSolver(name, pencil, Inverse(None, iterate, precondition), sys.maxsize, _ROUGH)
