@@ -282,7 +282,7 @@ def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
 
     In the mean over directions of waves.
     """
-    modulus = layers.half_space(top=True).plane_strain_modulus
+    modulus = layers.half_space(None).plane_strain_modulus
     k = np.geomspace(0.02 / bending_length(layers, s), 25.0 / radius, _FEW_WAVES)
     excess = 2.0 / (modulus * k)
     for turn in np.pi / _TURNS * np.arange(_TURNS):

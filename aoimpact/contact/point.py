@@ -284,13 +284,21 @@ class ContactPoint(Frozen):
 
     @cached_property
     def made_of(self) -> OneMaterial | None:
-        """Material, layers or beam of the element at the contact; None without a mesh.
+        """Material or beam of the element at the contact, or its layers, touched on the top.
+
+        None without a mesh.
 
         :meta private:
         """
         if self.body.mesh is None or self.body.material is None or self.point is None:
             return None
-        return material_of(self.body.material, element_at(self.body, self.point)[0])
+        of = material_of(self.body.material, element_at(self.body, self.point)[0])
+        normal: Any = self.direction if self.normal is None else self.normal
+        if not isinstance(of, Layers) or normal is None:
+            return of
+        surface: Any = self.body.surface
+        here = surface.nearest(self.point)
+        return of.seen_from(top=bool(surface.normal(here.face, here.uv)[0] @ normal > 0.0))
 
     @property
     def thin(self) -> Layers | Beam | None:
@@ -389,8 +397,7 @@ class ContactPoint(Frozen):
                 f"point {plain(point)} m is where a shell lies on solids; mesh it with solids there"
             )
         if self.thin is not None:
-            layers = self.thin.seen_from(top=bool(normal @ self.normal > 0.0))
-            return extracted_from_shell(self, layers, self.width, solver)
+            return extracted_from_shell(self, self.thin, self.width, solver)
         found = extracted(self, normal, self.width, solver, moved)
         if self.patch is not None and not self.automatic and found.removed < 0.0:
             raise InputError(  # more than the mesh explains
@@ -462,14 +469,7 @@ class ContactPoint(Frozen):
         of, normal = self.made_of, self.direction if self.normal is None else self.normal
         if isinstance(of, Beam):
             return of.material
-        if of is None or normal is None:
-            return None
-        if isinstance(of, Layers):
-            surface: Any = self.body.surface
-            here = surface.nearest(self.point)
-            facing = surface.normal(here.face, here.uv)[0]
-            return of.half_space(top=bool(facing @ normal > 0.0))
-        return of.half_space(normal)
+        return None if of is None or normal is None else of.half_space(normal)
 
     @cached_property
     def depth(self) -> float:
@@ -709,7 +709,7 @@ def contact_within(
         return tip
     if layers is not None:
         # The side that is touched is not known before the body's role is.
-        sides = [layers.seen_from(top=top) for top in ((True, False) if layers.sided else (True,))]
+        sides = {layers, layers.seen_from(top=False)}
         radius = max(patch_on_shell(side, contact_radius, whole=wider) for side in sides)
     elif wider:
         radius *= _WIDER

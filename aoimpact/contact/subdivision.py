@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -178,37 +179,23 @@ def _simplex_rule(d: int) -> ArrayPair:
     return np.hstack([1.0 - points.sum(axis=1, keepdims=True), points]), weights
 
 
-def _children(d: int, pieces: list[list[tuple[int, int]]]) -> FloatArray:
-    """Vertices of the parts of a simplex, each the middle of two of its vertices."""
-    unit = np.eye(d + 1)
+def _children(d: int, inside: list[list[tuple[int, int]]]) -> FloatArray:
+    """Vertices of the parts of a simplex, each the middle of two of its vertices.
+
+    Those at its vertices, and the ones between them.
+    """
+    unit, each = np.eye(d + 1), range(d + 1)
+    pieces = [[(i, j) for j in each] for i in each] + inside
     return np.array([[0.5 * (unit[i] + unit[j]) for i, j in piece] for piece in pieces])
 
 
 # A triangle's four parts; a tetrahedron's four corners and the octahedron between them cut along
 # the diagonal from edge 02 to edge 13 (J. Bey, Computing 55, 355, 1995).
+# Edges about that diagonal, in turn.
+_AROUND = [(0, 1), (0, 3), (2, 3), (1, 2), (0, 1)]
 _CHILDREN = {
-    3: _children(
-        2,
-        [
-            [(0, 0), (0, 1), (0, 2)],
-            [(0, 1), (1, 1), (1, 2)],
-            [(0, 2), (1, 2), (2, 2)],
-            [(0, 1), (1, 2), (0, 2)],
-        ],
-    ),
-    4: _children(
-        3,
-        [
-            [(0, 0), (0, 1), (0, 2), (0, 3)],
-            [(0, 1), (1, 1), (1, 2), (1, 3)],
-            [(0, 2), (1, 2), (2, 2), (2, 3)],
-            [(0, 3), (1, 3), (2, 3), (3, 3)],
-            [(0, 1), (0, 2), (0, 3), (1, 3)],
-            [(0, 1), (0, 2), (1, 2), (1, 3)],
-            [(0, 2), (0, 3), (1, 3), (2, 3)],
-            [(0, 2), (1, 2), (1, 3), (2, 3)],
-        ],
-    ),
+    3: _children(2, [[(0, 1), (1, 2), (0, 2)]]),
+    4: _children(3, [sorted([*edges, (0, 2), (1, 3)]) for edges in pairwise(_AROUND)]),
 }
 
 # The cells as tetrahedra, by their number of corners. A brick's six lie about the diagonal 0 6.

@@ -150,12 +150,12 @@ class Layers:
         plies = [replace(ply, angle_deg=-ply.angle_deg) for ply in self.plies[::-1]]
         return Laminate(plies, self.reference, -self.offset)
 
-    def half_space(self, *, top: bool) -> Material:
-        """Return the isotropic material that a contact on one side meets.
+    def half_space(self, normal: Any) -> Material:
+        """Return the isotropic material that a contact on the top meets, whatever its normal.
 
         :meta private:
         """
-        return self.plies[-1 if top else 0].material.half_space((0.0, 0.0, 1.0))
+        return self.plies[-1].material.half_space((0.0, 0.0, 1.0))
 
     @cached_property
     def interfaces(self) -> FloatArray:

@@ -24,10 +24,9 @@ def half_space(name: str, of: Any) -> Material:
 
     The third axis of an orthotropic material is the surface's normal.
     """
-    if isinstance(of, (Shell, Laminate)):
-        return of.half_space(top=True)
-    body: Material | Orthotropic = instance(name, of, Material, Orthotropic, Shell, Laminate)
-    return body if isinstance(body, Material) else body.half_space((0.0, 0.0, 1.0))
+    body = instance(name, of, Material, Orthotropic, Shell, Laminate)
+    met: Material = body.half_space((0.0, 0.0, 1.0))
+    return met
 
 
 def contact_modulus(material_1: Material, material_2: Material) -> float:

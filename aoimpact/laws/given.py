@@ -91,16 +91,12 @@ class Tabulated(ContactLaw, kind="table"):
     def _table(self) -> FloatArray:
         """The core's table, shape (4, n): indentations, forces, slopes, energies."""
         depth, push = np.array(self.indentation), np.array(self.force_values)
-        length = np.diff(depth)
         with np.errstate(over="ignore", invalid="ignore"):  # of a rise next to none, or next to all
             try:
-                slope = scipy.interpolate.PchipInterpolator(depth, push).derivative()(depth)
-                # Hermite's cubic integrates to the trapezium's area and what the slopes add to it.
-                lean = length * (slope[:-1] - slope[1:]) / 12.0
-                area = length * ((push[:-1] + push[1:]) / 2.0 + lean)
-                energy = np.array([math.fsum(area[:i]) for i in range(len(depth))])
-            except (ValueError, OverflowError):  # of slopes or energies that are no numbers
+                through = scipy.interpolate.PchipInterpolator(depth, push)
+            except ValueError:  # of slopes that are no numbers
                 return np.full((4, len(depth)), np.nan)
+            slope, energy = through.derivative()(depth), through.antiderivative()(depth)
         return np.stack([depth, push, np.maximum(slope, 0.0), energy])
 
 
