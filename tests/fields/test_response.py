@@ -141,25 +141,6 @@ def test_bodies_without_places_say_so() -> None:
             call()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"point": (0.3, 0.01, 0.01)}, r"^point"),
-        ({}, "point"),
-        ({"point": TIP, "nodes": [1]}, "point"),
-        ({"nodes": "xmox"}, r"^nodes"),
-        ({"nodes": lambda x: x[:, 0] > 9.0}, r"^nodes"),
-        ({"nodes": [100000]}, r"^nodes"),
-        ({"point": TIP, "times": -1e-9}, r"^times"),
-        ({"point": TIP, "times": [2e-4, 1e-4]}, r"^times"),
-        ({"point": TIP, "times": [[1e-4]]}, r"^times"),
-    ],
-)
-def test_senseless_questions_are_refused(arguments: Any, words: str) -> None:
-    with pytest.raises(ao.InputError, match=words):
-        impact("adaptive").target.probe(**arguments)
-
-
 @pytest.mark.parametrize("solver", ["adaptive", "newmark"])
 def test_results_that_were_looked_at_survive_pickling(solver: str) -> None:
     hit = impact(solver)

@@ -308,44 +308,6 @@ def test_a_corner_is_where_two_passes_leave_half_the_power() -> None:
     assert abs(gain[0]) ** 4 == pytest.approx(0.5, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({}, "cfc"),
-        ({"cfc": 60.0, "corner": 100.0}, "either"),
-        ({"cfc": 60.0}, "shorter"),
-    ],
-)
-def test_filters_that_make_no_sense_are_refused(given: dict[str, float], message: str) -> None:
-    hit, _ = light_cube(3e-3)
-    with pytest.raises(ao.InputError, match=message):
-        hit.target.probe((0.002, 0.003, 0.001), DOWN).filtered(**given)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda of: of.gauge((0.05, 0.04, 0.0), (0, 0, 1), 1e-3), r"^direction"),
-        (lambda of: of.gauge((0.09, 0.04, 0.0), (1, 0, 0), 0.06), "beyond"),
-        (lambda of: of.gauge((0.05, 9e-4, 0.0), (0, 1, 0), 3e-3), "beyond"),
-        (lambda of: of.gauge((0.05, 0.04, 0.002), (1, 0, 0), 6e-3), "surface"),
-        (lambda of: of.gauge((0.05, 0.04, 0.0), (1, 0, 0), 0.0), "length"),
-        (lambda of: of.reaction("ymin"), "nodes"),
-        (lambda of: of.reaction("edge"), r"^nodes"),
-        (lambda of: of.probe((0.05, 0.04, 0.0), times=[0.0], dt=1e-6), "times"),
-        (lambda of: of.probe((0.05, 0.04, 0.0), dt=1.0), r"^dt"),
-    ],
-)
-def test_what_makes_no_sense_is_named(call: Any, message: str) -> None:
-    mesh = ao.box_mesh((0.1, 0.08, 0.005), (5, 4, 1))
-    inside = {"fixed": [(lambda x: (x[:, 0] < 1e-9) & (x[:, 1] > 0.01) & (x[:, 1] < 0.07), "xyz")]}
-    body = ao.FEModel.from_mesh(mesh, ALUMINIUM, **inside)
-    tip = body.contact(point=(0.04, 0.03, 0.005), radius=0)
-    hit = ao.simulate(ao.rigid(mass=0.1), ao.antioscillators(tip, 2), 1.0, law=LAW, duration=1e-4)
-    with pytest.raises(ao.InputError, match=message):
-        call(hit.target)
-
-
 def test_bodies_without_the_rows_of_their_supports_have_no_reactions() -> None:
     K = np.array([[2e6, -1e6], [-1e6, 1e6]])
     chain = ao.FEModel(K=K, M=np.diag([0.5, 0.5]))

@@ -16,7 +16,6 @@ import aoimpact as ao
 from aoimpact.base import (
     AOImpactWarning,
     InputError,
-    InputTypeError,
     MeshError,
 )
 from aoimpact.io import read_mesh
@@ -161,30 +160,6 @@ def test_nodes_of_no_element_may_have_any_coordinates(bad: float) -> None:
     assert np.array_equal(points[0], [bad, 0.0, bad], equal_nan=True)
 
 
-@pytest.mark.parametrize(
-    ("changed", "error", "words"),
-    [
-        ({"kind": "hexahedron8"}, InputError, r"^kind"),
-        ({"kind": "tetra"}, MeshError, r"^cells"),
-        ({"cells": TWO_CELLS * 1.0}, InputTypeError, r"^cells"),
-        ({"cells": TWO_CELLS[:1]}, MeshError, r"^nodes"),
-        ({"cells": -TWO_CELLS}, MeshError, "nodes"),
-        ({"nodes": TWO[:, :2]}, InputError, r"^nodes"),
-        ({"node_sets": {"a": [12]}}, InputError, r"^node_sets"),
-        ({"cell_sets": {"a": [2]}}, InputError, r"^cell_sets"),
-        ({"kind": "mixed"}, InputTypeError, r"^cells"),
-        ({"kind": "mixed", "cells": 2 * [("hexahedron", TWO_CELLS)]}, InputError, r"^cells"),
-        ({"kind": "mixed", "cells": [("hexaeder", TWO_CELLS)]}, InputError, r"^cells"),
-    ],
-)
-def test_meshes_by_hand_are_checked_too(
-    changed: dict[str, object], error: type[Exception], words: str
-) -> None:
-    parts: dict[str, object] = {"nodes": TWO, "cells": TWO_CELLS, "kind": "hexahedron", **changed}
-    with pytest.raises(error, match=words):
-        Mesh(**parts)  # type: ignore[arg-type]
-
-
 def test_mesh_is_a_value_of_its_own() -> None:
     nodes = TWO.copy()
     mesh = Mesh(nodes, TWO_CELLS, "hexahedron", {"end": [9, 8]})
@@ -235,11 +210,3 @@ def test_numbers_of_a_file_stay_with_their_nodes_and_elements() -> None:
     scaled = read_mesh(labelled(), scale=1e-3)
     assert np.array_equal(scaled.node_labels, labelled().node_labels)
     assert np.array_equal(scaled.cell_labels, labelled().cell_labels)
-
-
-@pytest.mark.parametrize(
-    ("labels", "error"), [([1, 2], InputError), (np.arange(12) / 2, InputTypeError)]
-)
-def test_numbers_of_a_file_must_fit_the_mesh(labels: object, error: type[Exception]) -> None:
-    with pytest.raises(error, match=r"^node_labels"):
-        Mesh(TWO, TWO_CELLS, "hexahedron", node_labels=labels)  # type: ignore[arg-type]

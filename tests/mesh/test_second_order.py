@@ -7,7 +7,7 @@ import pytest
 from bodies import mixed_box, no_solid
 
 import aoimpact as ao
-from aoimpact import InputError, MeshError
+from aoimpact import MeshError
 from aoimpact.fem import stiffness_mass
 from aoimpact.mesh import boundary
 
@@ -106,9 +106,3 @@ def test_a_mesh_of_second_order_stays_and_one_of_both_is_refused() -> None:
     both = ao.Mesh(aside, [("tetra10", box.cells), ("tetra", four[None])])
     with pytest.raises(MeshError, match=r"^order"):
         ao.read_mesh(both, order=2)
-
-
-@pytest.mark.parametrize("order", [1, 3, "two", True])
-def test_other_orders_are_refused(order: object) -> None:
-    with pytest.raises(InputError, match=r"^order"):
-        ao.read_mesh(ao.box_mesh((1, 1, 1), (1, 1, 1)), order=order)  # type: ignore[arg-type]

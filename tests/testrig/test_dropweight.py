@@ -201,25 +201,6 @@ def test_a_simulated_plate_is_never_punctured() -> None:
     assert test.puncture is None
 
 
-@pytest.mark.parametrize(
-    ("sign", "given", "words"),
-    [
-        (1.0, {"mass": None}, r"^mass"),
-        (1.0, {"velocity": None}, r"^velocity"),
-        (1.0, {"cfc": 1000}, r"^cfc"),
-        (1.0, {"start": 1.0}, r"^start"),
-        (-1.0, {}, "force"),
-    ],
-)
-def test_what_cannot_be_evaluated_is_refused(
-    sign: float, given: dict[str, Any], words: str
-) -> None:
-    t = np.linspace(0.0, T, 21)
-    force = sign * F0 * np.sin(np.pi * t / T)
-    with pytest.raises(ao.InputError, match=words):
-        testrig.drop_weight((t, force), **{"mass": M, "velocity": V} | given)
-
-
 def test_bodies_that_do_not_meet_are_said() -> None:
     with pytest.warns(ao.AOImpactWarning), pytest.raises(ao.InputError, match="bodies"):
         testrig.drop_weight(strike(gap=1.0, duration=1e-3))

@@ -155,37 +155,6 @@ def test_a_record_that_is_too_short_for_the_damping_is_said() -> None:
 
 
 T, F = pulse(n=500)
-LOAD = ao.testrig.Signal(T, F)
-MOVED = velocity(T, np.cumsum(F) / RATE / M)
-
-
-@pytest.mark.parametrize(
-    ("argument", "given"),
-    [
-        ("kind", {"kind": "impedance"}),
-        ("estimator", {"estimator": "H3"}),
-        ("response", {"response": LOAD}),
-        ("response", {"force": [LOAD, LOAD]}),
-        (
-            "response",
-            {"response": [MOVED, velocity(T[1:], MOVED.values[1:])], "force": [LOAD] * 2},
-        ),
-        (
-            "response",
-            {"response": [MOVED, ao.testrig.Signal(T, F / M, unit="m/s²")], "force": [LOAD] * 2},
-        ),
-        ("kN", {"force": ao.testrig.Signal(T, F / 1e3, unit="kN")}),
-        ("force", {"force": ao.testrig.Signal(T[1:], F[1:])}),
-        ("force", {"force": ao.testrig.Signal(T + 1e-4, F)}),
-        ("force", {"force": ao.testrig.Signal(T, -F)}),
-        ("force", {"force": ao.testrig.Signal(T, np.where(T > 0.005, 100.0, F))}),
-        ("force", {"force": [], "response": []}),
-        ("evenly", {"force": ao.testrig.Signal(T**2, F), "response": velocity(T**2, MOVED.values)}),
-    ],
-)
-def test_what_makes_no_response_is_refused(argument: str, given: dict[str, Any]) -> None:
-    with pytest.raises(ao.InputError, match=argument):
-        ao.testrig.frf(**{"force": LOAD, "response": MOVED} | given)
 
 
 @pytest.mark.slow

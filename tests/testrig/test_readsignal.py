@@ -106,18 +106,11 @@ def test_what_the_package_writes_is_read_back(tmp_path: Path) -> None:
         ("t;F\n0;1e999\n1;1\n", {}, "finite"),
         ("t;F\n0;1\n1;nan\n", {}, r"line 3\b"),
         ("t;F;F\n0;1;2\n1;2;3\n", {"values": "F"}, "values"),
-        ("t;F\n0;1\n1;2\n", {"decimal": "comma"}, "decimal"),
-        ("t;F\n0;1\n1;2\n", {"time": -1}, "time"),
         ("\0\1;\2", {}, "binary"),
         ("t,F\n0,0\n1,1\n1,2\n", {}, r"line 4\b"),
         ("t,F\n", {}, "values"),
         ("", {}, "values"),
         ('0,"1\n' + 150_000 * "1", {}, "line"),
-        ("t,F\n0,0\n1,1\n", {"values": "load"}, "values"),
-        ("t,F\n0,0\n1,1\n", {"values": 2}, "values"),
-        ("t,F\n0,0\n1,1\n", {"values": 1.0}, "values"),
-        ("t,F\n0,0\n1,1\n", {"unit": "kg"}, "unit"),
-        ("t,F\n0,0\n1,1\n", {"time_unit": "N"}, "time_unit"),
     ],
 )
 def test_what_is_wrong_is_said(

@@ -103,20 +103,6 @@ def test_a_corner_is_a_class_by_another_name() -> None:
     )
 
 
-def test_a_signal_that_is_shorter_than_the_filter_settles_is_refused() -> None:
-    t = np.arange(300) / 1e6
-    short = testrig.Signal(t, np.sin(np.pi * t / 3e-4))
-    with pytest.raises(ao.InputError, match=r"^cfc"):
-        short.filtered(1000)
-
-
-def test_too_few_samples_for_a_class_are_refused() -> None:
-    t = np.arange(1000) / 5e3
-    with pytest.raises(ao.InputError, match=r"^cfc"):
-        testrig.Signal(t, np.sin(t)).filtered(1000)
-    testrig.Signal(t, np.sin(t)).filtered(180)
-
-
 def test_uneven_samples_are_refused_and_resampled() -> None:
     t = np.sort(np.random.default_rng(1).uniform(0.0, 0.1, 5001))
     uneven = testrig.Signal(t, np.sin(2 * np.pi * 30 * t))
@@ -132,20 +118,6 @@ def test_uneven_samples_are_refused_and_resampled() -> None:
 def test_times_written_with_few_digits_are_even() -> None:
     t = np.round(np.arange(1000) * 1e-5, 7)
     assert testrig.Signal(t, t).rate == pytest.approx(1e5)
-
-
-@pytest.mark.parametrize(
-    ("t", "values", "words"),
-    [
-        ([0.0, 1.0], [1.0], "^values"),
-        ([0.0], [1.0], r"^t"),
-        ([0.0, 2.0, 1.0], [0.0, 0.0, 0.0], r"^t"),
-        ([0.0, 1.0, 2.0], [0.0, np.nan, 0.0], r"^values"),
-    ],
-)
-def test_what_is_no_signal_is_refused(t: Any, values: Any, words: str) -> None:
-    with pytest.raises(ao.InputError, match=words):
-        testrig.Signal(t, values)
 
 
 def strike(duration: float | None = None, solver: Any = None) -> ao.Result:
