@@ -31,6 +31,20 @@ def grid(
     return nodes, cells, r, s
 
 
+def line(length: float = 1.0, n: int = 10) -> ao.Mesh:
+    """A line of elements along x, whose ends are sets of nodes."""
+    nodes = np.column_stack([np.linspace(0, length, n + 1), np.zeros((n + 1, 2))])
+    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
+    return ao.Mesh(nodes, cells, "line", {"xmin": np.array([0]), "xmax": np.array([n])})
+
+
+def bar(
+    section: Any, material: ao.Material, length: float = 1.0, n: int = 20, **given: Any
+) -> ao.FEModel:
+    """A beam along x, whose height is along z."""
+    return ao.FEModel.from_mesh(line(length, n), ao.Beam(section, material, (0, 0, 1)), **given)
+
+
 def matrices(nodes: FloatArray, *parts: tuple[IntArray, Any]) -> tuple[Any, Any]:
     """K and M of a body, over 6 dofs at each node in turn; parts are elements and what they are."""
     cells, groups, first = {}, {}, 0

@@ -275,13 +275,6 @@ def test_null_space_of_any_matrix_is_found(n: int, rank_loss: int, seed: int) ->
 # --- From mesh to model ---
 
 
-def test_millimetres_are_noticed() -> None:
-    with pytest.warns(AOImpactWarning, match="scale="):
-        FEModel.from_mesh(box_mesh((1000, 20, 20), (10, 1, 1)), ALUMINIUM)
-    with pytest.warns(AOImpactWarning, match="weighs"):
-        FEModel.from_mesh(sphere_mesh(10.0, 10.0), STEEL)
-
-
 @pytest.mark.parametrize("fixed", [None, [("xmin", "xyz")]])
 def test_a_pickle_carries_the_mesh_and_not_what_is_assembled_from_it(fixed: Any) -> None:
     body = FEModel.from_mesh(box_mesh((0.1, 0.1, 0.02), (10, 10, 2)), STEEL, fixed=fixed)

@@ -1,14 +1,12 @@
-"""Orthotropic materials: constants, turning, half-spaces, and laminates against plate theory."""
+"""Orthotropic materials: constants, turning, half-spaces."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
-import scipy.sparse.linalg as sla
 
 import aoimpact as ao
 from aoimpact import AOImpactWarning
@@ -86,69 +84,6 @@ def test_stress_and_energy_of_a_uniform_strain() -> None:
     body = ao.FEModel.from_mesh(mesh, ply)
     energy = moved.reshape(-1) @ (body.K @ moved.reshape(-1))
     assert energy == pytest.approx(np.sum(exact * strain) * 1e-4, rel=1e-12)
-
-
-# ------------------------------------------------------------------- laminates
-
-LENGTHS, PLY_THICKNESS = (0.2, 0.15), 0.25e-3
-
-
-def laminate(angles: tuple[float, ...], counts: tuple[int, int], **more: Any) -> ao.FEModel:
-    """A plate of plies, hexahedron20, one element through each."""
-    thickness = len(angles) * PLY_THICKNESS
-    box = ao.box_mesh((*LENGTHS, thickness), (*counts, len(angles)), kind="hexahedron20")
-    layer = (box.nodes[box.cells].mean(axis=1)[:, 2] / PLY_THICKNESS).astype(int)
-    groups = {f"ply {i}": np.flatnonzero(layer == i) for i in range(len(angles))}
-    mesh = ao.Mesh(box.nodes, box.cells, box.kind, box.node_sets, groups)
-    material = {f"ply {i}": PLY.turned(angle) for i, angle in enumerate(angles)}
-    return ao.FEModel.from_mesh(mesh, material, **more)
-
-
-def bending_stiffness(angles: tuple[float, ...]) -> FloatArray:
-    """D of classical lamination theory, N m, shape (3, 3): Σ Q̄ (z₂³ - z₁³)/3."""
-    e1, e2, g, nu = 135e9, 9e9, 5e9, 0.3
-    share = 1.0 - nu**2 * e2 / e1
-    Q = np.array([[e1, nu * e2, 0.0], [nu * e2, e2, 0.0], [0.0, 0.0, g * share]]) / share
-    D, z = np.zeros((3, 3)), -0.5 * len(angles) * PLY_THICKNESS
-    for angle in angles:
-        c, s = math.cos(angle), math.sin(angle)
-        T = np.array(
-            [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
-        )
-        D += T.T @ Q @ T * ((z + PLY_THICKNESS) ** 3 - z**3) / 3.0
-        z += PLY_THICKNESS
-    return D
-
-
-def test_the_bending_of_an_angle_ply_plate() -> None:
-    """A strip of ±45° plies, free to twist: κ = D⁻¹ M, in a field that is exact everywhere.
-
-    By energy: the curvatures of classical lamination, with each ply's plane stress, hold no more.
-    """
-    angles = tuple(math.radians(angle) for angle in (45.0, -45.0, -45.0, 45.0))
-    body = laminate(angles, (6, 5))
-    D = bending_stiffness(angles)
-    assert body.mesh is not None
-    kappa = np.array([1.0, -0.4, 0.3])
-    x, y, z = body.mesh.nodes.T
-    x, y, z = x - x.mean(), y - y.mean(), z - z.mean()
-    # u = -z ∇w, w = ½(κx x² + κy y² + κxy x y), with ε = z κ: signs do not matter to the energy
-    moved = np.column_stack(
-        [
-            z * (kappa[0] * x + 0.5 * kappa[2] * y),
-            z * (kappa[1] * y + 0.5 * kappa[2] * x),
-            -0.5 * (kappa[0] * x**2 + kappa[1] * y**2 + kappa[2] * x * y),
-        ]
-    )
-    # The thickness adjusts so that σzz = 0 in each ply: found by letting it, all else held.
-    K, n = body.K, body.n_dofs
-    through = np.flatnonzero(np.arange(n) % 3 == 2)
-    flat = moved.reshape(-1)
-    held = through[np.abs(z[through // 3]) < 1e-9]
-    let = np.setdiff1d(through, held)
-    flat[let] -= sla.spsolve(K[let][:, let].tocsc(), (K @ flat)[let])
-    energy = flat @ (K @ flat) / (LENGTHS[0] * LENGTHS[1])
-    assert energy == pytest.approx(kappa @ D @ kappa, rel=0.01)
 
 
 def test_values_in_other_units_are_said() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from thinmeshes import bar
 
 import aoimpact as ao
 
@@ -14,12 +15,9 @@ STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 BALL = ao.ball(0.005, STEEL)
 
 
-def bar(section: Any, n: int = 20) -> Any:
-    """A bar along x, 1 m long, clamped at both ends."""
-    nodes = np.column_stack([np.linspace(0, 1, n + 1), np.zeros((n + 1, 2))])
-    mesh = ao.Mesh(nodes, np.column_stack([np.arange(n), np.arange(1, n + 1)]), "line")
-    beam = ao.Beam(section, STEEL, orientation=(0, 0, 1))
-    return ao.FEModel.from_mesh(mesh, beam, fixed=[([0, n], "xyz", "xyz")])
+def clamped(section: Any) -> ao.FEModel:
+    """A bar of 1 m, clamped at both ends."""
+    return bar(section, STEEL, fixed=[([0, 20], "xyz", "xyz")])
 
 
 @pytest.mark.parametrize(
@@ -33,14 +31,14 @@ def test_a_contact_wider_than_a_beam_is_thick(section: Any, warns: bool) -> None
     """a = √(δ R) of the law beyond half the thickness."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        tip = bar(section).contact(point=(0.5, 0, 0), direction=(0, 0, -1))
+        tip = clamped(section).contact(point=(0.5, 0, 0), direction=(0, 0, -1))
         ao.simulate(BALL, tip, 1.0, quantity="peak_force")
     said = [each for each in caught if "more than half the thickness" in str(each.message)]
     assert bool(said) == warns
 
 
 def test_a_force_along_a_beam_between_its_ends_is_questioned() -> None:
-    body = bar(ao.CircularSection(0.01))
+    body = clamped(ao.CircularSection(0.01))
     for point in ((0.5, 0, 0), (0.525, 0, 0)):
         with pytest.warns(ao.AOImpactWarning, match=r"^direction"):
             body.contact(point=point, direction=(1, 0, 0))
@@ -51,7 +49,7 @@ def test_a_force_along_a_beam_between_its_ends_is_questioned() -> None:
 @pytest.mark.parametrize("direction", [(0, 0, -1), (0.6, 0, -0.8)])
 def test_a_tube_of_beams_is_not_struck_across(law: Any, direction: Any) -> None:
     """Its wall would become oval, and the force be far too large."""
-    tip = bar(ao.TubularSection(0.015, 1e-3)).contact(point=(0.5, 0, 0), direction=direction)
+    tip = clamped(ao.TubularSection(0.015, 1e-3)).contact(point=(0.5, 0, 0), direction=direction)
     with pytest.raises(ao.InputError, match=r"^direction"):
         ao.simulate(BALL, tip, 1.0, law=law, duration=1e-4)
 
@@ -60,7 +58,7 @@ def test_a_spring_pushes_a_tube_of_beams_across() -> None:
     """Under a soft spring it moves as the beam of the same section by its numbers."""
     tube, peaks = ao.TubularSection(0.015, 1e-3), []
     for section in (tube, tube.with_nu(0.3)):
-        tip = bar(section).contact(point=(0.5, 0, 0), direction=(0, 0, -1))
+        tip = clamped(section).contact(point=(0.5, 0, 0), direction=(0, 0, -1))
         hit = ao.simulate(ao.rigid(0.1), tip, 1.0, law=ao.Linear(1e4), quantity="peak_force")
         peaks.append(hit.peak_force)
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-6)
@@ -68,9 +66,7 @@ def test_a_spring_pushes_a_tube_of_beams_across() -> None:
 
 @pytest.mark.parametrize("section", [ao.CircularSection(0.01), ao.TubularSection(0.01, 2e-3)])
 def test_the_end_of_a_round_bar_is_flat(section: Any) -> None:
-    nodes = np.column_stack([np.linspace(0, 0.3, 31), np.zeros((31, 2))])
-    mesh = ao.Mesh(nodes, np.column_stack([np.arange(30), np.arange(1, 31)]), "line")
-    tip = ao.FEModel.from_mesh(mesh, ao.Beam(section, STEEL)).contact(node=0, direction=(1, 0, 0))
+    tip = bar(section, STEEL, 0.3, 30).contact(node=0, direction=(1, 0, 0))
     hit = ao.simulate(BALL, tip, 0.1, duration=60e-6)
     assert hit.law.k == pytest.approx(ao.Hertz.between(STEEL, 0.005, STEEL, np.inf).k)
 
@@ -90,6 +86,6 @@ def test_a_point_on_the_face_of_a_shell_is_that_of_its_nodes(z: float) -> None:
 
 
 def test_a_point_on_the_side_of_a_beam_is_that_of_its_axis() -> None:
-    body = bar(ao.RectangularSection(0.02, 0.04))
+    body = clamped(ao.RectangularSection(0.02, 0.04))
     tip = body.contact(point=(0.5, 0.0, 0.02), direction=(0, 0, -1))
     assert tip.point == pytest.approx([0.5, 0.0, 0.0])

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from thinmeshes import bar
 
 import aoimpact as ao
 
@@ -66,12 +67,8 @@ def test_elements_that_outgrow_the_wave_have_an_error_without_bound(n: int) -> N
     """A beam of 2 m: its peak is up to 58 % off those of 256 elements, and finer ones miss that."""
     peaks = []
     for count in (n, 256):
-        nodes = np.stack([np.linspace(0, 2, count + 1), *np.zeros((2, count + 1))], axis=1)
-        cells = np.column_stack([np.arange(count), np.arange(1, count + 1)])
-        bar = ao.Beam(ao.RectangularSection(0.01, 0.01), STEEL, (0, 0, 1))
-        body = ao.FEModel.from_mesh(
-            ao.Mesh(nodes, cells, "line"), bar, fixed=[([0, count], "xyz", "xyz")]
-        )
+        section, ends = ao.RectangularSection(0.01, 0.01), [([0, count], "xyz", "xyz")]
+        body = bar(section, STEEL, 2.0, count, fixed=ends)
         tip = body.contact(point=(1, 0, 0), direction=(0, 0, -1))
         with warnings.catch_warnings(record=True) as found:
             warnings.simplefilter("always")
@@ -285,14 +282,10 @@ def test_a_laminate_is_pressed_on_the_ply_that_faces_the_ball() -> None:
         assert tip.material == ply.half_space((0, 0, 1))
 
 
-def beam(n: int = 50, **given: Any) -> Any:
+def beam(n: int = 50) -> ao.FEModel:
     """The paper's beam: 1 m, 20 x 20 mm of aluminium, simply supported."""
-    nodes = np.stack([np.linspace(0, 1, n + 1), np.zeros(n + 1), np.zeros(n + 1)], axis=1)
-    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
-    bar = ao.Beam(ao.RectangularSection(0.02, 0.02), ao.Material(70e9, 0.3, 2400), (0, 0, 1))
-    return ao.FEModel.from_mesh(
-        ao.Mesh(nodes, cells, "line"), bar, fixed=[([0, n], "xyz", "x")], **given
-    )
+    section, metal = ao.RectangularSection(0.02, 0.02), ao.Material(70e9, 0.3, 2400)
+    return bar(section, metal, 1.0, n, fixed=[([0, n], "xyz", "x")])
 
 
 def test_the_papers_beam_as_a_beam() -> None:
@@ -325,12 +318,7 @@ def test_a_beam_may_be_touched_between_its_nodes() -> None:
 
 
 def test_a_round_beam_is_curved_across() -> None:
-    n = 20
-    nodes = np.stack([np.linspace(0, 0.5, n + 1), np.zeros(n + 1), np.zeros(n + 1)], axis=1)
-    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
-    body = ao.FEModel.from_mesh(
-        ao.Mesh(nodes, cells, "line"), ao.Beam(ao.CircularSection(0.01), STEEL)
-    )
+    body = bar(ao.CircularSection(0.01), STEEL, 0.5)
     tip = body.contact(node=10, direction=(0, 0, -1))
     hit = ao.simulate(BALL, tip, 1.0, duration=100e-6)
     assert hit.law.k == pytest.approx(

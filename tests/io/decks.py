@@ -70,13 +70,6 @@ def deck(folder: Path, mesh: Any, *cards: str, after: str = "", kind: str = "") 
     return nastran(folder / "a.bdf", mesh, [*cards, *known], after)
 
 
-def line(length: float = 1.0, n: int = 10) -> ao.Mesh:
-    """A line of elements along x, whose ends are sets of nodes."""
-    nodes = np.column_stack([np.linspace(0, length, n + 1), np.zeros((n + 1, 2))])
-    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
-    return ao.Mesh(nodes, cells, "line", {"xmin": np.array([0]), "xmax": np.array([n])})
-
-
 def strip(n: int, m: int, place: Any) -> tuple[Any, Any]:
     """Nodes and cells of n x m elements S8R on the unit square, put into space."""
     i, j = np.meshgrid(np.arange(2 * n + 1), np.arange(2 * m + 1), indexing="ij")

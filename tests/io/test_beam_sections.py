@@ -14,7 +14,8 @@ import pytest
 import scipy.ndimage
 import scipy.sparse as sp
 import scipy.sparse.linalg
-from decks import deck, line
+from decks import deck
+from thinmeshes import line
 
 import aoimpact as ao
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from decks import MAT1, PLY, STEEL, abaqus, deck, line
+from decks import MAT1, PLY, STEEL, abaqus, deck
+from thinmeshes import line
 
 import aoimpact as ao
 from aoimpact.base import MissingFileError

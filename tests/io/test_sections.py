@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse.linalg
-from decks import CARBON, ELASTIC, MAT1, PLY, STEEL, abaqus, deck, line, nastran
+from decks import CARBON, ELASTIC, MAT1, PLY, STEEL, abaqus, deck, nastran
+from thinmeshes import line
 
 import aoimpact as ao
 

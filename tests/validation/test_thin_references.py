@@ -19,6 +19,7 @@ import scipy.linalg
 import scipy.optimize
 from scipy.integrate import solve_ivp
 from scipy.spatial import cKDTree
+from thinmeshes import bar
 
 import aoimpact as ao
 
@@ -252,14 +253,6 @@ def test_a_laminate_of_16_plies() -> None:
     assert hit.peak_force == pytest.approx(force.max(), rel=0.015)
 
 
-def bar(length: float, n: int, section: Any, material: ao.Material, **given: Any) -> ao.FEModel:
-    nodes = np.stack([np.linspace(0.0, length, n + 1), *np.zeros((2, n + 1))], axis=1)
-    cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
-    return ao.FEModel.from_mesh(
-        ao.Mesh(nodes, cells, "line"), ao.Beam(section, material, (0, 0, 1)), **given
-    )
-
-
 def timoshenko(
     length: float, side: float, ball: float, metal: ao.Material, lasts: float
 ) -> FloatArray:
@@ -304,7 +297,7 @@ def test_timoshenkos_three_beams(length: float, ball: float, lasts: float) -> No
     The heavy ball strikes three times, and the largest force is that of the second blow.
     """
     metal = ao.Material(E=216e9, nu=0.3, rho=7960)
-    body = bar(length, 40, ao.RectangularSection(0.01, 0.01), metal, fixed=[([0, 40], "xyz", "x")])
+    body = bar(ao.RectangularSection(0.01, 0.01), metal, length, 40, fixed=[([0, 40], "xyz", "x")])
     tip = body.contact(point=(length / 2, 0, 0), direction=(0, 0, -1))
     hit = ao.simulate(ao.ball(ball, metal), tip, 0.01, duration=lasts, quantity="peak_force")
     exact = timoshenko(length, 0.01, ball, metal, lasts).max()
@@ -333,7 +326,7 @@ def test_what_a_beam_leaves_out_of_its_section_is_claimed(
         place, way = (0.0, 0.0, 0.5 * height), (0, 0, -1)
     solid = ao.FEModel.from_mesh(ao.Mesh(nodes, box.cells, box.kind), STEEL)
     exact = ao.simulate(ball, solid.contact(point=place, direction=way), 1.0).peak_force
-    body = bar(length, 40, ao.RectangularSection(width, height), STEEL)
+    body = bar(ao.RectangularSection(width, height), STEEL, length, 40)
     tip = body.contact(point=(length if along else 0.5 * length, 0, 0), direction=way)
     hit = ao.simulate(ball, tip, 1.0)
     error = abs(hit.peak_force / exact - 1.0)
