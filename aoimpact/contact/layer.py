@@ -26,6 +26,7 @@ import scipy
 
 from ..base import BoolArray, ComplexArray, FloatArray, IntArray
 from ..fem import Laminate, Layers, Material, Shell, thin_stiffness_mass
+from ..mesh import plane_of, sides
 
 # Wave numbers of the integrals over k: how many, and how far beyond 1/λ and 1/a.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
@@ -189,7 +190,7 @@ def mesh_compliance(
     couples : ndarray, shape (n_nodes, 3), optional
         Those of the functional, m.
     """
-    axes = _plane(normal, layers.reference)
+    axes = plane_of(normal, layers.reference)
     load = np.zeros((len(nodes), 6))
     load[:, 2] = forces
     if couples is not None:
@@ -202,7 +203,7 @@ def mesh_compliance(
     if _isotropic(layers):  # with its middle at the nodes
         plate = Shell(layers.total_thickness, layers.plies[0].material)
     K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
-    rim = rim_nodes(chosen, len(used)) & ~load.any(axis=1)
+    rim = rim_nodes(x, chosen) & ~load.any(axis=1)
     # Where bending makes no membrane force, only w and its rotations move.
     moving = np.full(6, plate.stiffness[:3, 3:6].any()) | (np.abs(np.arange(6) - 3) < 2)
     free = np.outer(~rim, moving)
@@ -355,19 +356,9 @@ def _by_wave_number(
     return still.T @ stiffness @ still, mixed - mixed.T, along.T @ stiffness @ along
 
 
-def rim_nodes(cells: Sequence[IntArray], n_nodes: int) -> BoolArray:
+def rim_nodes(nodes: FloatArray, cells: Sequence[IntArray]) -> BoolArray:
     """Return which nodes are on edges that belong to a single element, shape (n_nodes,)."""
-    ends = [np.stack([group, np.roll(group, -1, axis=1)], axis=2).reshape(-1, 2) for group in cells]
-    edges, count = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0, return_counts=True)
-    rim = np.zeros(n_nodes, dtype=bool)
-    rim[edges[count == 1]] = True
+    ends, number = sides(nodes, cells)[:2]
+    rim = np.zeros(len(nodes), dtype=bool)
+    rim[ends[np.bincount(number)[number] == 1]] = True
     return rim
-
-
-def _plane(normal: FloatArray, reference: FloatArray | None) -> FloatArray:
-    """Two unit vectors across the normal, rows of (2, 3), the first along a direction if given."""
-    first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
-    if reference is not None:
-        first = reference - (reference @ normal) * normal
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(normal, first)])

@@ -124,7 +124,7 @@ def extracted_from_shell(
     # Compliance of infinite plates beyond that of their layers under a patch of some width.
     wide = max(0.5 * t, 0.0 if tip.patch is None else tip.patch.radius)
     excess = plate_compliance(layers, wide, slow) - of_layers
-    at_edge = bool((rim_nodes(groups, mesh.n_nodes) & loaded).any())
+    at_edge = bool((rim_nodes(mesh.nodes, groups) & loaded).any())
     close = away < _ABOUT * edge
     about = [part.taken(close[part.cells].any(axis=1)) for part in parts]
     numbers = np.concatenate([of.numbers for of in about])

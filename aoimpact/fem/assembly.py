@@ -16,7 +16,7 @@ import numpy.typing as npt
 from ..base import FloatArray, IntArray, at_once, bar, require, sp
 from ..linalg import ENTRIES_AT_ONCE
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, parted
-from .beams import Beam, beam_mass, beam_stiffness
+from .beams import Beam, beam_matrices
 from .composition import AnyMaterial, Piece, pieces
 from .laminate import Layers
 from .material import Material
@@ -107,8 +107,8 @@ def thin_stiffness_mass(
     shells = iter(zip(normals, joints, places[len(parts) :], strict=True))
     for (cells, part), place in zip(parts, places, strict=False):
         if isinstance(part, Beam):
-            add(K, place, beam_stiffness(nodes[cells], part))
-            add(M, place, beam_mass(nodes[cells], part))
+            for values, matrices in zip((K, M), beam_matrices(nodes[cells], part), strict=True):
+                add(values, place, matrices)
             continue
         normal, (ends, strip, links), there = next(shells)
         for start in range(0, len(cells), _SHELLS):

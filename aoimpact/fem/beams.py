@@ -29,8 +29,8 @@ from ..mesh import unit
 from .laminate import FAR_OFF, direction_or_none
 from .material import Material
 
-# Moments are linear and interpolated displacements cubic along an element.
-_STIFFNESS_RULE, _MASS_RULE = (np.polynomial.legendre.leggauss(n) for n in (2, 4))
+# Gauss' points along an element: moments are linear, and interpolated displacements cubic.
+_IN_STIFFNESS, _IN_MASS = 2, 4
 
 # Sine of the angle between a beam and its orientation below which the axes are rounding.
 _PARALLEL = 1e-6
@@ -471,20 +471,19 @@ def beam_frames(ends: FloatArray, beam: Beam) -> ArrayPair:
     return np.stack([x, y, np.cross(x, y)], axis=1), length
 
 
-def beam_stiffness(ends: FloatArray, beam: Beam) -> FloatArray:
-    """Return the stiffness of elements with nodes `ends` (n, 2, 3), shape (n, 12, 12)."""
-    places, weights = _STIFFNESS_RULE
-    rows = beam_rows(ends, beam, 0.5 + 0.5 * places)
-    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    return _energy(rows, beam.stiffness, 0.5 * weights, length)
-
-
-def beam_mass(ends: FloatArray, beam: Beam) -> FloatArray:
-    """Return the consistent mass of elements with nodes `ends` (n, 2, 3), shape (n, 12, 12)."""
-    places, weights = _MASS_RULE
+def beam_matrices(ends: FloatArray, beam: Beam) -> list[FloatArray]:
+    """Return stiffness and consistent mass of elements with nodes (n, 2, 3), each (n, 12, 12)."""
     frames, length = beam_frames(ends, beam)
-    rows = _rows(frames, length, beam, 0.5 + 0.5 * places)[0]
-    return _energy(rows, beam.inertia[[0, 0, 0, 1, 2, 3]], 0.5 * weights, length)
+    of_strain, of_motion = beam.stiffness, beam.inertia[[0, 0, 0, 1, 2, 3]]
+    found = []
+    for which, density, count in ((1, of_strain, _IN_STIFFNESS), (0, of_motion, _IN_MASS)):
+        places, weights = np.polynomial.legendre.leggauss(count)
+        rows = _rows(frames, length, beam, 0.5 + 0.5 * places)[which]
+        scale = np.sqrt(0.5 * length[:, None, None] * weights[:, None] * _finite(density))
+        scaled = (rows * scale[..., None]).reshape(len(rows), -1, 12)
+        matrix = scaled.swapaxes(1, 2) @ scaled
+        found.append(0.5 * (matrix + matrix.swapaxes(1, 2)))
+    return found
 
 
 def beam_rows(ends: FloatArray, beam: Beam, places: FloatArray) -> FloatArray:
@@ -511,18 +510,13 @@ def beam_motion(ends: FloatArray, beam: Beam, place: float) -> FloatArray:
     return np.asarray((frames[0].T @ rows).reshape(3, 2, 2, 3))
 
 
-def _energy(
-    rows: FloatArray, density: FloatArray, weights: FloatArray, length: FloatArray
-) -> FloatArray:
-    scaled = rows * np.sqrt(_finite(density))[:, None] * np.sqrt(weights)[:, None, None]
-    scaled = (scaled * np.sqrt(length)[:, None, None, None]).reshape(len(rows), -1, 12)
-    matrix = scaled.swapaxes(1, 2) @ scaled
-    return 0.5 * (matrix + matrix.swapaxes(1, 2))
-
-
 def _finite(stiffness: FloatArray) -> FloatArray:
     """Return stiffness with 0 where it is infinite: strain is 0 there, and does no work."""
     return np.where(np.isinf(stiffness), 0.0, stiffness)
+
+
+# v, θ L, v and θ L at the ends of an element that is rigid in shear, by a cubic's coefficients.
+_AT_ENDS = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 1, 1], [0, 1, 2, 3]], dtype=np.float64)
 
 
 def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray) -> ArrayPair:
@@ -542,21 +536,15 @@ def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray
         (2, 4, -1.0, bent_y, shear_z),
     ):
         phi = 12.0 * bent / (shear * L * L)
-        cubic = np.array(
-            [
-                [one + phi, -phi, -3.0 * one, 2.0 * one],
-                [0.0 * L, L * (1.0 + phi / 2.0), -L * (2.0 + phi / 2.0), L],
-                [0.0 * L, phi, 3.0 * one, -2.0 * one],
-                [0.0 * L, -L * phi / 2.0, -L * (1.0 - phi / 2.0), L],
-            ]
-        )
-        cubic /= 1.0 + phi
-        gamma = np.array([-phi / L, -phi / 2.0, phi / L, -phi / 2.0]) / (1.0 + phi)
+        at_ends = np.tile(_AT_ENDS, (len(L), 1, 1))
+        at_ends[:, [1, 3], 3] += 0.5 * phi[:, None]
+        by_ends = np.stack([one, sign * L, one, sign * L], axis=1)
+        cubic = np.linalg.inv(at_ends) * by_ends[:, None]
+        sheared = (-0.5 * phi / L)[:, None, None] * cubic[:, 3:]
         deflection, slope, curvature = (
-            np.einsum("fpn,qp->nqf", cubic / L**order, by) * [1.0, sign, 1.0, sign]
+            by @ cubic / L[:, None, None] ** order
             for order, by in enumerate((powers, first, second))
         )
-        sheared = (gamma.T * [1.0, sign, 1.0, sign])[:, None]
         ends = [v, rotation, 6 + v, 6 + rotation]
         moved[:, :, v, ends], strain[:, :, 3 + v, ends] = deflection, sheared
         moved[:, :, rotation, ends] = sign * (slope - sheared)

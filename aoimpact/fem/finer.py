@@ -27,20 +27,11 @@ from .model import FEModel, grounded, summed
 class _Finer(FEModel):
     """A body that is made of another, with K and M when they are first needed."""
 
-    own: slice | IntArray  # where the other body's dofs are among those of this one
     mean: Any  # values at the functions' nodes, by those at the other body's nodes
 
     def __reduce__(self) -> Any:
         """Pickle by the other body."""
         return attrgetter("finer"), (self.given,)
-
-    def restricted(self, x: FloatArray) -> FloatArray:
-        return x[self.own]
-
-    def functional(self, x: FloatArray) -> FloatArray:
-        found = np.zeros((self.n_dofs, *x.shape[1:]))
-        found[self.own] = x
-        return found
 
     def carried(self, values: FloatArray) -> FloatArray:
         columns = values.reshape(len(values), -1)
@@ -49,24 +40,6 @@ class _Finer(FEModel):
     @cached_property
     def node_labels(self) -> IntArray | None:
         return self.given.node_labels
-
-    @cached_property
-    def _momentum(self) -> FloatArray | None:
-        shapes = self.shapes
-        known = self.given._momentum
-        if known is None:
-            return None
-        moved = np.zeros((6 * shapes.n_nodes, 3))
-        n_places = shapes.cells.max() + 1
-        moved[: 3 * n_places] = np.tile(np.eye(3), (n_places, 1))
-        found: FloatArray = self.M @ moved[self.free]
-        ground, _, M = self.held
-        if self.masses is not None:
-            M = M + self.masses[:, ground]
-        found += (M @ moved[ground])[self.free]
-        if not self.assembled:
-            found[: len(known)] = known
-        return found
 
 
 class FinerBody(_Finer):
@@ -97,9 +70,6 @@ class FinerBody(_Finer):
     @cached_property
     def mechanism(self) -> Mechanism | None:
         return None
-
-    def translation(self, direction: Any) -> FloatArray:
-        return self.appended(self.given.translation(direction))
 
     def inverse(
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS

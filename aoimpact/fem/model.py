@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -149,8 +149,6 @@ class FEModel(Frozen):
     mesh: Mesh | None = field(init=False, default=None)
     material: AnyMaterial | None = field(init=False, default=None)
     mass: float | None = field(init=False, default=None)
-    # (n_dofs, 3): column c is M g_c on the free dofs, with g_c the translation of all nodes.
-    _momentum: FloatArray | None = field(init=False, default=None)
     # (n_dofs,): springs to the ground, N/m, that K contains.
     springs: FloatArray | None = field(init=False, default=None)
     # Added masses over all dofs, kg, that M contains.
@@ -161,6 +159,8 @@ class FEModel(Frozen):
     _soft: FloatArray | None = field(init=False, default=None)
     # The body that a finer one was made from; None for all others.
     coarse: FEModel | None = field(init=False, default=None)
+    # Where the dofs of that body are among those of this one.
+    own: ClassVar[slice | IntArray] = slice(None)
 
     def __post_init__(self) -> None:
         checked(self, name=text)
@@ -169,7 +169,7 @@ class FEModel(Frozen):
         check_mass(M, K)
         nodes, free = _checked_nodes(self.nodes, self.free, K.shape[0])
         labels = checked_labels(self.labels, K.shape[0])
-        mass = momentum = None
+        mass = None
         n_nodes = 0 if nodes is None else len(nodes)
         along = axes_of(free, labels, n_nodes)
         whole = free is not None and np.count_nonzero(free < 3 * n_nodes) == 3 * n_nodes
@@ -180,11 +180,9 @@ class FEModel(Frozen):
             force = np.abs(K @ along).max(initial=0.0)
             soft = bool(force <= _FEW_DIGITS * np.abs(K.data).max(initial=0.0))
         if along is not None and (whole or soft):
-            momentum = M @ along
-            mass = _checked_total(np.einsum("ni,nj->ij", momentum, along))
+            mass = _checked_total(np.einsum("ni,nj->ij", M @ along, along))
         damping = damping_or_none(self.damping)
-        self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, _momentum=momentum)
-        self._set(labels=labels)
+        self._set(K=K, M=M, nodes=nodes, free=free, damping=damping, mass=mass, labels=labels)
         if nodes is not None:
             if mass is not None:
                 _warn_of_units(mass, float(np.ptp(nodes, axis=0).max()))
@@ -297,13 +295,12 @@ class FEModel(Frozen):
         stiffer = spring_stiffness(solid, springs, free)
         with np.errstate(all="ignore"):
             K, M = stiffness_mass(solid, made_of)
-            moves = axes_of(np.arange(K.shape[0]), None, solid.n_nodes)
-            momentum = M @ moves
-            own = float(momentum[: 3 * solid.n_nodes : 3, 0].sum())
+            along_x = np.arange(3 * solid.n_nodes) % 3 == 0
+            along_x.resize(K.shape[0])
+            own = mass = float(along_x @ (M @ along_x))
             if heavier is not None:
                 heavier.resize(M.shape)
-                momentum = (M + heavier) @ moves
-            mass = float(momentum[: 3 * solid.n_nodes : 3, 0].sum())
+                mass += float(along_x @ (heavier @ along_x))
         _check_reach(mass, K, M, solid, made_of)
         parts = pieces(solid, made_of, OneMaterial)
         volume = own / sum(len(part.rows) * part.of.rho for part in parts)
@@ -311,14 +308,11 @@ class FEModel(Frozen):
         warn_of_locking(solid, made_of)
         warn_of_curved_offsets(solid, made_of)
         warn_of_separate_parts(solid, heavier)
-        if stiffer is not None:
-            stiffer = np.pad(stiffer, (0, K.shape[0] - len(stiffer)))[free]
         held = grounded(K, M, free)
         K, M = completed(K, M, heavier, stiffer, free)
-        momentum = momentum[free]
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
-        model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass, _momentum=momentum)
+        model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass)
         model._set(mesh=solid, material=made_of, damping=damped, name=name)
         model._set(springs=stiffer, masses=heavier, assembled=True, held=held)
         if surface is not None:
@@ -370,7 +364,7 @@ class FEModel(Frozen):
         free = 3 * (numbers[node] + solid.n_nodes * rotation) + self.free % 3
         model = object.__new__(type(self))
         model._set(K=self.K, M=self.M, nodes=solid.nodes, free=free, labels=self.labels)
-        model._set(mass=self.mass, _momentum=self._momentum, mesh=solid, material=made_of)
+        model._set(mass=self.mass, mesh=solid, material=made_of)
         model._set(damping=self.damping, name=self.name)
         return model
 
@@ -463,10 +457,29 @@ class FEModel(Frozen):
         :meta private:
         """
         along = unit_vector("direction", direction)
-        axes = axes_of(self.free, self.labels, 0 if self.nodes is None else len(self.nodes))
+        axes = axes_of(self.free, self.labels, self._n_places)
         if axes is None:
             raise InputError("a translation needs nodes: make the model with FEModel(..., nodes=)")
         return axes @ along
+
+    @property
+    def _n_places(self) -> int:
+        """How many nodes there are, without those of added functions, which are no places."""
+        if self.shapes is None:
+            return 0 if self.nodes is None else len(self.nodes)
+        return int(self.shapes.cells.max()) + 1
+
+    @cached_property
+    def _momentum(self) -> FloatArray | None:
+        """M g_c on the free dofs, (n_dofs, 3): g_c moves all nodes along an axis."""
+        if self.mass is None:
+            return None
+        found: FloatArray = self.M @ axes_of(self.free, self.labels, self._n_places)
+        if self.assembled:
+            ground, _, M = self.held
+            M = M if self.masses is None else M + self.masses[:, ground]
+            found += (M @ axes_of(ground, None, self._n_places))[self.free]
+        return found
 
     def at_nodes(self, x: FloatArray, parts: int = 2) -> FloatArray:
         """Return values on the free dofs, (..., n_dofs), as those of nodes, 0 where supports hold.
@@ -659,14 +672,16 @@ class FEModel(Frozen):
 
         :meta private:
         """
-        return x
+        return x[self.own]
 
     def functional(self, x: FloatArray) -> FloatArray:
         """Return a functional of the dofs of `given`, (n,), as one of the body's.
 
         :meta private:
         """
-        return x
+        found = np.zeros((self.n_dofs, *x.shape[1:]))
+        found[self.own] = x
+        return found
 
     def carried(self, values: FloatArray) -> FloatArray:
         """Return values at the nodes of `given`, (n, ...), as those of the body's functions.

@@ -330,7 +330,7 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
 def spring_stiffness(
     mesh: Mesh, springs: Sequence[SpringSupport] | None, free: IntArray
 ) -> FloatArray | None:
-    """Return what is added to the diagonal of K over all dofs, shape (3 n_nodes,); None for none.
+    """Return what is added to the diagonal of K, shape (n_dofs,); None for none.
 
     Parameters
     ----------
@@ -347,13 +347,12 @@ def spring_stiffness(
         holds a node against its spring.
     """
     how = 'give a list such as [("mounts", "z", 1e6)]: nodes, letters, N/m'
-    total = np.zeros((mesh.n_nodes, 3))
-    held = np.ones((mesh.n_nodes, 3), dtype=bool)
-    held.reshape(-1)[free[free < held.size]] = False
+    total, held = np.zeros((2, mesh.n_nodes, 3)), np.ones((2, mesh.n_nodes, 3), dtype=bool)
+    held.reshape(-1)[free] = False
     for name, (selector, letters, stiffness) in entries("springs", springs, (3,), how):
         ids = nodes_of_mesh(name, selector, mesh)
         share = _bounded(f"{name}: the stiffness", stiffness, "N/m") / len(ids)
-        at = ids[:, None], components(name, letters)
+        at = 0, ids[:, None], components(name, letters)
         if (on_support := held[at].any(axis=1)).any():
             first = label_of(int(ids[on_support][0]), mesh.node_labels)
             raise InputError(
@@ -361,7 +360,7 @@ def spring_stiffness(
                 "are constrained by fixed against the spring; release them, or take others"
             )
         total[at] += share
-    return total.reshape(-1) if total.any() else None
+    return total.reshape(-1)[free] if total.any() else None
 
 
 def _bounded(name: str, value: Any, unit: str) -> float:
