@@ -29,13 +29,13 @@ def strike(body: ao.FEModel, **more: object) -> ao.Result:
 
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
 def test_where_only_bodies_as_meshed_leave_nothing_of_a_law_the_finer_ones_answer() -> None:
-    """Rubber on bricks that lock, against quadratic ones a third as large."""
+    """Rubber on bricks that lock, against quadratic ones half as large."""
     rubber = ao.Material(E=5e6, nu=0.499, rho=1100)
     locked, true = (
         ao.FEModel.from_mesh(
             ao.box_mesh((0.04, 0.04, 0.01), cells, kind=of), rubber, fixed=[("zmin", "xyz")]
         )
-        for cells, of in (((4, 4, 2), "hexahedron"), ((12, 12, 3), "hexahedron20"))
+        for cells, of in (((4, 4, 2), "hexahedron"), ((8, 8, 2), "hexahedron20"))
     )
     hits = [ao.simulate(BALL, of.contact(point=(0.02, 0.02, 0.01)), 1.0) for of in (locked, true)]
     for name in ("peak_force", "contact_duration", "impulse"):

@@ -34,7 +34,7 @@ def whole(name):
     return strike(name, **dict(zip(("projectile", "target"), bodies, strict=True)))
 
 
-@pytest.mark.parametrize("rtol", [1e-1, 1e-2])
+@pytest.mark.parametrize("rtol", [1e-2, pytest.param(1e-1, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", STRUCK)
 def test_the_error_said_of_every_number_is_true(name, rtol):
     hit, right = strike(name, quantity="peak_force", rtol=rtol), whole(name)

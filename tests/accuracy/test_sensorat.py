@@ -73,9 +73,16 @@ WANTED: dict[str, tuple[Callable[[Any], Any], Callable[[Any, Any], Any], float |
 }
 
 
+TOGETHER = ("reaction", "strain", "strain of a gauge", "acceleration")
+
+
 @pytest.mark.parametrize(
     "names",
-    [*((name,) for name in WANTED), ("reaction", "strain", "strain of a gauge", "acceleration")],
+    [
+        TOGETHER,
+        *((name,) for name in WANTED if name not in TOGETHER),
+        *(pytest.param((name,), marks=pytest.mark.slow) for name in TOGETHER),
+    ],
 )
 def test_the_true_error_of_each_is_within_the_tolerance(plate: Any, names: Any) -> None:
     plate = made(None) if "free" in names[0] else plate

@@ -63,7 +63,7 @@ def test_scipy_of_a_massless_contact_is_springs_in_series():
     assert found.rebound_velocity == pytest.approx(-1.0, abs=1e-10)
 
 
-@pytest.mark.parametrize("m0", [0.0, 1e-3])
+@pytest.mark.parametrize("m0", [0.0, pytest.param(1e-3, marks=pytest.mark.slow)])
 def test_two_methods_of_nothing_in_common_agree(m0):
     """Modes and closed forms here, star coordinates and Runge-Kutta there; several contacts."""
     star = ao.AOModel(m0=m0, k0=2e6, m=[0.02, 0.004], k=[5e7, 3e8])

@@ -31,6 +31,7 @@ UNIT = ALU.plane_strain_modulus * A
 BOX, ON_TOP = (0.06, 0.06, 0.03), (0.0311, 0.0287, 0.03)
 S2 = 4.5e9  # of an impact of some 150 µs
 LINEAR = ("hexahedron", "tetra", "wedge", "pyramid")
+MARKS = dict.fromkeys(("hexahedron", "hexahedron27", "wedge15", "pyramid"), pytest.mark.slow)
 
 
 def block(kind: str, divisions: tuple[int, int, int], **more: Any) -> ao.FEModel:
@@ -73,7 +74,7 @@ def fine() -> Compliance:
 # ------------------------------------------------------------- the same on every mesh
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [pytest.param(kind, marks=MARKS.get(kind, ())) for kind in KINDS])
 def test_every_kind_of_element_has_the_same_compliance_to_its_error(kind: str) -> None:
     """A discrete w has too little energy, of which finer elements add all but a part."""
     tip = tip_at(block(kind, (6, 6, 3) if kind in LINEAR else (4, 4, 2)))
@@ -88,7 +89,9 @@ def test_every_kind_of_element_has_the_same_compliance_to_its_error(kind: str) -
     assert 0.5 * error < below < 2.0 * error
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "pyramid13"])
+@pytest.mark.parametrize(
+    "kind", [pytest.param(of, marks=MARKS.get(of, ())) for of in KINDS if of != "pyramid13"]
+)
 def test_what_finer_elements_remove_is_the_compliance_of_their_patch(kind: str) -> None:
     """c + R = G of the finer body, with G solved for directly."""
     tip = tip_at(block(kind, (3, 3, 2)), radius=2.0 * A)

@@ -22,7 +22,9 @@ pytestmark = [
 ]
 
 
-@pytest.fixture(scope="module", params=["tetra", "hexahedron", "wedge"])
+@pytest.fixture(
+    scope="module", params=["tetra", "hexahedron", pytest.param("wedge", marks=pytest.mark.slow)]
+)
 def bent(request: Any) -> Any:
     """A cantilever of one layer of elements, pushed so slowly that it bends statically."""
     mesh = ao.box_mesh((LENGTH, WIDTH, HEIGHT), (8, 1, 1), kind=request.param)
@@ -77,7 +79,7 @@ def test_a_field_is_that_of_the_given_mesh(bent: Any, tmp_path: Any) -> None:
     assert np.max(at.error["displacement"]) > 0.2
 
 
-@pytest.mark.parametrize("kind", ["tetra", "hexahedron20"])
+@pytest.mark.parametrize("kind", ["hexahedron20", pytest.param("tetra", marks=pytest.mark.slow)])
 def test_what_holds_a_plate_and_the_blow_change_its_momentum(kind: str) -> None:
     """m x(t) of its centre of mass is ∫∫ F + R: with added masses, springs, two materials."""
     box = ao.box_mesh((0.1, 0.08, 0.01), (8, 6, 1), kind=kind)

@@ -39,7 +39,7 @@ def pushed(body: Any, point: Any, direction: Any, force: float = 10.0) -> Any:
     )
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.6])
+@pytest.mark.parametrize("angle", [0.6, pytest.param(0.0, marks=pytest.mark.slow)])
 def test_stress_of_a_cantilever_on_either_face(angle: float) -> None:
     """σ = ± 6 F (L - x)/(b t²) along the strip; nothing in the middle surface but shear."""
     t, F = 2e-3, 10.0

@@ -82,8 +82,8 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: strike(plate().contact(point=MIDDLE, direction=(0, 0, 1))),
         r"^target",
     ),
-    "a ball of ten metres": (
-        lambda: ao.simulate(ao.ball(10, STEEL), plate().contact(point=MIDDLE), 1.0),
+    "a ball of a metre": (
+        lambda: ao.simulate(ao.ball(1, STEEL), plate().contact(point=MIDDLE), 1.0),
         r"^contact",
     ),
 }

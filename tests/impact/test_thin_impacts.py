@@ -62,7 +62,7 @@ def test_a_ball_on_a_thin_sheet() -> None:
     assert hit.peak_force == pytest.approx(83.64, rel=0.015)
 
 
-@pytest.mark.parametrize("n", [2, 4, 8, 16])
+@pytest.mark.parametrize("n", [2, 16, *(pytest.param(of, marks=pytest.mark.slow) for of in (4, 8))])
 def test_elements_that_outgrow_the_wave_have_an_error_without_bound(n: int) -> None:
     """A beam of 2 m: its peak is up to 58 % off those of 256 elements, and finer ones miss that."""
     peaks = []
@@ -246,24 +246,33 @@ def test_numbers_of_all_touches_have_no_bound_where_one_run_has_more_of_them() -
         tip = sheet(2e-3, n, 0.1, kind, light, fixed=held).contact(point=(0.05, 0.05, 0))
         return ao.simulate(BALL, tip, 1.0, **given)
 
-    exact, *rough = strike(32), strike(8, "triangle"), strike(8), strike(12)
+    exact, *rough = strike(32), strike(8, "triangle"), strike(12)
     for name in ("impulse", "rebound_velocity"):
         assert abs(rough[0].value(name) / exact.value(name) - 1.0) > 0.2
-        assert [math.isinf(hit.error[name].mesh) for hit in (exact, *rough)] == [False, *[True] * 3]
+        assert [math.isinf(hit.error[name].mesh) for hit in (exact, *rough)] == [False, True, True]
     apart = strike(12, duration=86e-6)  # and as meshed still in touch
     assert apart.error["rebound_velocity"].total == math.inf > apart.rebound_velocity
     assert math.isnan(apart.beside.rebound_velocity)
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh makes an error", "ignore:the contact makes an error")
-def test_a_heavy_tup_is_thrown_back_with_all_its_momentum() -> None:
+@pytest.mark.parametrize(
+    ("n", "kind"),
+    [
+        (8, "hexahedron"),
+        *(
+            pytest.param(*of, marks=pytest.mark.slow)
+            for of in ((10, "hexahedron20"), (8, "tetra10"))
+        ),
+    ],
+)
+def test_a_heavy_tup_is_thrown_back_with_all_its_momentum(n: int, kind: str) -> None:
     """But for the waves that it leaves in the plate, and known as well as these are."""
     edges = [(name, "xyz") for name in ("xmin", "xmax", "ymin", "ymax")]
-    for n, kind in ((8, "hexahedron"), (10, "hexahedron20"), (8, "tetra10")):
-        mesh = ao.box_mesh((0.1, 0.1, 0.002), (n, n, 1), kind=kind)
-        held = ao.FEModel.from_mesh(mesh, STEEL, fixed=edges).contact(point=(0.05, 0.05, 0.002))
-        hit = ao.simulate(ao.ball(0.008, STEEL, mass=1.0), held, 0.3)
-        assert abs(hit.impulse / 0.6 - 1.0) < hit.error["impulse"].total < 0.02
+    mesh = ao.box_mesh((0.1, 0.1, 0.002), (n, n, 1), kind=kind)
+    held = ao.FEModel.from_mesh(mesh, STEEL, fixed=edges).contact(point=(0.05, 0.05, 0.002))
+    hit = ao.simulate(ao.ball(0.008, STEEL, mass=1.0), held, 0.3)
+    assert abs(hit.impulse / 0.6 - 1.0) < hit.error["impulse"].total < 0.02
 
 
 def test_a_fold_has_no_normal() -> None:

@@ -149,8 +149,10 @@ def nodes_of(gmsh: Any, dim: int, entities: list[int]) -> set[int]:
     return {int(tag) for part in tags for tag in part}
 
 
-@pytest.mark.parametrize(("version", "binary"), [(2.2, 0), (2.2, 1), (4.1, 0), (4.1, 1)])
-@pytest.mark.parametrize(("order", "bricks"), [(1, False), (2, False), (1, True), (2, True)])
+@pytest.mark.parametrize(
+    ("version", "binary", "order", "bricks"),
+    [(2.2, 1, 2, False), (4.1, 1, 1, False), (2.2, 0, 1, True), (4.1, 0, 2, True)],
+)
 def test_groups_are_those_that_gmsh_wrote(
     gmsh: Any, tmp_path: Path, version: float, binary: int, order: int, bricks: bool
 ) -> None:

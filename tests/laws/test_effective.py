@@ -72,7 +72,9 @@ def test_any_law_forgets_the_mesh(law: ao.ContactLaw) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*an error of .* in the")  # of the mesh, which all models share
-@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-3])
+@pytest.mark.parametrize(
+    "rtol", [1e-2, *(pytest.param(of, marks=pytest.mark.slow) for of in (1e-1, 1e-3))]
+)
 def test_models_chosen_for_a_tolerance_meet_as_the_whole_bodies_do(rtol: float) -> None:
     """Over the same patches; rigid ones have none, and theirs stays in the law."""
     ball = tip("coarse", 0.0045)

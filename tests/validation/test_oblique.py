@@ -124,7 +124,7 @@ def test_contact_point_rebounds_as_by_maw_barber_and_fawcett(psi):
 
 
 @pytest.mark.parametrize("rule", [ao.Newmark(dt=2e-9, estimate=False), ao.Adaptive()], ids=repr)
-@pytest.mark.parametrize("beyond", [1.01, 2.0, 6.0])
+@pytest.mark.parametrize("beyond", [1.01, pytest.param(2.0, marks=pytest.mark.slow), 6.0])
 def test_gross_slip_is_the_closed_form(beyond, rule):
     mu, v = 0.15, 1.0
     along = beyond * (7.0 * LIKE - 1.0) * mu * v / LIKE
@@ -257,7 +257,7 @@ def assert_same(hit, right, bodies, *, force, friction, near):
 
 @pytest.mark.parametrize("rtol", [None, 1e-6])
 @pytest.mark.parametrize(
-    "seed", [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 8))]
+    "seed", [*range(2), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 8))]
 )
 def test_random_impacts_are_those_of_fixed_springs(seed, rtol):
     ball, target, mu, velocity, k = _random_scene(seed)
