@@ -8,7 +8,7 @@ what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, 
 from .choice import check_linear_solver, checked_rtol, choose_models
 from .hierarchy import Hierarchy, alike, model_hierarchy, shared_models
 from .interest import CONTROLLED, Interest, Keep, Named, keeper, quantity_of
-from .leftout import compared_run, errors_left_out
+from .leftout import compared_runs, errors_left_out
 from .order import first_guess
 from .sensor import Sensor
 from .sensorat import AccelerationAt, ReactionAt, StrainAt, StressAt

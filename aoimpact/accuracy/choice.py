@@ -149,14 +149,15 @@ def choose_models(
         run = search.run
         errors = search.errors.tolist()
         compared = search.compared
-        with_finer = finer_plan(run.plan, linear_solver)
+        made = [body.reducible for body in plan.bodies]
+        with_finer = finer_plan(run.plan, linear_solver, made=made)
         energies = plan.energies and with_finer is None
-        made = plan.of_models(search.models(), energies=energies)
+        whole = plan.of_models(search.models(), energies=energies)
         if run.recorder.dense or not energies:  # steps record energies as they are made
-            made = replace(made, duration=run.duration)
-            run = replace(run, plan=made, recorder=replace(run.recorder, plan=made))
+            whole = replace(whole, duration=run.duration)
+            run = replace(run, plan=whole, recorder=replace(run.recorder, plan=whole))
         else:
-            run = record.run(made, rule)
+            run = record.run(whole, rule)
         if with_finer is not None:
             record.settled = False
             answer = record.run(replace(with_finer, energies=plan.energies), rule)

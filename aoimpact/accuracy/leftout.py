@@ -20,6 +20,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -63,46 +64,51 @@ def errors_left_out(
     bodies = [of.body for of in meshed.plan.bodies if of.tips]
     if any(of.mesh is not None and of.finer is None for of in bodies):
         return LeftOut()  # of elements that cannot be made finer, or are so already
-    other = compared_run(run, solver)
+    others = compared_runs(run, solver)
     with held_warnings():  # the quantities have had their warnings
         wanted = interest()
     altered = _altered_laws(run)
     if altered is None:
         return LeftOut()
-    softer = replace(run.plan, contacts=altered, energies=False)
+    softer = replace(run.plan, contacts=altered)
     changed = altered != tuple(run.plan.contacts)
-    by_contact = _tried(lambda: softer, solver) if changed else None
+    by_contact = _tried(lambda: softer, run, solver) if changed else []
     # Where the bodies as meshed leave nothing of a law, they were run with all of it.
     whole = meshed.plan.bounded != run.plan.bounded
-    unknown = math.inf if whole or any(outgrown(run)) else None
-    mesh = _changes(wanted, run, unknown or other)
+    unknown = [math.inf] if whole or any(outgrown(run)) else []
+    mesh = _changes(wanted, run, others + unknown)
     contact = _changes(wanted, run, by_contact)
     touched = [(of.law, tip) for of in run.plan.contacts for *_, tip in run.plan.touched(of)]
     # Shells beside solids are not cut, so that nothing is known of them.
     mixed = any(of.mesh and len({b.element.thin for b in of.mesh.blocks}) > 1 for of in bodies)
     if mixed or any(_is_bare(*of) for of in touched):
         mesh = {}
-    return LeftOut(mesh, contact, _worst_time(wanted[0], run, [other, by_contact]))
+    return LeftOut(mesh, contact, _worst_time(wanted[0], run, others + by_contact))
 
 
 def _changes(
-    wanted: Sequence[Quantity], run: Run, other: Run | float | None
+    wanted: Sequence[Quantity], run: Run, others: Sequence[Run | float]
 ) -> Mapping[str, float]:
-    """Relative changes of the quantities, and of each number, from a run to another, by name."""
-    if not isinstance(other, Run):
-        return Found(lambda: run.numbers, lambda _: other or 0.0)
-    each = number_errors(run, [(other, 1.0)], on_the_way=True)
+    """Relative changes of the quantities, and of each number, to all other runs, by name."""
+    runs = [of for of in others if isinstance(of, Run)]
+    if len(runs) < len(others):
+        return Found(lambda: run.numbers, lambda _: math.inf)
+    each = [number_errors(run, [(of, 1.0)], on_the_way=True) for of in runs]
+
+    def change(name: str) -> float:
+        return sum(of[name] for of in each)
+
     known = {
-        of.name: of.difference(other, run)
+        of.name: sum(of.difference(other, run) for other in runs)
         if of.is_history
         # In a scene of each contact or body.
-        else max((each[name] for name in of.names(run)), default=0.0)
+        else max(map(change, of.names(run)), default=0.0)
         for of in wanted
     }
-    return Found(lambda: each, each.__getitem__, known)
+    return Found(lambda: number_errors(run, ()), change, known)
 
 
-def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float | None]) -> float | None:
+def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float]) -> float | None:
     """When a history changes most from a run to others, s; None of a number."""
     runs = [of for of in others if isinstance(of, Run) and quantity.is_history]
     changes = [np.abs(quantity.deviation(of, run)) for of in runs]
@@ -174,7 +180,13 @@ def _altered(law: ContactLaw, change: float, error: float = 0.0) -> ContactLaw:
     return PatchLaw(own, c + change) if c + change else own
 
 
-def finer_plan(plan: Scenario, solver: Solver = "auto", *, every: bool = False) -> Scenario | None:
+def finer_plan(
+    plan: Scenario,
+    solver: Solver = "auto",
+    *,
+    made: Sequence[bool] = (),
+    every: bool = False,
+) -> Scenario | None:
     """Return the plan with models of the bodies with finer elements; None where none has any.
 
     Parameters
@@ -182,11 +194,14 @@ def finer_plan(plan: Scenario, solver: Solver = "auto", *, every: bool = False) 
     plan : Scenario
     solver : str or callable, optional
         The linear solver; see `FEModel.inverse`.
+    made : sequence of bool, optional
+        Whether the model of each body was made for the impact; given ones stay. All, if left out.
     every : bool, optional
         True to return one as well where no body has finer elements; their models have more vectors.
     """
     make = partial(finer_model, linear=solver)
-    of = {b for b in plan.bodies if isinstance(b, Body) and b.tips and not b.body.coarse}
+    models = compress(plan.bodies, made) if made else plan.bodies
+    of = {b for b in models if isinstance(b, Body) and b.tips and not b.body.coarse}
     if not any(every or body.body.finer for body in of):
         return None
     bodies = tuple(_finer(body, make) if body in of else body for body in plan.bodies)
@@ -210,30 +225,31 @@ def finer_plan(plan: Scenario, solver: Solver = "auto", *, every: bool = False) 
     return replace(plan, bodies=bodies, contacts=tuple(contacts), bounded=bounded)
 
 
-def compared_run(run: Run, solver: TimeSolver | None, *, every: bool = False) -> Run | float | None:
-    """Return the run with the bodies as they are meshed, or of given models that of `finer_plan`.
+def compared_runs(run: Run, solver: TimeSolver | None, *, every: bool = False) -> list[Run | float]:
+    """Return the runs to which changes add up to the error by the meshes.
 
-    None where there is none, and infinite where it cannot be run.
+    The run with the bodies as they are meshed where this one has finer ones, and that of
+    `finer_plan`; infinite where one cannot be run.
     """
     beside = run.beside
-    if beside is not None and beside.duration == run.duration:
-        return beside
-
-    def plan() -> Scenario | None:
-        other = beside.plan if beside else finer_plan(run.plan, every=every)
-        return other and replace(other, duration=run.duration, energies=False)
-
-    return _tried(plan, solver)
+    finer = _tried(partial(finer_plan, run.plan, every=every and beside is None), run, solver)
+    if beside is None:
+        return finer
+    lasts = beside.duration == run.duration
+    return [*([beside] if lasts else _tried(lambda: beside.plan, run, solver)), *finer]
 
 
-def _tried(plan: Callable[[], Scenario | None], solver: TimeSolver | None) -> Run | float | None:
-    """The run of a plan; infinite where it cannot be run, and None of no plan."""
+def _tried(
+    plan: Callable[[], Scenario | None], run: Run, solver: TimeSolver | None
+) -> list[Run | float]:
+    """The run of a plan, as long as another; infinite where it cannot be run, none of no plan."""
     try:
         with held_warnings():
-            wanted = plan()
-            return None if wanted is None else solve(wanted, solver)
+            if (wanted := plan()) is None:
+                return []
+            return [solve(replace(wanted, duration=run.duration, energies=False), solver)]
     except AOImpactError:  # e.g. a contact wider than its patch, or beyond the range of its law
-        return math.inf
+        return [math.inf]
 
 
 def _finer(model: BodyModel, make: Callable[[Any], BodyModel]) -> BodyModel:

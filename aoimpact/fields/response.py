@@ -138,11 +138,9 @@ class Response:
         return self.motion.duration
 
     @cached_property
-    def other(self) -> Response | None:
-        """The response in the run with other elements; None of a full model, or where none is."""
-        if self.recovery is None or self.run.other is None:
-            return None
-        return response_of(self.run.other, self.number)
+    def others(self) -> list[Response]:
+        """The responses in the runs with other elements; none of a full model."""
+        return [response_of(of, self.number) for of in self.run.others if self.recovery]
 
     def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
         """Return what the ground's forces do along m motions of it, N or N m, shape (times, m).
@@ -218,19 +216,20 @@ class Response:
 
     def field_error(self, times: FloatArray) -> FloatArray | None:
         """Return its relative error in the norm of strain energy, (k,); None if not known."""
-        if (other := self.other) is None:
+        if not self.others:
             return None
-        looks = np.union1d(times, np.linspace(0.0, self.duration, LOOKS))
-        (ours, mine, _), (theirs, right, _) = (
-            zip(*of._parts(times), strict=True) for of in (self, other)
-        )
-        body = max(self.body, other.body, key=lambda body: body.n_dofs)
-        shapes, K = body.alike(np.hstack(ours), np.hstack(theirs))
-        product = shapes.T @ (K @ shapes)
+        looks, found = np.union1d(times, np.linspace(0.0, self.duration, LOOKS)), 0.0
+        ours, mine, _ = zip(*self._parts(times), strict=True)
         most = np.vstack([amounts for _, amounts, _ in self._parts(looks)])
-        largest = _energy(product[: len(most), : len(most)], most).max(initial=0.0)
-        apart = _energy(product, np.vstack([*mine, *(-amounts for amounts in right)]))
-        return np.sqrt(apart / (largest if largest > 0.0 else 1.0))
+        for other in self.others:
+            theirs, right, _ = zip(*other._parts(times), strict=True)
+            body = max(self.body, other.body, key=lambda body: body.n_dofs)
+            shapes, K = body.alike(np.hstack(ours), np.hstack(theirs))
+            product = shapes.T @ (K @ shapes)
+            largest = _energy(product[: len(most), : len(most)], most).max(initial=0.0)
+            apart = _energy(product, np.vstack([*mine, *(-amounts for amounts in right)]))
+            found = found + np.sqrt(apart / (largest if largest > 0.0 else 1.0))
+        return np.asarray(found)
 
     def _parts(self, times: FloatArray) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
         """Return the shapes that deform the body, (n_dofs, k), their amounts and rates, (k, times).

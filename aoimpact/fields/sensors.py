@@ -89,7 +89,7 @@ class History:
     name : str
         For messages.
     source : Response or Run
-        It is read from this, and compared with its `other`.
+        It is read from this, and compared with its `others`.
     seen : callable
         Returns the values, shape (n, ...), of a source at times, s.
     t : ndarray, shape (n,)
@@ -113,9 +113,9 @@ class History:
     def error(self) -> FloatArray | None:
         """Error by the body's model, relative to the largest value, (n,); None of a full model.
 
-        The largest of all components: twice the difference to the run with other elements.
+        The largest of all components: twice the differences to the runs with other elements.
         """
-        if (other := self.source.other) is None:
+        if not self.source.others:
             return None
         looks = np.union1d(self.t, np.linspace(0.0, self.source.duration, LOOKS))
         own, least = self.seen(self.source, looks), 0.0
@@ -123,14 +123,15 @@ class History:
             most = float(np.abs(self.displacement(self.source, looks)).max())
             least = _AT_REST * most / self.source.duration
         largest = np.nanmax(np.abs(own), initial=least)
-        apart = np.abs(self.values - self.seen(other, self.t)).reshape(len(self.t), -1)
-        return np.asarray(_DIFFERENCES * apart.max(axis=1) / (largest if largest > 0.0 else 1.0))
+        apart = sum(np.abs(self.values - self.seen(of, self.t)) for of in self.source.others)
+        worst = np.reshape(apart, (len(self.t), -1)).max(axis=1)
+        return np.asarray(_DIFFERENCES * worst / (largest if largest > 0.0 else 1.0))
 
     @property
     def doubt(self) -> FloatArray:
         """Signed bound of the error of the values, shape (n, ...); 0 for a full model."""
-        other = self.seen(self.source.other or self.source, self.t)
-        return _DIFFERENCES * (other - self.values)
+        apart = [self.seen(of, self.t) - self.values for of in self.source.others]
+        return _DIFFERENCES * sum(apart, np.zeros_like(self.values))
 
     def told(self) -> FloatArray:
         """Return the values, and warn if they may be badly wrong."""
@@ -568,7 +569,7 @@ def acceleration_of(point: FloatArray, axis: FloatArray, channel: Channel) -> An
 
 def errors_of(source: Any, histories: Mapping[str, History]) -> Mapping[str, FloatArray]:
     """Return the errors of histories by name; none of a full model."""
-    if source.other is None:
+    if not source.others:
         return {}
     return Found(lambda: histories, lambda name: histories[name].error)
 

@@ -18,7 +18,7 @@ from ..accuracy import (
     check_linear_solver,
     checked_rtol,
     choose_models,
-    compared_run,
+    compared_runs,
     errors_left_out,
     quantity_of,
 )
@@ -555,7 +555,7 @@ class Scene:
                 warn_of_misfit(run, names)
                 find = partial(errors_left_out, interest=interest, solver=solver)
                 run = replace(run, left_out=find) if run.plan.contacts else run
-            run = replace(run, other_run=partial(compared_run, solver=solver, every=True))
+            run = replace(run, other_runs=partial(compared_runs, solver=solver, every=True))
         for message in (*said, *run.said):
             warn(message)
         if duration is None:

@@ -493,8 +493,8 @@ class Run:
     left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
     # The run with the bodies as they are meshed, where this one is that with finer elements.
     beside: Run | None = None
-    # Returns the run with other elements, with which histories are compared for their errors.
-    other_run: Callable[[Run], Run | float | None] | None = None
+    # Returns the runs with other elements, the changes to which are errors of histories.
+    other_runs: Callable[[Run], list[Run | float]] | None = None
     modelled: float = 0.0
     said: tuple[str, ...] = ()  # warnings of the run, which `simulate` issues
 
@@ -640,13 +640,14 @@ class Run:
         return self.recorder.motion(body).observed(rows, times)[1]
 
     @cached_property
-    def other(self) -> Run | None:
-        """The run with which histories are compared; None where there is none.
+    def others(self) -> list[Run]:
+        """The runs with which histories are compared; none where one cannot be run.
 
         :meta private:
         """
-        found = None if self.other_run is None else self.other_run(replace(self, asked=None))
-        return found if isinstance(found, Run) else None
+        found = [] if self.other_runs is None else self.other_runs(replace(self, asked=None))
+        runs = [of for of in found if isinstance(of, Run)]
+        return runs if len(runs) == len(found) else []
 
     @cached_property
     def compared_velocities(self) -> FloatArray:
