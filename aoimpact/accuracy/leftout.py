@@ -75,8 +75,8 @@ def errors_left_out(
     by_contact = _tried(lambda: softer, run, solver) if changed else []
     # Where the bodies as meshed leave nothing of a law, they were run with all of it.
     whole = meshed.plan.bounded != run.plan.bounded
-    unknown = [math.inf] if whole or any(outgrown(run)) else []
-    mesh = _changes(wanted, run, others + unknown)
+    unknown = [math.inf] * (whole or any(outgrown(run)))
+    mesh = _changes(wanted, run, [*others, *unknown])
     contact = _changes(wanted, run, by_contact)
     touched = [(of.law, tip) for of in run.plan.contacts for *_, tip in run.plan.touched(of)]
     # Shells beside solids are not cut, so that nothing is known of them.

@@ -140,7 +140,9 @@ class Response:
     @cached_property
     def others(self) -> list[Response]:
         """The responses in the runs with other elements; none of a full model."""
-        return [response_of(of, self.number) for of in self.run.others if self.recovery]
+        others = self.run.others if self.recovery is not None else []
+        found = (response_of(of, self.number) for of in others)
+        return [of for of in found if of is not None]
 
     def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
         """Return what the ground's forces do along m motions of it, N or N m, shape (times, m).
@@ -218,7 +220,7 @@ class Response:
         """Return its relative error in the norm of strain energy, (k,); None if not known."""
         if not self.others:
             return None
-        looks, found = np.union1d(times, np.linspace(0.0, self.duration, LOOKS)), 0.0
+        looks, found = np.union1d(times, np.linspace(0.0, self.duration, LOOKS)), np.zeros(1)
         ours, mine, _ = zip(*self._parts(times), strict=True)
         most = np.vstack([amounts for _, amounts, _ in self._parts(looks)])
         for other in self.others:
@@ -229,7 +231,7 @@ class Response:
             largest = _energy(product[: len(most), : len(most)], most).max(initial=0.0)
             apart = _energy(product, np.vstack([*mine, *(-amounts for amounts in right)]))
             found = found + np.sqrt(apart / (largest if largest > 0.0 else 1.0))
-        return np.asarray(found)
+        return found
 
     def _parts(self, times: FloatArray) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
         """Return the shapes that deform the body, (n_dofs, k), their amounts and rates, (k, times).

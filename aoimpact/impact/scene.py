@@ -590,13 +590,19 @@ class Scene:
             raise InputError(
                 f"quantity={interest.name!r} is of contacts with friction; give friction="
             )
-        if interest.name == "restitution" and plan.scene:
-            met = {plan.velocities[body] for of in plan.contacts for body, _ in of.ports}
-            if len(plan.contacts) != 1 or len(met) != 2:
+        if interest.name.endswith("restitution"):
+            met = [body for of in plan.contacts for body, _ in of.ports]
+            speeds, comes = np.array(plan.velocities), plan.weighed or bool(plan.loads)
+            if interest.sliding and plan.oblique is not None:
+                along = plan.oblique.axes[1:].T
+                speeds, comes = np.array(plan.oblique.velocities)[:, :3] @ along, False
+            if len(plan.contacts) != 1 or not (comes or np.ptp(speeds[met], axis=0).any()):
+                way = "past" if interest.sliding else "towards"
                 raise InputError(
-                    f"quantity={interest.name!r} is of one contact between two bodies that come "
-                    f"with velocities, and the scene has {len(plan.contacts)} contacts and "
-                    f'{len(met)} velocities; give "rebound_velocity", that of every body'
+                    f"quantity={interest.name!r} is of one contact between two bodies that move "
+                    f"{way} each other, and the scene has {len(plan.contacts)} contacts of bodies "
+                    f'with velocities {speeds[met].tolist()} m/s; give "rebound_velocity", that of '
+                    "every body"
                 )
         if interest.each == "contacts" and not plan.contacts:
             raise InputError(

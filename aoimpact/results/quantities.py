@@ -70,8 +70,9 @@ class Speeds:
     Attributes
     ----------
     before, after : array
-        Velocities of the centres of mass along the direction of travel, m/s; `after` is NaN where
-        it is not known or contact has not ended.
+        Velocities of the centres of mass along the direction of travel, m/s: when the first contact
+        begins, 0 of what is held at rest, and when the last one has ended; `after` is NaN where it
+        is not known.
     fixed : array of bool
         Whether a body is constrained, or a wall.
     pair : (int, int) or None
@@ -382,11 +383,14 @@ def number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
 
 
 def _speeds(run: Run, after: FloatArray) -> Speeds:
-    """How the bodies of a run move, with these velocities after it."""
+    """How the bodies of a run come to their first contact, with these velocities after the last."""
     plan = run.plan
     pair = (plan.contacts[0].first, plan.contacts[0].second) if len(plan.contacts) == 1 else None
     fixed = np.array([of.constrained for of in plan.bodies])
-    return Speeds(np.array(plan.velocities, float), after, fixed, pair)
+    before = np.array(plan.velocities, float)
+    if run.accelerated is not None:
+        before = np.where(fixed & (before == 0.0), 0.0, run.mean_velocities(run.accelerated))
+    return Speeds(before, after, fixed, pair)
 
 
 def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
@@ -479,13 +483,15 @@ def _tangential_restitution(run: Run) -> FloatArray:
         return np.empty(0)
     pair, along = [port.body for port in plan.contacts[0].ports], plan.oblique.axes[1:]
     moved = np.array(plan.oblique.velocities)[pair, :3]
+    if run.accelerated is not None:
+        moved = np.array([run.motion_at(body, run.accelerated)[:3] for body in pair])
     way = (moved[0] - moved[1]) @ along.T @ along
     if not way.any():
         return np.empty(0)
     if not run.events[0].contacts or run.in_contact_at_end:
         return np.array([np.nan])
     fixed = np.array([plan.bodies[body].constrained for body in pair])
-    after = np.array([run.motion_after(body)[:3] for body in pair])
+    after = np.array([run.motion_at(body)[:3] for body in pair])
     return -_restitution(Speeds(moved @ way, after @ way, fixed))
 
 
@@ -494,9 +500,7 @@ def _final_spins(run: Run) -> FloatArray:
     if run.plan.oblique is None:
         return np.empty(0)
     bodies = enumerate(run.plan.bodies)
-    spins = [
-        np.nan if of.constrained else np.linalg.norm(run.motion_after(i)[3:]) for i, of in bodies
-    ]
+    spins = [np.nan if of.constrained else np.linalg.norm(run.motion_at(i)[3:]) for i, of in bodies]
     return np.array(spins)
 
 
@@ -535,7 +539,8 @@ _ALL = (
         least=lambda _: _LEAST_REBOUND,
         column=True,
         by_momentum=lambda run, momenta: (
-            _of_bodies(run, momenta).sum(keepdims=True) / np.ptp(run.plan.velocities)
+            _of_bodies(run, momenta).sum(keepdims=True)
+            / np.ptp(_speeds(run, run.compared_velocities).before)
         ),
     ),
     Quantity("peak_friction_force", "N", of_run=_friction_peaks, sliding=True),

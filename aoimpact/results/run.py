@@ -195,7 +195,7 @@ class BodyResult(Frozen, Measured):
 
     @cached_property
     def _at_end(self) -> FloatArray:
-        return self._run.motion_after(self._number)
+        return self._run.motion_at(self._number)
 
     @property
     def centre_velocity(self) -> FloatArray:
@@ -615,14 +615,23 @@ class Run:
         steps = self.recorder.times
         return float(steps[np.searchsorted(steps, end)])
 
-    def motion_after(self, body: int) -> FloatArray:
-        """Return the velocity of a body's centre of mass and its spin, m/s and rad/s, shape (6,).
-
-        After the last contact, or at the record's end; 0 for rounding.
+    @property
+    def accelerated(self) -> float | None:
+        """When the first contact begins, s, where gravity or loads have changed velocities by then.
 
         :meta private:
         """
-        both = self._whole_motion(body, np.array([0.0, self._parted]))
+        acts = self.plan.weighed or self.plan.loads
+        return self.touching[0] if acts and self.touching is not None else None
+
+    def motion_at(self, body: int, time: float | None = None) -> FloatArray:
+        """Return the velocity of a body's centre of mass and its spin, m/s and rad/s, shape (6,).
+
+        By default after the last contact, or at the record's end; 0 for rounding.
+
+        :meta private:
+        """
+        both = self._whole_motion(body, np.array([0.0, self._parted if time is None else time]))
         size = np.abs(both).reshape(2, -1).max(axis=1).repeat(3)
         return np.where(np.abs(both[:, 1]) < np.finfo(float).eps * size, 0.0, both[:, 1])
 
@@ -653,12 +662,19 @@ class Run:
     def compared_velocities(self) -> FloatArray:
         """Mean velocities at the end of the last contact, or of the record, m/s, shape (bodies,).
 
+        :meta private:
+        """
+        return self.mean_velocities(self._parted)
+
+    def mean_velocities(self, time: float) -> FloatArray:
+        """Return the velocities of the centres of mass at a time, s, shape (bodies,), m/s.
+
         Where a centre of mass is not known they are means over the static mode: no velocities of
         the body, but runs are compared by them.
 
         :meta private:
         """
-        rows = self.recorder.rows(np.array([self._parted]), energies=False)
+        rows = self.recorder.rows(np.array([time]), energies=False)
         return read_only(self.plan.layout.centre_velocities(rows)[:, 0])
 
     @property

@@ -189,8 +189,31 @@ def test_restitution_is_of_one_contact_and_rebounds_are_of_every_body():
     np.testing.assert_allclose(run.compared_velocities, [0.0, 0.0, 1.0], atol=1e-4)
     with pytest.raises(ao.InputError, match=r"^quantity"):
         scene.simulate(quantity="restitution")
-    still = ao.Scene(gravity=9.81)
-    floor = still.add(ao.rigid(mass=math.inf))
-    still.connect(still.add(ao.rigid(mass=1.0)), floor, ao.Linear(k=1e8), gap=1e-3)
+
+
+def test_restitution_compares_with_the_speed_at_which_bodies_meet():
+    """Dropped from 0.1 m on an elastic floor a mass comes and parts at √(2 g h) (Galilei)."""
+    scene = ao.Scene()
+    dropped, floor = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(dropped, floor, ao.Linear(k=1e8), gap=0.1)
     with pytest.raises(ao.InputError, match=r"^quantity"):
-        still.simulate(quantity="restitution")
+        scene.simulate(quantity="restitution", duration=0.2)
+    scene.gravity = 9.81
+    run = scene.simulate(quantity="restitution", duration=0.2)
+    assert run.value("restitution") == pytest.approx(1.0, rel=1e-6)
+    assert run[dropped].centre_velocity.max() == pytest.approx(math.sqrt(2 * 9.81 * 0.1), rel=1e-3)
+
+
+def test_tangential_restitution_is_of_bodies_that_move_past_each_other():
+    """While it slides a sphere loses μ (1 + e) of its normal speed; gravity turns its path."""
+    ball, floor = ao.ball(0.01, STEEL), ao.wall(STEEL)
+    with pytest.raises(ao.InputError, match=r"^quantity"):
+        ao.simulate(ball, floor, velocity=1.0, friction=0.1, quantity="tangential_restitution")
+    scene = ao.Scene(gravity=(2.0, 0.0, -9.81))
+    moving = scene.add(ball, velocity=(1.0, 0.0, -0.5))
+    scene.connect(moving, scene.add(floor), friction=0.1, gap=0.1)
+    run = scene.simulate(quantity="tangential_restitution", duration=0.15)
+    down = math.sqrt(0.5**2 + 2 * 9.81 * 0.1)
+    along = 1.0 + 2.0 * (down - 0.5) / 9.81
+    kept = 1.0 - 0.1 * 2.0 * down / along
+    assert run.value("tangential_restitution") == pytest.approx(kept, rel=1e-3)
