@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from ..accuracy import shared_models
 from ..base import (
     HUGE,
     AOImpactError,
@@ -297,6 +298,13 @@ def fit_law(
     measured = [signal is not None, indentation is not None or force is not None, dent is not None]
     if sum(measured) > 1:
         raise InputError("give one measurement: signal=, or indentation= and force=, or dent=")
+    bodies = [projectile is not None, target is not None]
+    wanted = not all(bodies) or (isinstance(law, type) and "mass" in _needed(law))
+    if bodies[0] != bodies[1] or (mass is not None and any(bodies) and not wanted):
+        raise InputError(
+            f"give both projectile= and target=, or mass={'' if mass is None else mass} alone, of "
+            "a rigid body that meets a wall"
+        )
     if signal is not None:
         data = _history(signal, mass, velocity, projectile, target)
     elif indentation is not None and force is not None:
@@ -308,7 +316,8 @@ def fit_law(
     start = law if isinstance(law, ContactLaw) else _guess(law, data, mass)
     names = _free(start, free)
     problem = replace(data, law=start, names=names)
-    with np.errstate(all="ignore"):  # of laws far from the measurement, and of none at all
+    # Errors of laws far from the measurement, and of none at all, are ignored.
+    with np.errstate(all="ignore"), shared_models():
         found = problem.solved()
         variance = 2.0 * float(found.cost) / (len(data.measured) - len(found.x))
         residual = math.sqrt(variance)
@@ -458,7 +467,7 @@ def _history(
 ) -> _Problem:
     channel = Signal.of(signal)
     speed = positive("velocity", velocity, unit="m/s")
-    if projectile is None or target is None:
+    if projectile is None:
         projectile = rigid(mass=positive("mass", mass, unit="kg"))
         target = rigid(mass=math.inf)
     peak = int(np.argmax(channel.values))

@@ -160,6 +160,26 @@ def free_plate():
     return plate.contact(point=(0.05, 0.05, 0.004))
 
 
+def test_a_given_model_is_run_as_it_is_whatever_else_a_scene_holds():
+    """Two impacts that share no body: neither the first nor its errors know of the second."""
+    ball, tip, runs = ao.ball(0.006, STEEL), free_plate(), []
+    given = ao.antioscillators(tip, 20, method="krylov", contact_time=5e-5)
+    for other in (False, True):
+        scene = ao.Scene()
+        scene.connect(scene.add(ball, velocity=0.5), scene.add(given))
+        if other:
+            scene.connect(scene.add(ball, velocity=1.0), scene.add(tip))
+        runs.append(scene.simulate(duration=1.2e-4))
+    alone, beside = runs
+    force = "contacts.0.peak_force"
+    assert beside.value(force) == pytest.approx(alone.value(force), rel=1e-4)
+    assert alone.error[force].mesh > 0.001
+    assert beside.error[force].mesh == pytest.approx(alone.error[force].mesh, rel=0.01)
+    moved = [run[1].error["displacement"].max() for run in runs]
+    assert moved[1] == pytest.approx(moved[0], rel=0.01)
+    assert alone.models[1].label == beside.models[1].label == given.label
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["rebound_velocity", "restitution"])
 def test_a_scene_of_two_has_what_an_impact_has(name):
