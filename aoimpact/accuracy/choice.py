@@ -16,7 +16,7 @@ from ..results import Chosen, Quantity, RecordLength, Run, number_errors
 from ..scene import Scenario
 from .hierarchy import fixed_model, only_models
 from .leftout import errors_left_out, finer_plan
-from .order import Search
+from .order import EASED, Search
 
 # The default tolerance, and the tightest: models agree to more digits only where they are the whole
 # bodies.
@@ -168,6 +168,8 @@ def choose_models(
         if isinstance(rule, Newmark) and rule.dt is not None:
             finer = rule.dt * min(0.5, math.sqrt(in_time / in_steps))
             cure = f"take dt={finer:.1g} or less, or Newmark() without dt"
+        elif rule.rtol <= in_time:  # as with friction, whose error has a least value
+            cure = f"give rtol={EASED * (in_steps + error):.1e} or more"
         raise ConvergenceError(
             f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about "
             f"{in_steps:.2g} of the peak force or the impulse, and that of the models, "

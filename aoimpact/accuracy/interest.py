@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from ..results import (
     IMPACT_CHOICES,
     QUANTITIES,
     SCENE_CHOICES,
+    ErrorEstimate,
     Handle,
     Quantity,
     Result,
@@ -22,6 +24,7 @@ from ..results import (
     recorded,
 )
 from .sensor import Sensor
+from .sensorat import AccelerationAt, ReactionAt, StrainAt, StressAt
 
 # A quantity of interest as a caller gives it: a name, a point of a body or a sensor.
 Interest = str | ContactPoint | Sensor
@@ -94,7 +97,10 @@ _NAME = re.compile(r"[A-Za-z_]\w*(\.\w+)*")
 
 @dataclass(frozen=True)
 class Named:
-    """Keeps quantities by name: attributes, dotted, with numbers for places in lists."""
+    """Keeps quantities by name: attributes, dotted, with numbers for places in lists.
+
+    Of a scene a quantity is that of each contact or body; NaN where there is none.
+    """
 
     names: tuple[str, ...]
 
@@ -104,12 +110,14 @@ class Named:
         These are called name + "_error", which is `ErrorParts.total`, and name + "_controlled":
         1 if the error by the models is below the tolerance, else 0.
         """
-        kept = {}
+        kept = dict[str, float]()
         chosen = isinstance(result, Run) and result.chosen is not None
-        error = result.error if chosen else None
-        for name in self.names:
-            kept[name] = look_up(result, name, "keep")
-            if error is not None and name in error.parts:
+        error: Any = result.error if chosen else ErrorEstimate()
+        for asked in self.names:
+            of = QUANTITIES.get(asked) if isinstance(result, Run) and result.plan.scene else None
+            names = [asked] if of is None or of.is_history else of.names(result)
+            kept |= {name: look_up(result, name, "keep") for name in names} or {asked: math.nan}
+            for name in filter(error.parts.__contains__, names):
                 kept[f"{name}_error"] = error[name].total
                 kept[f"{name}{CONTROLLED}"] = float(error[name].model <= error.rtol)
         return kept
@@ -143,7 +151,8 @@ def keeper(keep: Any) -> Keep | None:
             raise InputTypeError(f"keep must hold names, got {name!r}")
         if not _NAME.fullmatch(name):
             raise InputError(f"keep: {name!r} is no name of a quantity, such as 'peak_force'")
-        if (first := name.partition(".")[0]) not in known:
+        first = name.partition(".")[0]
+        if re.sub(r"_\d+$", "", first) not in known:  # "stress_2" of several
             raise InputError(f"keep: results have no {first!r}{nearest(first, known)}")
     return Named(names)
 
@@ -153,5 +162,6 @@ def _public(thing: Any) -> list[str]:
     return [name for name in {*dir(thing), *fields} if not name.startswith("_")]
 
 
-# First parts of names that are no quantity.
-_KNOWN = frozenset((*_public(Result), *_public(Run)))
+# First parts of names that are not in the table of quantities.
+_SENSED = [of.named for of in (AccelerationAt, ReactionAt, StrainAt, StressAt)]
+_KNOWN = frozenset((*_public(Result), *_public(Run), *_SENSED))

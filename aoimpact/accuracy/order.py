@@ -44,7 +44,7 @@ _SHARES = tuple(1.0 / (_GROWTH ** (1.25 * i) - 1.0) for i in (1, 2, 3))
 _FIRST = 1.5
 
 # The tolerance named in a message is this factor above the error found.
-_EASED = 1.1
+EASED = 1.1
 
 # Bases are fitted again where the contact time that they were fitted to and the one found differ by
 # more than this factor; and the largest number of fits.
@@ -214,7 +214,7 @@ class Search:
         """Return why there are no models of a smaller error."""
         if self.run is None and self._failure is not None:
             return self._failure
-        eased = _EASED * error
+        eased = EASED * error
         larger = f"take rtol={eased:.2g} or more, " if eased < 1.0 else "take "
         return ConvergenceError(
             f"the quantity still changes by {error:.2g} at {max(self.orders)} anti-oscillators: "

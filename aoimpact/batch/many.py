@@ -77,7 +77,7 @@ def simulate_many(
         Numbers to keep of each case instead of its result, which holds whole histories: names of
         numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, each with
         its error, such as "impulse_error" (`ErrorParts.total`), and "impulse_controlled",
-        where models are chosen; or a function of the result, which other processes must be able
+        where models are chosen, and in scenes of each contact or body; or a function of the result, which other processes must be able
         to import. Impacts of two AO models of which only named numbers are kept run many in one
         call of the core.
     checkpoint : path, optional
@@ -162,7 +162,8 @@ def run_cases(
         mass = rigid(mass=1.0)
         hit = simulate(mass, mass, 1.0, law=Linear(k=1.0), duration=5.0)
         for name in job.keep.names:
-            if name not in QUANTITIES and not re.search(r"\.\d", name):  # which the cases have
+            there = hasattr(hit, name.partition(".")[0])  # other names only the cases have
+            if there and name not in QUANTITIES and not re.search(r"\.\d", name):
                 look_up(hit, name, "keep")
     if not callable(getattr(workers, "submit", None)):
         workers = min(integer("workers", workers, low=1), _MOST_THREADS)

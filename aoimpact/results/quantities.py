@@ -297,8 +297,11 @@ def look_up(result: Run, name: str, argument: str) -> float:
         return largest
     for part in name.split("."):
         try:
-            found = found[int(part)] if part.isdigit() else getattr(found, part)
-        except (AttributeError, IndexError, TypeError):
+            if isinstance(found, Mapping):
+                found = found[part]
+            else:
+                found = found[int(part)] if part.isdigit() else getattr(found, part)
+        except (AttributeError, IndexError, KeyError, TypeError):
             known = [*result.numbers, *(one for one in dir(found) if not one.startswith("_"))]
             raise InputError(
                 f"{argument}: {name!r}: {type(found).__name__} has no {part!r}"

@@ -200,4 +200,8 @@ def test_what_has_not_ended_has_no_number_and_what_there_is_not_is_refused():
         with pytest.raises(ao.InputError, match=cure):
             cut.value(name)
     with pytest.raises(ao.InputError, match=r"^keep"):
-        keeper(["rebound_velocity"])(cut)
+        keeper(["contacts.1.peak_force"])(cut)
+    kept = keeper(["rebound_velocity", "peak_force", "final_spin"])(cut)
+    bodies = [f"bodies.{i}.rebound_velocity" for i in range(2)]
+    assert list(kept) == [*bodies, "contacts.0.peak_force", "final_spin"]
+    assert kept["contacts.0.peak_force"] == cut.contacts[0].peak_force
