@@ -77,9 +77,9 @@ def simulate_many(
         Numbers to keep of each case instead of its result, which holds whole histories: names of
         numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, each with
         its error, such as "impulse_error" (`ErrorParts.total`), and "impulse_controlled",
-        where models are chosen, and in scenes of each contact or body; or a function of the result, which other processes must be able
-        to import. Impacts of two AO models of which only named numbers are kept run many in one
-        call of the core.
+        where models are chosen; in scenes of each contact or body. Or a function of the result,
+        which other processes must be able to import. Impacts of two AO models of which only named
+        numbers are kept run many in one call of the core.
     checkpoint : path, optional
         A file that keeps finished cases, a line of JSON each: the same call resumes where an
         earlier one was stopped or killed. Cases are recognised by their content; one that has

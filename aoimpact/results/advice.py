@@ -157,11 +157,12 @@ def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
     if not events.contacts:
         return
-    both = zip(plan.bodies, plan.velocities, strict=True)
+    before = run.velocities_before.tolist()
+    both = zip(plan.bodies, before, strict=True)
     moving = [(math.inf if of.known_mass is None else of.known_mass, v) for of, v in both if v]
     reached = {
         "force": events.peak_force,
-        "speed": abs(plan.velocities[contact.first] - plan.velocities[contact.second]),
+        "speed": abs(before[contact.first] - before[contact.second]),
         "energy": sum(0.5 * m * v * v for m, v in moving),
     }
     for name, limit in limits(plan, contact).items():
@@ -629,8 +630,8 @@ def outgrown(run: Run) -> Iterator[tuple[int, ContactPoint, float, float, float]
         for body, _, tip in run.plan.touched(contact) if events.contacts else ():
             rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
             mesh = (tip.body.coarse or tip.body).mesh
-            if mesh is None or rise <= 0.0:
-                continue
+            if mesh is None or rise <= 0.0 or events.peak_time >= run.duration:
+                continue  # the last: how long the force rises is not known
             cut = 2.0 if all(block.element.thin for block in mesh.blocks) else 1.0
             edge, wave = tip.edge_and_wave(0.5 * SHIFT_TIMES_DURATION / rise)
             edge, most = edge * (1.0 if tip.body.mesh is mesh else cut), cut * _BENDING * wave

@@ -390,10 +390,7 @@ def _speeds(run: Run, after: FloatArray) -> Speeds:
     plan = run.plan
     pair = (plan.contacts[0].first, plan.contacts[0].second) if len(plan.contacts) == 1 else None
     fixed = np.array([of.constrained for of in plan.bodies])
-    before = np.array(plan.velocities, float)
-    if run.accelerated is not None:
-        before = np.where(fixed & (before == 0.0), 0.0, run.mean_velocities(run.accelerated))
-    return Speeds(before, after, fixed, pair)
+    return Speeds(run.velocities_before, after, fixed, pair)
 
 
 def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
@@ -542,8 +539,7 @@ _ALL = (
         least=lambda _: _LEAST_REBOUND,
         column=True,
         by_momentum=lambda run, momenta: (
-            _of_bodies(run, momenta).sum(keepdims=True)
-            / np.ptp(_speeds(run, run.compared_velocities).before)
+            _of_bodies(run, momenta).sum(keepdims=True) / np.ptp(run.velocities_before)
         ),
     ),
     Quantity("peak_friction_force", "N", of_run=_friction_peaks, sliding=True),

@@ -624,6 +624,18 @@ class Run:
         acts = self.plan.weighed or self.plan.loads
         return self.touching[0] if acts and self.touching is not None else None
 
+    @cached_property
+    def velocities_before(self) -> FloatArray:
+        """Velocities of the bodies as the first contact begins, m/s; 0 of what is held at rest.
+
+        :meta private:
+        """
+        before = np.array(self.plan.velocities, float)
+        if self.accelerated is None:
+            return before
+        held = [of.constrained for of in self.plan.bodies] & (before == 0.0)
+        return np.where(held, 0.0, self.mean_velocities(self.accelerated))
+
     def motion_at(self, body: int, time: float | None = None) -> FloatArray:
         """Return the velocity of a body's centre of mass and its spin, m/s and rad/s, shape (6,).
 
