@@ -8,6 +8,7 @@ between no force and twice its weight, leaves it is rounding, too.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +48,7 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
     """Return the largest relative difference of what a tolerance bounds.
 
     These are each contact's peak force and impulse, when its touches start and end, and the
-    velocities of the centres of mass after the last touch.
+    velocities of the centres of mass after the last touch. Infinite where one run has more touches.
 
     Parameters
     ----------
@@ -63,6 +64,8 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
         apart += (np.abs(ours - theirs)[far] / scale[far]).tolist()
     least = np.maximum(*map(_least, runs))
     touches = [[_touches(*of) for of in zip(run.events, least, strict=True)] for run in runs]
+    if any(len(ours.start) != len(theirs.start) for ours, theirs in zip(*touches, strict=True)):
+        return math.inf  # other motions, though they may end alike by chance
     apart += map(_times_apart, *touches)
     # After the last touch that matters and is over.
     velocities = []
@@ -106,8 +109,6 @@ class _Touches(NamedTuple):
     ----------
     start, end : ndarray
         s.
-    before, after : ndarray
-        The contact's impulse until then, N s.
     pace : ndarray
         See `Events.touches`.
     apart : ndarray
@@ -116,41 +117,26 @@ class _Touches(NamedTuple):
 
     start: FloatArray
     end: FloatArray
-    before: FloatArray
-    after: FloatArray
     pace: FloatArray
     apart: FloatArray
 
 
 def _touches(of: Events, least: float) -> _Touches:
     impulses, pace = np.array(of.touches[: len(of.contacts)]).reshape(-1, 2).T
-    after = np.cumsum(impulses)
     start, end = np.array(of.contacts).reshape(-1, 2).T
-    large = impulses >= least
-    columns = (start, end, after - impulses, after, pace)
-    start, end, before, after, pace = (column[large] for column in columns)
+    start, end, pace = (column[impulses >= least] for column in (start, end, pace))
     gap, length = start[1:] - end[:-1], end - start
     parted = gap > LESSER * np.minimum(length[1:], length[:-1])
     first, last = np.append(True, parted)[: len(start)], np.append(parted, True)[: len(start)]
     apart = np.zeros(int(first.sum()))
     np.add.at(apart, np.cumsum(first)[1:][~parted] - 1, gap[~parted])
-    return _Touches(start[first], end[last], before[first], after[last], pace[first], apart)
+    return _Touches(start[first], end[last], pace[first], apart)
 
 
 def _times_apart(ones: _Touches, others: _Touches) -> float:
-    """The largest difference of start or end, relative to the time itself.
-
-    Where one run has more touches than the other, those belong together at which as much impulse
-    has been passed on.
-    """
-    if min(ones.start.size, others.start.size) == 0:
-        return 0.0  # the impulses differ by as much
-    if ones.start.size > others.start.size:
-        ones, others = others, ones
-    if ones.start.size < others.start.size:
-        at = np.searchsorted(others.after, 0.5 * (ones.before + ones.after))
-        at = np.minimum(at, others.start.size - 1)
-        others = _Touches(*(column[at] for column in others))
+    """The largest difference of start or end, relative to the time itself."""
+    if not ones.start.size:
+        return 0.0
     latest = np.maximum(ones.end, others.end)
     starts = np.abs(ones.start - others.start) / latest
     sudden = np.minimum(ones.pace, others.pace) >= _SUDDEN
