@@ -214,6 +214,17 @@ class BodyModel(ABC):
         """
         return self.constrained and not self.wall and not (self.tips and self.centre_known)
 
+    def weight(self, gravity: Pull) -> FloatArray:
+        """Return the forces of gravity, m/s², on the dofs, N.
+
+        :meta private:
+        """
+        if isinstance(gravity, np.ndarray):
+            along = [self.body.com_functional(axis) for axis in np.eye(3)]
+            return np.asarray((self.mass or 0.0) * (gravity @ along))
+        functional, mass, _ = self.centre_of_mass
+        return np.asarray((0.0 if self.weightless else gravity * mass) * functional)
+
     @property
     def massless(self) -> bool:
         """True if a port moves at once with the force on it.
@@ -645,13 +656,7 @@ class Body(Frozen, BodyModel):
         :meta private:
         """
         columns = [tip.b for tip in self.tips]
-        if isinstance(gravity, np.ndarray):
-            along = [self.body.com_functional(axis) for axis in np.eye(3)]
-            columns.append((self.mass or 0.0) * (gravity @ along))
-        elif gravity:
-            functional, mass, _ = self.centre_of_mass
-            columns.append((0.0 if self.weightless else gravity * mass) * functional)
-        return np.stack(columns, axis=1)
+        return np.stack([*columns, self.weight(gravity)] if np.any(gravity) else columns, axis=1)
 
     # --------------------------------------------------------------- for the core
 

@@ -149,11 +149,7 @@ class FullModel(Frozen, BodyModel):
         """
         if self.body.mass is None or self.tips[0].direction is None:
             raise InputError("gravity needs the body's nodes: make it from a mesh, or with nodes")
-        if isinstance(gravity, np.ndarray):
-            along = [self.body.com_functional(axis) for axis in np.eye(3)]
-            return self.body.mass * (gravity @ along)
-        forces: FloatArray = gravity * self.body.mass * self.centre_of_mass[0]
-        return forces
+        return super().weight(gravity)
 
     def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
         """Return a bound without the modes: Σ r² / ω² above s is at most 2 bᵀ (K + s²M)⁻¹ b.

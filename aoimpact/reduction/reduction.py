@@ -59,10 +59,10 @@ _NO_MASS = 1e-13
 _ROUNDING_OF_MASS = 1e-11
 
 
-# Masses, stiffnesses, and shapes Ψ_i = c_i φ_i of the anti-oscillators found so far.
-# s² ↦ the solver of K + s²M.
+# Returns the solver of K + s²M for s².
 Invert = Callable[[float], LinearSolver]
 
+# Masses, stiffnesses, and shapes Ψ_i = c_i φ_i of the anti-oscillators found so far.
 _Found = tuple[FloatArray, FloatArray, FloatArray]
 
 
@@ -109,7 +109,7 @@ def _first_oscillators(
     static: StaticMode,
     n: int,
     order: str,
-    solvers: Callable[[float], LinearSolver],
+    solvers: Invert,
 ) -> tuple[_Found, float]:
     """Return the first `n` oscillators among those found, and the mass that one left out may have.
 
@@ -187,7 +187,7 @@ def _wanted_oscillators(
     static: StaticMode,
     n: int,
     order: str,
-    solvers: Callable[[float], LinearSolver],
+    solvers: Invert,
 ) -> _Found:
     dofs, found, left_out = tip.body.n_dofs, None, math.inf
     if dofs > DENSE_DOFS:

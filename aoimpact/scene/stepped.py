@@ -58,7 +58,7 @@ class SteppedBody:
 
     def for_core(self, dt: float, beta: float, gamma: float) -> tuple[Any, ...]:
         """Return the core's tuple for steps of `dt`, s, by a rule."""
-        return tuple(self.parts.get(name) for name in PARTS)
+        return tuple(map(self.parts.get, PARTS))
 
     @property
     def equations(self) -> Equations:
