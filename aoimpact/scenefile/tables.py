@@ -19,7 +19,7 @@ from ..impact import Scene
 from ..laws import LAWS
 from ..mesh import Mesh, box_mesh, sheet_mesh, sphere_mesh
 from ..reduction import BodyModel, body_model
-from ..results import BodyResult, ContactResult, ErrorEstimate, Handle
+from ..results import QUANTITIES, BodyResult, ContactResult, ErrorEstimate, Handle
 from .binding import PATH, READERS, Binder, Call, Numbers, Reader, Table, passes_on, table, typed
 from .lines import Place
 
@@ -289,6 +289,7 @@ def _read_number(binder: SceneBinder, name: str, place: Place) -> Any:
             return None
     part, last = _PARTS[first], rest[0] if rest else ""
     known = {*dir(part), *vars(part)["__dataclass_fields__"]}
+    known |= {name for name, of in QUANTITIES.items() if of.each == first and not of.is_history}
     if last not in known:
         binder.say(place, f"{name!r}: {part.__name__} has no {last!r}{nearest(last, known)}")
     return name

@@ -443,6 +443,13 @@ def test_a_row_of_a_sweep_is_the_run_of_a_file_with_its_values(tmp_path: Path) -
     assert table["peak_force"].reshape(table.shape)[0, 2, 2] == last.peak_force
 
 
+def test_a_file_reports_every_number_of_a_run(tmp_path: Path) -> None:
+    run = read(tmp_path, ROW).simulate()
+    names = ", ".join(f'"{name}"' for name in run.numbers)
+    file = read(tmp_path, ROW.replace("[scene]", f"[scene]\nreport = [{names}]"))
+    assert file.reported == tuple(run.numbers)
+
+
 def test_places_in_lists_go_by_number_or_name(tmp_path: Path) -> None:
     over = """
 [sweep.over]
