@@ -89,3 +89,14 @@ body = "second"
 times = [0.0, 1e-3]
 forces = [0.0, 2.0]
 """
+
+# A sweep of the first.
+SWEPT = """
+[sweep]
+keep = ["peak_force"]
+
+[sweep.over]
+velocity = [1.0, 2.0]
+law.k = { from = 1e8, to = 1e10, count = 3, spacing = "log" }
+bodies.beam.m0 = { from = 0.1, to = 0.3, count = 3 }
+"""

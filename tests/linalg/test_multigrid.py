@@ -86,7 +86,8 @@ BODIES = {
 KINDS = [name for name in BODIES if not name.endswith(("coarse", ".499", "side"))]
 CASES = [
     *((name, SHIFT, True, True, 20) for name in KINDS),
-    *((name, 0.0, True, True, 20) for name in KINDS[1:]),
+    ("bar, held in parts", 0.0, True, True, 20),
+    *(pytest.param(of, 0.0, True, True, 20, marks=pytest.mark.slow) for of in KINDS[1:-1]),
     ("ball, ν = .499", SHIFT, True, True, 200),
     *(("bar", SHIFT, False, True, 25), ("bar", 0.0, False, True, 30)),
     ("ball", SHIFT, False, False, 60),

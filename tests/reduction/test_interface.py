@@ -79,18 +79,6 @@ def test_a_free_body_has_its_rigid_motions_and_its_mass(free):
     np.testing.assert_allclose(centre[6:], 0.0, atol=1e-9)
 
 
-def test_modes_are_orthonormal_and_give_the_ports(held):
-    model = ao.interface(held, 12, contact_time=T)
-    M, K = model.body.M, model.body.K
-    np.testing.assert_allclose(model.modes.T @ (M @ model.modes), np.eye(12), atol=1e-10)
-    stiffness = model.modes.T @ (K @ model.modes)
-    np.testing.assert_allclose(stiffness, np.diag(model.omega**2), atol=1e-9 * stiffness.max())
-    q = np.arange(12.0)
-    for tip, r in zip(held, model.participation, strict=True):
-        assert tip.b @ model.expand(q) == pytest.approx(r @ q, rel=1e-10)
-    np.testing.assert_allclose(model.frequencies, model.omega / (2 * np.pi))
-
-
 def test_ports_that_move_alike_are_one():
     """A beam struck at midspan by two bodies: the second adds no vector."""
     K, M = beam(20, fixed=[0, 40])

@@ -97,16 +97,6 @@ def test_growth_under_several_forces_is_exact_with_few_modes(fixed: Any) -> None
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_a_resting_force_deforms_a_held_body_as_statics_says(model: Any) -> None:
-    tip = tip_of(SUPPORTS[0])
-    reduced = model(tip)
-    coordinates = 1e3 * reduced.participation.T / reduced.omega[:, None] ** 2
-    found = recovery_of(reduced, SLOW).displacement(coordinates, np.array([[1e3]]))[:, 0]
-    exact = 1e3 * flexibility(tip)
-    np.testing.assert_allclose(found, exact, atol=1e-6 * np.abs(exact).max())
-
-
-@pytest.mark.parametrize("model", MODELS)
 def test_a_steady_push_deforms_a_free_body_as_inertia_relief_says(model: Any) -> None:
     tip = tip_of(None)
     reduced, force, place = model(tip), 1e3, 1e-5

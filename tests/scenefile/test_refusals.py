@@ -11,17 +11,8 @@ import pytest
 import aoimpact as ao
 from aoimpact.base import SceneFileError
 
-from scenes import BAR, ROW, STARS
+from scenes import BAR, ROW, STARS, SWEPT
 
-SWEPT = """
-[sweep]
-keep = ["peak_force"]
-
-[sweep.over]
-velocity = [1.0, 2.0]
-law.k = { from = 1e8, to = 1e10, count = 3, spacing = "log" }
-bodies.beam.m0 = { from = 0.1, to = 0.3, count = 3 }
-"""
 SHEET = """
 [materials]
 steel = { E = 210e9, nu = 0.3, rho = 7800 }

@@ -19,7 +19,7 @@ from every_law import law_of
 import aoimpact as ao
 from aoimpact.scenefile import SceneFile
 
-from scenes import BAR, ROW, STARS
+from scenes import BAR, ROW, STARS, SWEPT
 
 ROOT = Path(__file__).parents[2]
 ALU = ao.Material(E=70e9, nu=0.3, rho=2700)
@@ -419,17 +419,6 @@ law = {{ type = "Linear", k = 1e6 }}
 
 
 # ---------------------------------------------------------------------------------------- sweeps
-
-SWEPT = """
-[sweep]
-keep = ["peak_force"]
-workers = 2
-
-[sweep.over]
-velocity = [1.0, 2.0]
-law.k = { from = 1e8, to = 1e10, count = 3, spacing = "log" }
-bodies.beam.m0 = { from = 0.1, to = 0.3, count = 3 }
-"""
 
 
 def test_a_row_of_a_sweep_is_the_run_of_a_file_with_its_values(tmp_path: Path) -> None:
