@@ -12,7 +12,7 @@ from ..base import FloatArray
 SPAN = 3.0
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False)
 class Compliance:
     """Compliances of a model of a body at a contact point under a unit force.
 

@@ -101,13 +101,13 @@ def extracted(
     A force at an angle θ to the normal moves a half-space along itself by cos²θ of what it does
     along the normal, and by sin²θ (2 - ν)/(2 - 2ν) of it, Mindlin's ratio of the compliances.
     """
-    body, b, point, direction = tip.body, tip.b, tip.point, tip.direction
+    body, point, direction = tip.body, tip.point, tip.direction
     tangents: Any = () if tip.tangents is None else tip.tangents
     splitting = Splitting(body, point, normal, radius, solver, tangents)
     w = splitting.w
     cosine = float(direction @ normal)
     straight = 1.0 - abs(cosine) < _ALONG
-    along = b if straight else body.on_dofs(np.outer(tip.forces[0] @ direction, normal))
+    along = tip.b if straight else tip.along(normal)
     x = moved[0] if straight and moved is not None else solver.solve_roughly(along, _SOLVED)[0]
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
@@ -126,8 +126,7 @@ def extracted(
     inward = np.copysign(1.0, -cosine) * x if straight else -x
     oblique = sheared = None
     if len(tangents):
-        weights, axes = tip.forces[0] @ direction, (direction, *tangents)
-        loads = np.array([body.on_dofs(np.outer(weights, axis)) for axis in axes])
+        loads = np.array([of.b for of in tip.functionals])
         if moved is None:
             moved = np.array([solver.solve_roughly(load, _SOLVED)[0] for load in loads])
         into = np.array([direction @ splitting.frame[2], 1.0, 1.0])
@@ -136,7 +135,7 @@ def extracted(
     return Compliance(
         removed=removed,
         varying=varying,
-        deflection=x if straight else solver.solve(b),
+        deflection=x if straight else solver.solve(tip.b),
         s=math.sqrt(splitting.s2),
         radius=radius,
         by_width=splitting.by_width,

@@ -51,7 +51,7 @@ from ..mesh import AT_NODE, nearest_line, surface_shape
 from .compliance import Compliance
 from .extraction import extracted
 from .layer import bending_length
-from .thinextraction import extracted_from_beam, extracted_from_shell, patch_on_shell
+from .thinextraction import excess_of_beam, excess_of_shell, patch_on_shell
 from .touch import Patch, Touch, edge_length, element_at, thickness, to_nodes, touched
 
 # Cosine of the angle with a beam's axis above which a force is along it: 45°.
@@ -255,9 +255,7 @@ class ContactPoint(Frozen):
         with held_warnings():  # the point has had its warnings
             if alike and self.patch is None and self.on_surface:
                 # Over a patch: at a node a body of more functions yields without bound.
-                over: Any = self.body.contact(point=point)
-                weights = over.forces[0] @ over.direction
-                return body.functional(self.body.on_dofs(np.outer(weights, np.array(along))))
+                return body.functional(self.body.contact(point=point).along(np.array(along)))
             if alike or point is None or along is None or self.node is not None:
                 return body.functional(self.b)
             if surface is None:
@@ -273,14 +271,18 @@ class ContactPoint(Frozen):
         """
         if self.tangents is None:
             return (self,)
-        assert self.direction is not None
-        shares = self.forces[0] @ self.direction
-        along = [self.body.on_dofs(np.outer(shares, tangent)) for tangent in self.tangents]
         given: dict[str, Any] = {"tangents": None, "automatic": False, "directed": True}
         return self, *(
-            replace(self, b=b, direction=tangent, **given)
-            for b, tangent in zip(along, self.tangents, strict=True)
+            replace(self, b=self.along(tangent), direction=tangent, **given)
+            for tangent in self.tangents
         )
+
+    def along(self, axis: FloatArray) -> FloatArray:
+        """Return the functional of the place's displacement along another axis, (n_dofs,).
+
+        :meta private:
+        """
+        return self.body.on_dofs(np.outer(self.forces[0] @ self.direction, axis))
 
     @cached_property
     def made_of(self) -> OneMaterial | None:
@@ -387,17 +389,19 @@ class ContactPoint(Frozen):
         return bool(np.isin(np.flatnonzero(pressed_on), both).all())
 
     def _extracted(self, solver: LinearSolver, moved: FloatArray | None = None) -> Compliance:
-        if isinstance(self.thin, Beam):
-            return extracted_from_beam(self, self.thin, self.width, solver)
         surface: Any = self.body.surface
         point: Any = self.point
-        normal: Any = touched(surface, point, None, 0.0).normal
-        if self._covered:
+        of, radius, s = self.thin, self.width, math.sqrt(solver.s2)
+        if not isinstance(of, Beam) and self._covered:
             raise InputError(
                 f"point {plain(point)} m is where a shell lies on solids; mesh it with solids there"
             )
-        if self.thin is not None:
-            return extracted_from_shell(self, self.thin, self.width, solver)
+        if of is not None:
+            removed, varying = (
+                excess_of_beam(of) if isinstance(of, Beam) else excess_of_shell(self, of, radius, s)
+            )
+            return Compliance(removed, varying, solver.solve(self.b), s, radius)
+        normal: Any = touched(surface, point, None, 0.0).normal
         found = extracted(self, normal, self.width, solver, moved)
         if self.patch is not None and not self.automatic and found.removed < 0.0:
             raise InputError(  # more than the mesh explains

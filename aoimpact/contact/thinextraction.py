@@ -20,9 +20,8 @@ from ..fem import (
     taken_material,
     thin_stiffness_mass,
 )
-from ..linalg import LinearSolver, factorize
+from ..linalg import factorize
 from ..mesh import Surface, boundary, halved, sides, taken
-from .compliance import Compliance
 from .layer import (
     contact_reach,
     layer_compliance_of,
@@ -87,10 +86,8 @@ def patch_on_shell(layers: Layers, contact_radius: float, *, whole: bool = False
     return float(scipy.optimize.brentq(excess, narrow, wide, rtol=_NEARLY))
 
 
-def extracted_from_shell(
-    tip: Any, layers: Layers, radius: float, solver: LinearSolver
-) -> Compliance:
-    """Return the compliances at a contact point on a shell.
+def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[float, float]:
+    """Return what a shell yields more than its layers under a contact, and how unsure that is, m/N.
 
     Parameters
     ----------
@@ -99,8 +96,8 @@ def extracted_from_shell(
         Under the contact, which presses on their top.
     radius : float
         a, of the contact itself, m.
-    solver : LinearSolver
-        Factors of K + s²M.
+    s : float
+        rad/s.
     """
     body, point, normal, mesh = tip.body, tip.point, tip.normal, tip.body.mesh
     t = layers.total_thickness
@@ -111,7 +108,7 @@ def extracted_from_shell(
     # Supports hold a part of it in the body; added functions of solids beside it are no nodes.
     forces = (pressed if whole else tip.forces / cosine)[:, : mesh.n_nodes]
     shares, couples = forces[0] @ normal, forces[1]
-    loaded, s = shares != 0.0, math.sqrt(solver.pencil.s2)
+    loaded = shares != 0.0
     parts, slow = pieces(mesh, body.material, Layers), _SLOW * s
     around = [part.cells[loaded[part.cells].any(axis=1)] for part in parts]
     ends, number = sides(mesh.nodes, around)[:2]
@@ -154,13 +151,7 @@ def extracted_from_shell(
     if len(layers.plies) == 1:
         narrow, wide = (layer_compliance_of(layers, f * radius, s) for f in (0.5, 1.0))
         unsure += abs(narrow - wide)
-    share = cosine**2
-    return Compliance(
-        removed=share * float(found),
-        varying=share * float(unsure),
-        radius=radius,
-        **_deflected(tip, solver),
-    )
+    return cosine**2 * float(found), cosine**2 * float(unsure)
 
 
 def _pressed(surface: Surface, tip: Any) -> FloatArray:
@@ -198,23 +189,13 @@ def _halved(tip: Any, about: IntArray, s: float, halvings: int) -> FloatArray:
     return np.array(found)
 
 
-def extracted_from_beam(tip: Any, beam: Beam, radius: float, solver: LinearSolver) -> Compliance:
-    """Return the compliances at a contact point on a beam.
+def excess_of_beam(beam: Beam) -> tuple[float, float]:
+    """Return what a beam yields more than the half-space of a law, none, and at most less, m/N.
 
-    A full section yields less between the contact and its axis than the half-space of a law:
-    `varying` is by how much at most. Parameters as for `extracted_from_shell`.
+    A full section yields less between the contact and its axis.
     """
     section = _OF_SECTION / (beam.material.plane_strain_modulus * math.sqrt(beam.numbers.area))
-    return Compliance(
-        removed=0.0,
-        varying=0.0 if beam.hollow else section,
-        radius=radius,
-        **_deflected(tip, solver),
-    )
-
-
-def _deflected(tip: Any, solver: LinearSolver) -> dict[str, Any]:
-    return {"deflection": solver.solve(tip.b), "s": math.sqrt(solver.pencil.s2)}
+    return 0.0, 0.0 if beam.hollow else section
 
 
 def _around(tip: Any, parts: list[Piece], close: BoolArray) -> BoolArray:

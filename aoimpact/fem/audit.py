@@ -200,12 +200,9 @@ def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
 
 def _missing(matrix: Any, other: Any) -> float:
     """The share of the entries off the diagonal of one that the other has not."""
-    ones = [
-        sp.csr_array((np.ones(m.nnz), m.indices, m.indptr), shape=m.shape) for m in (matrix, other)
-    ]
-    off = matrix.nnz - np.count_nonzero(matrix.diagonal())
-    both = ones[0].multiply(ones[1])
-    return 1.0 - (both.nnz - np.count_nonzero(both.diagonal())) / off if off else 0.0
+    off = sp.triu(matrix, 1).tocsr()
+    missing = off.nnz - off.multiply(other).count_nonzero()
+    return float(missing / off.nnz) if off.nnz else 0.0
 
 
 def _missing_neighbours(body: Any) -> float:

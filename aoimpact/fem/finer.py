@@ -18,10 +18,9 @@ import numpy as np
 from ..base import ROUNDING, FloatArray, IntArray, sp
 from ..linalg import FEW_SOLUTIONS, LinearSolver, Solver, two_level
 from ..mesh import Surface, enriched, halved
-from .assembly import kept_rows_columns, stiffness_mass, with_int32
 from .composition import taken_material
 from .mechanism import Mechanism
-from .model import FEModel, grounded, summed
+from .model import FEModel, summed
 
 
 class _Finer(FEModel):
@@ -45,19 +44,11 @@ class _Finer(FEModel):
 class FinerBody(_Finer):
     """A body whose elements have more functions than `mesh`, which has its places."""
 
-    def _matrices(self) -> tuple[Any, Any]:
-        body = self.given
-        material: Any = self.material
-        free = np.asarray(self.free)
-        K, M = stiffness_mass(self.shapes, material)
-        self._set(held=grounded(K, M, free))
-        K, M = (kept_rows_columns(of, np.sort(free)) for of in (K, M))
-        if self.shapes.thin:  # the rotations of shells stand between their functions and the others
-            order = np.searchsorted(np.sort(free), free)
-            K, M = (with_int32(of[order][:, order].sorted_indices()) for of in (K, M))
-        if not body.assembled or body.masses is not None or body.springs is not None:
-            K, M = (_with(of, known) for of, known in ((K, body.K), (M, body.M)))
-        return K, M
+    def _matrices(self) -> dict[str, Any]:
+        found, body = super()._matrices(), self.given
+        if not body.assembled:
+            found |= {"K": _with(found["K"], body.K), "M": _with(found["M"], body.M)}
+        return found
 
     @cached_property
     def rigid_modes(self) -> FloatArray:

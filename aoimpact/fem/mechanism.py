@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..base import ROUNDING, FloatArray, IntArray, plain, record, sp
-from ..linalg import lowest, m_orthonormal
+from ..linalg import m_orthonormal, null_space
 from ..mesh import Surface, motions_at
 
 # bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
@@ -24,9 +24,6 @@ _MOVED = 1e-10
 # by less than 1e-4 of the parts' size count as on it, as mesh files round to six digits or so. Such
 # an offset holds like a spring of 1e-8 of the body's stiffness.
 _UNRESISTED = 1e-8
-
-# Motions that are asked for at first.
-_FIRST_BLOCK = 32
 
 
 @record
@@ -103,7 +100,11 @@ def mechanism_of(
     own, *joined = (moved[(3 * at[:, None] + np.arange(3)).ravel()] for at in (firsts, *ends))
     held = np.setdiff1d(np.arange(own.shape[0]), free if springs is None else free[springs == 0.0])
     rows = sp.vstack([own[held], joined[0] - joined[1]])
-    unresisted = _null_space((rows.T @ rows).tocsr())
+    gram = rows.T @ rows
+    sizes = np.sqrt(gram.diagonal())
+    scale = sp.diags_array(1.0 / np.where(sizes > 0.0, sizes, 1.0))
+    scaled, unit = (scale @ gram @ scale).tocsr(), sp.eye_array(len(sizes), format="csr")
+    unresisted = np.asarray(scale @ null_space(scaled, unit, _UNRESISTED))
     count = unresisted.shape[1] - rigid.shape[1]
     if count <= 0:
         return None
@@ -114,20 +115,6 @@ def mechanism_of(
     turns = unresisted.reshape(parts, 6, -1)[:, 3:] / size[:, None, None]
     links = np.stack([node[link], of[link], of[link + 1]])
     return Mechanism(motions @ y, (mesh.nodes, part, links, turns @ y))
-
-
-def _null_space(gram: sp.csr_array) -> FloatArray:
-    """Return a basis of the null space, however large, of a positive semidefinite matrix."""
-    n = gram.shape[0]
-    size = np.sqrt(gram.diagonal())
-    scale = sp.diags_array(1.0 / np.where(size > 0.0, size, 1.0))
-    scaled, wanted = (scale @ gram @ scale).tocsr(), min(n, _FIRST_BLOCK)
-    while True:
-        values, x = lowest(scaled, sp.eye_array(n, format="csr"), wanted)
-        null = values <= _UNRESISTED
-        if not null.all() or wanted == n:
-            return np.asarray(scale @ x[:, null])
-        wanted = min(n, 4 * wanted)
 
 
 def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mechanism | None:

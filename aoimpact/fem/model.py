@@ -308,13 +308,11 @@ class FEModel(Frozen):
         warn_of_locking(solid, made_of)
         warn_of_curved_offsets(solid, made_of)
         warn_of_separate_parts(solid, heavier)
-        held = grounded(K, M, free)
-        K, M = completed(K, M, heavier, stiffer, free)
         # The matrices are right by construction: nothing of __post_init__ is needed.
         model = object.__new__(cls)
-        model._set(K=K, M=M, nodes=solid.nodes, free=free, mass=mass)
+        model._set(**completed(K, M, heavier, stiffer, free), nodes=solid.nodes, free=free)
         model._set(mesh=solid, material=made_of, damping=damped, name=name)
-        model._set(springs=stiffer, masses=heavier, assembled=True, held=held)
+        model._set(springs=stiffer, masses=heavier, assembled=True, mass=mass)
         if surface is not None:
             model._set(surface=surface)
         return model
@@ -396,15 +394,14 @@ class FEModel(Frozen):
         """K and M of an unpickled body with a mesh, assembled at their first use."""
         if name not in ("K", "M") or vars(self).get("material") is None:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        K, M = self._matrices()
-        self._set(K=K, M=M)
+        self._set(**self._matrices())
         return vars(self)[name]
 
-    def _matrices(self) -> tuple[Any, Any]:
-        made: Any = self.mesh, self.material, self.free
-        K, M = stiffness_mass(*made[:2])
-        self._set(held=grounded(K, M, made[2]))
-        return completed(K, M, self.masses, self.springs, made[2])
+    def _matrices(self) -> dict[str, Any]:
+        """K, M and `held`, from the mesh."""
+        made: Any = self.shapes, self.material
+        free: Any = self.free
+        return completed(*stiffness_mass(*made), self.masses, self.springs, free)
 
     def __copy__(self, memo: Any = None) -> FEModel:
         """A body of its own that shares all that is known of this one, which does not change."""
@@ -902,12 +899,20 @@ def grounded(K: Any, M: Any, free: IntArray) -> tuple[IntArray, Any, Any]:
 
 def completed(
     K: Any, M: Any, masses: Any, springs: FloatArray | None, free: IntArray
-) -> tuple[Any, Any]:
-    """Return K and M of a mesh with added masses and springs, on the dofs that no support holds."""
+) -> dict[str, Any]:
+    """Return K and M of a mesh with added masses and springs, on the dofs that no support holds.
+
+    And `FEModel.held`, from the matrices over all dofs, whose arrays are used up.
+    """
+    held, kept = grounded(K, M, free), np.sort(free)
     M = M if masses is None else summed(M, masses)
     if len(free) < K.shape[0]:
-        K, M = (kept_rows_columns(matrix, free) for matrix in (K, M))
-    return K if springs is None else summed(K, sp.diags_array(springs, format="csr")), M
+        K, M = (kept_rows_columns(matrix, kept) for matrix in (K, M))
+    if (kept != free).any():
+        order = np.searchsorted(kept, free)
+        K, M = (with_int32(of[order][:, order].sorted_indices()) for of in (K, M))
+    K = K if springs is None else summed(K, sp.diags_array(springs, format="csr"))
+    return {"K": K, "M": M, "held": held}
 
 
 def summed(matrix: Any, other: Any) -> Any:

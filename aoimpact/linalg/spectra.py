@@ -169,24 +169,30 @@ def _first_shift(K: Any, M: Any) -> float:
     return _FIRST_SHIFT * float(K.diagonal().sum() / M.diagonal().sum())
 
 
-def null_space(K: Any, M: Any) -> FloatArray:
+def null_space(K: Any, M: Any, soft: float | None = None) -> FloatArray:
     """Return the M-orthonormal modes of zero stiffness, shape (n, r), from the matrices alone.
 
     A mode counts as rigid if ‖Kφ‖ ≤ 1e-12 ‖|K||φ|‖: its elastic forces are rounding. That gives
     some 1e-15, the slenderest of meshes that double precision can still carry 1e-9.
+
+    Parameters
+    ----------
+    K, M : scipy.sparse matrices, shape (n, n)
+    soft : float, optional
+        Modes with ω² up to this are wanted in place of those.
     """
     n = K.shape[0]
     wanted = min(n, 8)
     while True:
-        _, modes = lowest(K, M, wanted)
+        omega2, modes = lowest(K, M, wanted)
         forces = np.linalg.norm(K @ modes, axis=0)
         scale = np.linalg.norm(abs(K) @ np.abs(modes), axis=0)
-        rigid = forces <= ROUNDING * scale
+        rigid = forces <= ROUNDING * scale if soft is None else omega2 <= soft
         if not rigid.all() or len(rigid) < wanted or wanted == n:
             break
-        wanted = min(n, 2 * wanted)
+        wanted = min(n, 4 * wanted)
     modes = modes[:, rigid]
-    if rigid.any():
+    if rigid.any() and soft is None:
         # Each pass leaves s²/(ω² + s²) of the strain, so s² lies far below any elastic ω².
         near_k = linear_solver(Pencil(K, M, _STRAIN_SHIFT * _first_shift(K, M)))
         for _ in range(_STRAIN_PASSES):
