@@ -8,7 +8,6 @@ all others have a kind in `_KINDS`.
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -22,7 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, IntArray, MeshError, nearest, record, warn
 from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
-from ..mesh import dot
+from ..mesh import SURFACES, dot
 from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
@@ -108,10 +107,10 @@ _ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0
 # beams; membranes, rigid and plane elements and trusses are none. B33 has the nodes of B31.
 _TYPES: tuple[tuple[str, dict[int, str], int], ...] = (
     (r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}", raw.SOLIDS, 3),
-    (r"(?:U?S|STRI)(65|3|4|6|8|9)(?!\d)[A-Z0-9]*", raw.SURFACES | {65: "triangle6"}, 2),
+    (r"(?:U?S|STRI)(65|3|4|6|8|9)(?!\d)[A-Z0-9]*", SURFACES | {65: "triangle6"}, 2),
     (
         r"(?:DS|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(3|4|6|8|9)(?!\d)[A-Z0-9]*",
-        raw.SURFACES,
+        SURFACES,
         0,
     ),
     (r"T[23]D([23])[A-Z]{0,2}", raw.LINES, 0),
@@ -125,9 +124,6 @@ _LISTED = (
     r"|DSAX|RAX2|RB[23]D|R2D2|AC1D|AC3D|ACIN|ASI|DC1D|DCC|DC3D|Q3D|EMC|EC3D|FC3D|F3D|PC3D|PD3D|PSI"
     r"|DRAG|KSP|WARP|D$|V?U\d|Z\d)[A-Z0-9-]*"
 )
-
-# Surface elements that meshers write for the sides of solids.
-_SIDES = r"CP[SE]\d|CAX\d|SFM3D"
 
 # Least share of an orientation's axis along the normals of the shell that it is for.
 _ALONG = 1e-3
@@ -163,14 +159,11 @@ def read(file: Path) -> raw.RawMesh:
     Warns
     -----
     AOImpactWarning
-        If elements are no solids, parts have no instance, sets name missing members, or nodes are
-        connected by more than elements.
+        If parts have no instance, sets name missing members, or nodes are connected by more than
+        elements.
     """
-    try:
-        with np.errstate(all="ignore"):  # coordinates out of reach are refused later
-            return _joined(file, read_keywords(file))
-    except RecursionError:
-        raise MeshError(f"mesh file {str(file)!r}: its sets are nested too deep") from None
+    with np.errstate(all="ignore"):  # coordinates out of reach are refused later
+        return _joined(file, read_keywords(file))
 
 
 @cache
@@ -204,24 +197,14 @@ class AbaqusDeck:
     def sections(self) -> str:
         """Keywords on shells and beams, as in "2 *SHELLSECTION"."""
         thin = [card.name for card in self.cards if _SECTIONS.get(card.name, (None, 3))[1] < 3]
-        return raw.listed(f"*{name}" for name in thin)
-
-    @property
-    def elements(self) -> str:
-        """The elements by their types, as in "100 CPS4"."""
-        return raw.listed(self.counts)
-
-    @cached_property
-    def counts(self) -> Counter[str]:
-        """Numbers of elements by their types."""
-        return sum((Counter({of.type: len(of.labels)}) for of in self.blocks), Counter())
+        return raw.listed((f"*{name}", 1) for name in thin)
 
     @cached_property
     def normals(self) -> Keyword | None:
         """The first card with normals, which turn beams."""
         for card in self.cards:
             nodes = card.data if card.name == "NODE" else ()
-            if card.name == "NORMAL" or any(of.rstrip(", ").count(",") > 3 for of in nodes):
+            if card.name == "NORMAL" or any(of.text.rstrip(", ").count(",") > 3 for of in nodes):
                 return card
         return None
 
@@ -366,11 +349,13 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     for name, own in cell_sets.items():
         others = own[dims[own] != 3 if (dims[own] == 3).any() else unread[own]]
         if len(others) and name not in {body.name for body in bodies}:
-            left_out[name] = raw.listed(deck.blocks[i].type for i in of[others].tolist())
-    _warn(file, deck, {of.type for of, kind in zip(deck.blocks, kinds, strict=True) if kind})
+            left_out[name] = raw.listed((deck.blocks[i].type, 1) for i in of[others].tolist())
+    _warn(file, deck)
     places = np.concatenate([body.places for body in bodies])
     blocks = tuple(
-        raw.RawBlock(kind or "other", nodes[:, _ORDERS.get(kind, slice(None))], block.labels)
+        raw.RawBlock(
+            kind or "other", nodes[:, _ORDERS.get(kind, slice(None))], block.labels, block.type
+        )
         for kind, (block, _, nodes) in zip(kinds, every, strict=True)
     )
     node_sets = {name: own[own < len(places)] for name, own in node_sets.items()}
@@ -401,24 +386,15 @@ def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
     return found["NSET"], found["ELSET"]
 
 
-def _warn(file: Path, deck: AbaqusDeck, shown: set[str]) -> None:
+def _warn(file: Path, deck: AbaqusDeck) -> None:
     """Name in one warning the contents of the deck that are not in the mesh."""
-    said, counts, whole = list[str](), deck.counts, deck.whole
-    solids = any(name.startswith("C3D") for name in counts)
-    # No model has plane elements beside solids: a mesher wrote sides, and edges as trusses.
-    edges = "|T3D" if any(re.match(_SIDES, name) for name in counts) else ""
-    solid = re.compile(f"C3D|{_SIDES}{edges}")
-    rest = {name: count for name, count in counts.items() if not solid.match(name)}
-    unread = {name: count for name, count in rest.items() if name not in shown}
-    if names := [f"*{card.name}" for card in deck.cards if _kind(card.name) == "connection"]:
+    said, whole = list[str](), deck.whole
+    names = ((f"*{card.name}", 1) for card in deck.cards if _kind(card.name) == "connection")
+    if connections := raw.listed(names):
         without = "were left out, and the body is computed without them"
-        said.append(f"connections between nodes {without}: {raw.listed(names)}")
+        said.append(f"connections between nodes {without}: {connections}")
     if changes := sum(card.name == "MODELCHANGE" for card in deck.cards):
         said.append(f"{changes} *MODEL CHANGE were left out: the body has all elements")
-    if others := raw.listed(rest if solids else unread):
-        what = "no solids" if solids else "no solids, shells or beams"
-        unless = ", unless their groups are named as shells and beams" * (rest != unread)
-        said.append(f"elements that are {what} are not part of the body{unless}: {others}")
     used = {scope.part for scope in whole.inner.values()}
     if unused := [part.name for at, part in whole.parts.items() if at not in used]:
         said.append(f"parts without an instance are left out: {', '.join(unused)}")
@@ -604,9 +580,9 @@ class Scope:
             towards = name[0] == "B" and [len(row) for row in keyword.rows[:1]] == [n + 2]
             table = keyword.connectivity(n + towards)[:, : n + 1]
         else:  # between instances, nodes have names
-            ends = enumerate(["", *keyword.data[:-1]])  # of the lines before
-            begun = [i for i, end in ends if keyword.data and not end.endswith(",")]
-            numbers = [keyword.integers(i, keyword.rows[i][:1]) for i in begun]
+            ends = ["", *(line.text[-1] for line in keyword.data)]  # of the lines before
+            rows = zip(ends, enumerate(keyword.rows), strict=False)
+            numbers = [keyword.integers(i, row[:1]) for end, (i, row) in rows if end != ","]
             kind, table = "", np.reshape(np.array(numbers, dtype=np.int64), (-1, 1))
         keyword.labels = table[:, 0]
         new = _Elements(name, kind, dim, table[:, 0], table[:, 1:], keyword, towards)
@@ -719,8 +695,8 @@ class Scope:
         """Return the members of a name in a piece of a set: a set, instance.set, instance.5."""
         at = which, key(name)
         if at in self.sets:
-            orders = [one.order for one in self.sets[at]]
-            if min(orders) < card.order < max(orders):
+            orders = [one.line.order for one in self.sets[at]]
+            if min(orders) < card.line.order < max(orders):
                 raise card.error(f"the set {name} grows afterwards; define it before")
             return self.members(*at)
         outer, _, rest = name.partition(".")

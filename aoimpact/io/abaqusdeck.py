@@ -11,13 +11,13 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
-from .raw import columns, number, numbers, read_text, refused
+from .raw import Line, columns, number, numbers, read_text
 
 # Numbers of a data line that has no room for more.
 _FULL = 16
@@ -47,15 +47,10 @@ class Keyword:
         In capitals, without star and blanks, as in "SOLIDSECTION".
     given : list of str
         What follows the name, as in "ELSET=Bar".
-    file : Path
-    line : int
-        Counted from 1.
-    order : int
-        Counts the keywords of a deck.
-    data : list of str
+    line : Line
+        Its order counts the keywords of a deck.
+    data : list of Line
         Its data lines, without blanks at their ends, comments and empty lines.
-    places : list of (Path, int)
-        Where each of them stands.
     part : str
         The part to which it belongs, in capitals; "" outside of parts.
     labels : ndarray of int, shape (n,)
@@ -64,11 +59,8 @@ class Keyword:
 
     name: str
     given: list[str]
-    file: Path
-    line: int
-    order: int
-    data: list[str] = field(default_factory=list)
-    places: list[tuple[Path, int]] = field(default_factory=list)
+    line: Line
+    data: list[Line] = field(default_factory=list)
     part: str = ""
     labels: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
 
@@ -89,7 +81,7 @@ class Keyword:
     @cached_property
     def rows(self) -> list[list[str]]:
         """The fields of each data line, without empty ones at the end."""
-        return [fields(line) for line in self.data]
+        return [fields(line.text) for line in self.data]
 
     def error(self, why: str, row: int = -1) -> MeshError:
         """Return the error that names the file, the line and the keyword.
@@ -100,8 +92,7 @@ class Keyword:
         row : int, optional
             Data line that is wrong, from 0; the keyword itself if left out.
         """
-        place = self.places[row] if row >= 0 else (self.file, self.line)
-        return refused(*place, f"*{self.name}", why)
+        return (self.data[row] if row >= 0 else self.line).refused(f"*{self.name}", why)
 
     def check_options(self, *known: str) -> None:
         """Refuse an option that is not known: it may change the mesh."""
@@ -136,7 +127,7 @@ class Keyword:
 
     def points(self) -> tuple[IntArray, FloatArray]:
         """Return labels and coordinates of the data lines of *NODE; the last may be left out."""
-        table = columns([line.rstrip(", \t") for line in self.data], 4, ",")
+        table = columns([line.text.rstrip(", \t") for line in self.data], 4, ",")
         if table is None:
             table = np.zeros((len(self.rows), 4))
             for row, texts in enumerate(self.rows):
@@ -155,10 +146,10 @@ class Keyword:
         An element begins on a line of its own. It goes on in the next one after a comma, or after
         16 numbers, with which a line is full.
         """
-        lines, width = [line.rstrip(", \t") for line in self.data], 1 + n_nodes
+        lines, width = [line.text.rstrip(", \t") for line in self.data], 1 + n_nodes
         own = np.array([line.count(",") + 1 for line in lines], dtype=int)
         end = np.cumsum(own)
-        goes_on = (own == _FULL) | np.array([line.endswith(",") for line in self.data], dtype=bool)
+        goes_on = (own == _FULL) | np.array([of.text[-1] == "," for of in self.data], dtype=bool)
         goes_on[-1:] = False
         split = ((end - own) // width < (end - 1) // width) | ((end % width > 0) & ~goes_on)
         for row in np.flatnonzero(split)[:1]:
@@ -229,10 +220,10 @@ def read_keywords(main: Path) -> list[Keyword]:
         given = (options.get("INPUT") or options.get("FILE") or "").strip('"').replace("\\", "/")
         if not given:
             raise keyword.error("INPUT=file is missing")
-        places = [folder / PurePosixPath(given) for folder in (main.parent, keyword.file.parent)]
-        place = next((place for place in places if place.is_file()), None)
+        folders = main.parent, keyword.line.file.parent
+        place = next((folder / given for folder in folders if (folder / given).is_file()), None)
         if place is None:
-            raise MissingFileError(str(keyword.error(f"there is no file {str(places[0])!r}")))
+            raise MissingFileError(str(keyword.error(f"there is no file {given!r}")))
         included.append(place)
         if place.resolve() in {file.resolve() for file in outer}:
             raise keyword.error(f"{str(place)!r} includes itself")
@@ -252,10 +243,10 @@ def read_keywords(main: Path) -> list[Keyword]:
             if start >= 0:
                 text, after = lines[start].strip(), start + 1
                 while text.endswith(",") and after < stop:  # it goes on in the next line
-                    line, after = lines[after].strip(), after + 1
-                    text += "" if line[:2] == "**" else line or " "
+                    more, after = lines[after].strip(), after + 1
+                    text += "" if more[:2] == "**" else more or " "
                 name, *given = fields(text[1:]) or [""]
-                keyword = Keyword(key(name), given, file, start + 1, len(found))
+                keyword = Keyword(key(name), given, Line("", file, start + 1, len(found)))
                 if keyword.name == "INCLUDE":
                     keyword.check_options("INPUT", "FILE")
                     include(keyword, outer)
@@ -264,14 +255,13 @@ def read_keywords(main: Path) -> list[Keyword]:
                     if keyword.name in _WITH_INPUT and "INPUT" in keyword.options:
                         include(keyword, outer)
             for i in range(after, stop):
-                text = lines[i].strip()
-                if not text or text[:2] == "**":
+                line = Line(lines[i].strip(), file, i + 1, len(found))
+                if not line.text or line.text[:2] == "**":
                     continue
                 if not found:
                     why = "a deck of Abaqus or CalculiX begins with *"
-                    raise refused(file, i + 1, repr(text[:40]), why)
-                found[-1].data.append(text)
-                found[-1].places.append((file, i + 1))
+                    raise line.refused(repr(line.text[:40]), why)
+                found[-1].data.append(line)
 
     add(main, (main,))
     return found

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import FloatArray, IntArray, warn
+from ..base import FloatArray, IntArray, sp, warn
 from .raw import RawMatrix, columns, entry_line, labelled, number, spoilt
 
 _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
@@ -63,7 +63,8 @@ def read_triples(file: Path) -> list[RawMatrix]:
     """Read lines of row, column and value, rows and columns from 1."""
     rows, cols, values = _coordinates(file, 0)
     largest = int(max(rows.max(), cols.max())) + 1
-    return [RawMatrix(file, "", largest, rows, cols, values, before=0)]
+    matrix = sp.coo_array((values, (rows, cols)), shape=(largest, largest))
+    return [RawMatrix(file, "", matrix, before=0)]
 
 
 def read_nodal(file: Path) -> list[RawMatrix]:
@@ -103,10 +104,11 @@ def read_market(file: Path) -> list[RawMatrix]:
         place = entry_line(file, before, max(1, len(values)))
         raise spoilt(file, f"{announced} entries are announced, {len(values)} are there", place)
     if not dense:
-        return [RawMatrix(file, "", n, rows, cols, values, triangle=triangle, before=before)]
-    cols, rows = np.triu_indices(n) if triangle else np.divmod(np.arange(n * n), n)
-    keep = values != 0.0
-    return [RawMatrix(file, "", n, rows[keep], cols[keep], values[keep], triangle=triangle)]
+        matrix = sp.coo_array((values, (rows, cols)), shape=(n, n))
+        return [RawMatrix(file, "", matrix, triangle=triangle, before=before)]
+    full = np.zeros((n, n))
+    full.T[np.triu_indices(n, 0 if triangle else -n)] = values
+    return [RawMatrix(file, "", sp.coo_array(full), triangle=triangle)]
 
 
 def _coordinates(

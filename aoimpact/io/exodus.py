@@ -14,7 +14,7 @@ import numpy as np
 import scipy.io
 
 from ..base import IntArray
-from ..mesh import KINDS, reference_faces
+from ..mesh import KINDS, SURFACES, reference_faces
 from . import raw
 from .raw import RawBlock, RawMesh
 
@@ -29,7 +29,7 @@ _KINDS = {
         name: {n: kind for n, kind in raw.SOLIDS.items() if kind[:3].upper() == name}
         for name in ("HEX", "TET", "WED", "PYR")
     },
-    **dict.fromkeys(("QUA", "SHE", "TRI"), raw.SURFACES),
+    **dict.fromkeys(("QUA", "SHE", "TRI"), SURFACES),
     **dict.fromkeys(("TRU", "BEA", "BAR", "EDG"), raw.LINES),
     **dict.fromkeys(("SPH", "CIR"), raw.POINTS),
 }
@@ -81,9 +81,6 @@ def read(file: Path) -> RawMesh:
                 for name, item in tree.items()
                 if _OF_THE_MESH.fullmatch(name)
             }
-    types = {
-        name: _text(attributes.get("elem_type", b"")) for name, (_, attributes) in found.items()
-    }
     arrays = {name: values for name, (values, _) in found.items()}
     axes = [arrays[f"coord{x}"] for x in "xyz" if f"coord{x}" in arrays]
     nodes = np.array(arrays.get("coord", axes), dtype=np.float64).T
@@ -92,19 +89,17 @@ def read(file: Path) -> RawMesh:
     names = _names(arrays, "eb", "block", "connect")
     kinds, cells = [], []
     for i, name in enumerate(names, 1):
-        table = arrays.get(f"connect{i}", np.zeros((0, 1)))
+        table, attributes = found.get(f"connect{i}", (np.zeros((0, 1)), {}))
         if table.ndim != 2:
             raise ValueError(f"the nodes of {name!r} are no table")
-        type_, width = types.get(f"connect{i}", "").upper(), table.shape[1]
+        type_, width = _text(attributes.get("elem_type", b"")).upper(), table.shape[1]
         kind = _KINDS.get(type_[:3], {}).get(width, f"{type_} of {width} nodes")
         kinds.append(kind if len(table) else "vertex")
         cells.append((table.astype(np.int64) - 1)[:, _ORDERS.get(kind, slice(None))])
     first = raw.firsts(cells)
     labels = raw.labels_of(arrays, "elem_num_map", first[-1])
-    blocks = tuple(
-        RawBlock(kind, rows, None if labels is None else labels[start : start + len(rows)])
-        for kind, rows, start in zip(kinds, cells, first[:-1], strict=True)
-    )
+    own: Any = [None] * len(cells) if labels is None else np.split(labels, first[1:-1])
+    blocks = tuple(map(RawBlock, kinds, cells, own))
     node_sets = {}
     for i, name in enumerate(_names(arrays, "ns", "nodeset", "node_ns"), 1):
         if f"node_ns{i}" in arrays:

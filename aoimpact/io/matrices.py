@@ -213,8 +213,7 @@ def _read_npz(file: Path) -> list[RawMatrix]:
         matrix.sum_duplicates()
     except Exception as error:  # a damaged archive makes zipfile, NumPy and SciPy raise almost any
         raise spoilt(file, f"it is no square matrix of SciPy, or cut short: {error}") from None
-    rows, cols = (at.astype(np.int64) for at in matrix.coords)
-    return [RawMatrix(file, "", matrix.shape[0], rows, cols, matrix.data)]
+    return [RawMatrix(file, "", matrix)]
 
 
 # Formats: their names, the tests of a file's first bytes, and the readers.
@@ -297,8 +296,8 @@ def _named(role: str, file: Path, matrices: list[RawMatrix], wanted: str) -> Raw
     (found,) = fit
     if found.unfit:
         raise spoilt(file, f"{found.name or 'its matrix'} is {found.unfit}; {role} is real, square")
-    if found.size > len(found.values):
-        raise spoilt(file, f"{found.size} rows, {len(found.values)} entries: is it cut short?")
+    if (rows := found.matrix.shape[0]) > (count := found.matrix.nnz):
+        raise spoilt(file, f"{rows} rows, {count} entries: is it cut short?")
     return found
 
 
@@ -311,9 +310,9 @@ def _given_labels(dofs: Any, stiffness: RawMatrix, inertia: RawMatrix) -> IntArr
     if stiffness.labels is not None or inertia.labels is not None:
         raise InputError(f"dofs: {stiffness.called} itself lists its rows' dofs; leave it out")
     found = read_dofs(dofs)
-    if len(found) != stiffness.size:
+    if len(found) != stiffness.matrix.shape[0]:
         source = repr(str(dofs)) if isinstance(dofs, (str, os.PathLike)) else "the array"
-        of = f"{stiffness.called} {stiffness.size} rows"
+        of = f"{stiffness.called} {stiffness.matrix.shape[0]} rows"
         raise InputError(f"dofs: {source} has {len(found)} dofs, {of}: is one cut short?")
     return checked_labels(found, len(found))
 
@@ -325,6 +324,7 @@ _Pair = tuple[Any, Any, IntArray | None]  # K, M, and node and component of each
 
 def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -> _Pair:
     """Return both matrices in the same rows; refuse one given twice or in the other's place."""
+    K, M = stiffness.matrix, inertia.matrix
     if (stiffness.labels is None) != (inertia.labels is None):
         raise InputError("only one of them lists which dofs its rows are")
     if stiffness.labels is not None and inertia.labels is not None:
@@ -332,10 +332,10 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
         rows = rows_of(codes(labels), codes(inertia.labels))
         for lost in np.flatnonzero(rows < 0)[:1].tolist():
             raise InputError(f"K lacks dofs of M, as {at(inertia.labels, lost)}: is it cut short?")
-        M_rows, M_cols = rows[inertia.rows], rows[inertia.cols]
-        inertia = replace(inertia, size=stiffness.size, rows=M_rows, cols=M_cols, labels=labels)
-    elif stiffness.size != inertia.size:
-        raise InputError(f"K has {stiffness.size} rows and M {inertia.size}: is one cut short?")
+        M = sp.coo_array((M.data, tuple(rows[at] for at in M.coords)), shape=K.shape)
+        inertia = replace(inertia, matrix=M, labels=labels)
+    elif K.shape != M.shape:
+        raise InputError(f"K has {K.shape[0]} rows and M {M.shape[0]}: is one cut short?")
     K, M = stiffness.symmetric(), inertia.symmetric()
     for name, matrix in (("K", K), ("M", M)):
         without = np.flatnonzero((matrix.diagonal() == 0.0) & (abs(matrix).sum(axis=1) > 0.0))

@@ -17,13 +17,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, IntArray, MeshError, record, sp, warn
+from ..base import ArrayPair, FloatArray, IntArray, MeshError, record, warn
 from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
 from ..mesh import jacobian_range, reference_element
-from .nastrandeck import INTEGER, BulkData, Card, Lines, Table, read_deck
+from .nastrandeck import INTEGER, BulkData, Card, Table, read_deck
 from .profiles import NASTRAN, Profile, named
 from .raw import (
     UPRIGHT_FIRST,
+    Line,
     RawBlock,
     RawMatrix,
     RawMesh,
@@ -114,9 +115,6 @@ _SKIPPED = re.compile(
 # Largest difference between axes of displacements and the basic ones.
 _TURNED = 1e-9
 
-# Largest number of coordinate systems that refer to each other, one after the other.
-_DEEPEST = 200
-
 # Matrices that the case control adds to those of the elements.
 _ADDED = re.compile(rb"\s*([ABKM]4?2(?:GG|PP))\b")
 
@@ -172,11 +170,9 @@ def read(file: Path) -> RawMesh:
             node_sets[f"{name} nodes"] = _among(text, grids.labels)
         if "elements" in kinds:
             cell_sets[f"{name} elements"] = _among(text, labels)
-    beside = "are not part of the body, unless their groups are named as shells and beams"
     connected = "connect nodes and were left out; the body is computed without them"
-    added = {match[1].decode() for line in control.text if (match := _ADDED.match(line))}
+    added = {match[1].decode() for line in control if (match := _ADDED.match(line.text))}
     for what, said in (
-        (beside, _beside(raw, bulk)),
         ("add matrices to those of the elements and were left out", ", ".join(sorted(added))),
         ("are no part of the mesh and were left out", _counted(bulk, _OTHERS)),
         (connected, _counted(bulk, _CONNECTIONS)),
@@ -189,8 +185,8 @@ def read(file: Path) -> RawMesh:
 
 def _counted(bulk: BulkData, *patterns: re.Pattern[str]) -> str:
     """Count the entries whose names match, as in "2 PSHELL"."""
-    fits = {name for name in bulk.names if any(of.fullmatch(name) for of in patterns)}
-    return listed({name: len(bulk.names[name]) for name in fits})
+    fits = (name for name in bulk.names if any(of.fullmatch(name) for of in patterns))
+    return listed((name, len(bulk.names[name])) for name in fits)
 
 
 # ----------------------------------------------------------------------------------- elements
@@ -257,33 +253,6 @@ def _properties(bulk: BulkData, dim: int) -> Iterator[Card]:
     return bulk.cards(*filter(_DIMENSIONS[dim].fullmatch, bulk.names))
 
 
-def _beside(raw: RawMesh, bulk: BulkData) -> str:
-    """Count the shells and beams: those with a section, or that are no side or edge of a solid.
-
-    Meshers write sides and edges as elements without sections.
-    """
-
-    def corners(block: RawBlock) -> Any:
-        """Return which nodes are corners of which cells, shape (n_cells, n_nodes)."""
-        cells = block.cells[:, : nodes_in(block.kind.rstrip("0123456789"))]
-        starts = np.arange(0, cells.size + 1, cells.shape[1])
-        shape = len(cells), len(raw.nodes)
-        return sp.csr_array((np.ones(cells.size), cells.ravel(), starts), shape=shape)
-
-    solids = [corners(block) for block in raw.blocks if block.dim == 3]
-    if not solids:
-        return ""
-    counts, of_node = {2: 0, 1: 0}, sp.vstack(solids).T
-    for block in raw.blocks:
-        if block.dim < 3:
-            own = corners(block)
-            most = (own @ of_node).max(axis=1).toarray().ravel()
-            section = bool(_counted(bulk, _DIMENSIONS[block.dim]))
-            counts[block.dim] += int(np.count_nonzero(section | (most < own.sum(axis=1))))
-    words = {2: "surface elements", 1: "line elements"}
-    return " and ".join(f"{count} {words[dim]}" for dim, count in counts.items() if count)
-
-
 # --------------------------------------------------------------- nodes and coordinate systems
 
 
@@ -308,7 +277,7 @@ class Grids:
     x : ndarray, shape (n, 3)
         Coordinates in the nodes' own systems.
     definitions : mapping of int to _Definition
-        Coordinate systems by label.
+        Coordinate systems by label that are not known yet.
     """
 
     table: Table
@@ -318,7 +287,6 @@ class Grids:
     x: FloatArray
     definitions: dict[int, _Definition]
     _known: dict[int, Axes] = field(default_factory=lambda: {0: Axes()})
-    _open: list[int] = field(default_factory=list)
 
     @classmethod
     def of(cls, bulk: BulkData) -> Grids:
@@ -326,7 +294,7 @@ class Grids:
         for name, entries in bulk.names.items():  # unknown entries might belong to the mesh
             known = (_CONNECTIONS.fullmatch, _OTHERS.fullmatch, _SKIPPED.match)
             if name not in _READ and not any(match(name) for match in known):
-                raise bulk.lines.refused(entries[0][0].line, name, "no entry of this name is known")
+                raise entries[0][0].line.refused(name, "no entry of this name is known")
         table = bulk.table(GRID=8)
         systems = [table.integers(column, 1)[:, 0] for column in (1, 5)]
         labels, x = table.integers(0, 1)[:, 0], table.reals(2, 3)
@@ -368,10 +336,9 @@ class Grids:
         """
         if label in self._known:
             return self._known[label]
-        if label not in self.definitions or label in self._open or len(self._open) > _DEEPEST:
+        if label not in self.definitions:
             raise error(f"coordinate system {label} is not defined (CORD1x, CORD2x), or by itself")
-        (kind, of, given), own_error = self.definitions[label]
-        self._open.append(label)
+        (kind, of, given), own_error = self.definitions.pop(label)
         if given:
             points = self.axes(of[0], own_error).basic(np.reshape(given, (3, 3)))
         else:
@@ -382,7 +349,6 @@ class Grids:
             points = np.concatenate(
                 [a.basic(x[None]) for a, x in zip(own, self.x[rows], strict=True)]
             )
-        self._open.remove(label)
         ends = points[1] - points[0], points[2] - points[0]
         axes = triad(*ends, own_error)[[1, 2, 0]]  # z, and a point in the plane of x
         return self._known.setdefault(label, Axes(kind, points[0], axes))
@@ -427,7 +393,7 @@ def _among(text: str, labels: IntArray) -> IntArray:
     return np.flatnonzero(chosen | np.isin(labels, alone))
 
 
-def _sets(control: Lines, bulk: BulkData) -> dict[str, tuple[tuple[str, ...], str]]:
+def _sets(control: list[Line], bulk: BulkData) -> dict[str, tuple[tuple[str, ...], str]]:
     """Return the sets by name, such as "SET 5" and "SET1 5": what they hold, and their numbers.
 
     Raises
@@ -442,7 +408,7 @@ def _sets(control: Lines, bulk: BulkData) -> dict[str, tuple[tuple[str, ...], st
     """
     found: dict[str, tuple[tuple[str, ...], str]] = {}
     twice = set()
-    lines = iter(line.decode().strip() for line in control.text)
+    lines = iter(line.text.decode().strip() for line in control)
     for line in lines:
         if line.startswith("OUTPUT("):  # sets of plots follow
             break
@@ -495,14 +461,12 @@ class NastranDeck:
     Materials are made once each, for the source of the last `read`.
     """
 
-    control: Lines
+    control: list[Line]
     bulk: BulkData
     grids: Grids
     parts: list[Entries]
     source: Source = field(init=False)
     _made: dict[tuple[int, bool], Solid] = field(default_factory=dict)
-
-    elements = ""  # by types of their own: all are in the mesh
 
     @property
     def sections(self) -> str:
@@ -532,9 +496,9 @@ class NastranDeck:
     def weight(self) -> float:
         """The factor on densities: PARAM,WTMASS of bulk data or of case control."""
         found = [card for card in self.bulk.cards("PARAM") if card.text(0) == "WTMASS"]
-        for line, text in enumerate(self.control.text):
-            if of := _WTMASS.match(text):
-                found.append(Card("PARAM", ["WTMASS", of[1].decode()], self.control, line))
+        for line in self.control:
+            if of := _WTMASS.match(line.text):
+                found.append(Card("PARAM", ["WTMASS", of[1].decode()], line))
         values = [card.real(1, "V1") for card in found]
         for card, value in zip(found, values, strict=True):
             if value != values[0]:
@@ -574,7 +538,7 @@ class NastranDeck:
                 found[name] = read(self, card, own)
         for entry in self.bulk.names.keys() & {"NSM", "NSM1", "NSML", "NSML1", "NSMADD"}:
             why = "its mass is not supported; delete it, and take the mass into densities (given=)"
-            raise self.bulk.lines.refused(self.bulk.names[entry][0][0].line, entry, why)
+            raise self.bulk.names[entry][0][0].line.refused(entry, why)
         return found
 
     # ------------------------------------------------------------------- materials

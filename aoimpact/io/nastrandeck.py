@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import field, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import zip_longest
 from pathlib import Path
@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import BoolArray, FloatArray, IntArray, MeshError, decoded, record, require
-from .raw import number, numbers, read_text, refused
+from .raw import Line, number, numbers, read_text
 
 # Bytes of memory for each byte of a deck: its text, lines, columns and fields.
 _PER_BYTE = 22
@@ -62,35 +62,14 @@ def is_nastran(content: bytes) -> bool:
     return _BULK.search(decoded(content) or "") is not None
 
 
-@record
-class Lines:
-    """Lines in capitals, without comments, tabs and blank lines.
-
-    Attributes
-    ----------
-    text : list of bytes
-        ASCII; "?" is for any other character.
-    places : list of (Path, int)
-        File of each, and its number there from 1.
-    """
-
-    text: list[bytes] = field(default_factory=list)
-    places: list[tuple[Path, int]] = field(default_factory=list)
-
-    def part(self, first: int, end: int | None = None) -> Lines:
-        """Return some of the lines."""
-        return Lines(self.text[first:end], self.places[first:end])
-
-    def refused(self, line: int, what: str, why: str) -> MeshError:
-        """Return the error for a line."""
-        return refused(*self.places[line], what, why)
-
-
 # --------------------------------------------------------------------------- files and sections
 
 
-def read_deck(file: Path) -> tuple[Lines, BulkData]:
+def read_deck(file: Path) -> tuple[list[Line], BulkData]:
     """Return the lines of case control, and the bulk data.
+
+    Lines are in capitals, without comments, tabs and blank lines; ASCII, with "?" for any other
+    character.
 
     A deck without BEGIN BULK is bulk data throughout.
 
@@ -102,23 +81,23 @@ def read_deck(file: Path) -> tuple[Lines, BulkData]:
     MemoryLimitError
     """
     lines = _all_lines(file)
-    marks = [(i, of[1]) for i, line in enumerate(lines.text) if (of := _SECTION.match(line))]
+    marks = [(i, of[1]) for i, line in enumerate(lines) if (of := _SECTION.match(line.text))]
     begins, cends = ([i for i, of in marks if of == name] for name in (b"BEGIN", b"CEND"))
     if cends and not begins:
-        raise lines.refused(cends[0], "CEND", "BEGIN BULK is missing after it")
+        raise lines[cends[0]].refused("CEND", "BEGIN BULK is missing after it")
     for i in begins:
-        if i != begins[0] or _PART.match(lines.text[i]):
-            begin = lines.text[i].decode().strip()
-            raise lines.refused(i, begin, "decks of several parts or superelements are not read")
+        if i != begins[0] or _PART.match(lines[i].text):
+            why = "decks of several parts or superelements are not read"
+            raise lines[i].refused(lines[i].text.decode().strip(), why)
     if not begins:
-        return lines.part(0, 0), read_bulk_data(lines)
+        return [], read_bulk_data(lines)
     first = 1 + max((i for i in cends if i < begins[0]), default=-1)
-    return lines.part(first, begins[0]), read_bulk_data(lines.part(begins[0] + 1))
+    return lines[first : begins[0]], read_bulk_data(lines[begins[0] + 1 :])
 
 
-def _all_lines(main: Path) -> Lines:
+def _all_lines(main: Path) -> list[Line]:
     """Return the lines of a deck up to ENDDATA, those of included files in their places."""
-    found = Lines()
+    found = list[Line]()
 
     def add(file: Path, within: tuple[Path, ...]) -> bool:
         """Add the lines of a file, and return True if ENDDATA was met."""
@@ -127,20 +106,19 @@ def _all_lines(main: Path) -> Lines:
         content = re.sub(rb"\$.*", b"", written.encode("ascii", "replace").upper())
         lines = (content.expandtabs(8) if b"\t" in content else content).split(b"\n")
         done = 0
-        for i, line in enumerate(lines):
-            name = line.strip()[:7]
+        for i, text in enumerate(lines):
+            name, line = text.strip()[:7], Line(text.rstrip(), file, i + 1, len(found))
             if i < done or not name:
                 continue
             if name == b"ENDDATA":
                 return True
             if name != b"INCLUDE":
-                found.text.append(line.rstrip())
-                found.places.append((file, i + 1))
+                found.append(line)
                 continue
             # A name in quotes may go on over several lines.
             ahead = re.sub(r"\$.*", "", "\n".join(written.split("\n")[i : i + _LONGEST]))
             if (given := _INCLUDE.match(ahead)) is None:
-                raise refused(file, i + 1, "INCLUDE", "it needs the name of a file, in quotes")
+                raise line.refused("INCLUDE", "it needs the name of a file, in quotes")
             of = re.sub(r"\s*\n\s*", "", given[1].strip().strip("'\"")).replace("\\", "/")
             done = i + 1 + given[0].count("\n")
             # os.path.isfile is False for a name that is too long, unlike Path.is_file.
@@ -148,12 +126,12 @@ def _all_lines(main: Path) -> Lines:
             places = [folder / of for folder in folders if os.path.isfile(folder / of)]
             if not places:
                 # Before CEND there are statements for the solver alone.
-                if any(line.lstrip()[:4] == b"CEND" for line in lines[i:]):
+                if any(after.lstrip()[:4] == b"CEND" for after in lines[i:]):
                     continue
-                raise refused(file, i + 1, "INCLUDE", f"there is no file {of!r}")
+                raise line.refused("INCLUDE", f"there is no file {of!r}")
             included = places[0].resolve()
             if included in (*within, file):
-                raise refused(file, i + 1, "INCLUDE", f"{of!r} includes itself")
+                raise line.refused("INCLUDE", f"{of!r} includes itself")
             if add(included, (*within, file)):
                 return True
         return False
@@ -171,14 +149,14 @@ class Piece(NamedTuple):
     It is `spoilt` if a field is left over or too long to be kept.
     """
 
-    line: int
+    line: Line
     head: bytes
     fields: list[bytes]
     tail: bytes
     spoilt: bool = False
 
 
-def _with_commas(line: int, words: list[bytes]) -> Piece:
+def _with_commas(line: Line, words: list[bytes]) -> Piece:
     """Return a line with commas, or a copy by replication."""
     head, *fields = words
     most, tail, more = 4 if b"*" in head else 8, b"", list[bytes]()
@@ -193,23 +171,24 @@ def _with_commas(line: int, words: list[bytes]) -> Piece:
     return Piece(line, head[:8], fields, tail[:8], spoilt)
 
 
-def _pieces(lines: Lines) -> list[Piece]:
+def _pieces(lines: list[Line]) -> list[Piece]:
     """Return the lines of bulk data, and copies by replication."""
     found: list[Piece] = []
     rule: list[bytes] = []
-    for i, text in enumerate(lines.text):
+    for line in lines:
+        text = line.text
         if text.startswith(b"="):
             before = [found[-1].head.strip(), *found[-1].fields[:8]] if found else []
-            copies, rule = _copies(lines, i, before, rule)
-            found += [_with_commas(i, words) for words in copies]
+            copies, rule = _copies(line, before, rule)
+            found += [_with_commas(line, words) for words in copies]
             continue
         rule = []
         if b"," in text[:10]:
-            found.append(_with_commas(i, _words(text)))
+            found.append(_with_commas(line, _words(text)))
         else:
             width = 16 if b"*" in text[:8] else 8
             fields = [text[k : k + width].strip() for k in range(8, 72, width)]
-            found.append(Piece(i, text[:8], fields, text[72:_COLUMNS]))
+            found.append(Piece(line, text[:8], fields, text[72:_COLUMNS]))
     return found
 
 
@@ -221,14 +200,14 @@ def _words(line: bytes) -> list[bytes]:
 
 
 def _copies(
-    lines: Lines, i: int, entry: list[bytes], rule: list[bytes]
+    line: Line, entry: list[bytes], rule: list[bytes]
 ) -> tuple[list[list[bytes]], list[bytes]]:
     """Return the entries that a line of replication stands for, and the rule that they follow.
 
     "=" is the field of the entry before, "==" all of its further fields, and "*2" or "*(2)" the
     field with an increment. "=5" and "=(5)" repeat the line above five times.
     """
-    head, *fields = _words(lines.text[i])[:9]
+    head, *fields = _words(line.text)[:9]
     times = _TIMES.fullmatch(head)
     rule = rule if times else fields
     found = []
@@ -241,8 +220,8 @@ def _copies(
             entry = [entry[0], *_next(entry[1:], rule)]
             found.append(entry)
     except ValueError:
-        line = lines.text[i].decode()
-        raise lines.refused(i, "replication", f"{line!r} is not understood") from None
+        why = f"{line.text.decode()!r} is not understood"
+        raise line.refused("replication", why) from None
     return found, rule
 
 
@@ -260,7 +239,7 @@ def _next(entry: list[bytes], rule: list[bytes]) -> list[bytes]:
     return found
 
 
-def read_bulk_data(lines: Lines) -> BulkData:
+def read_bulk_data(lines: list[Line]) -> BulkData:
     """Join lines to entries.
 
     A continuation without a mark, or with the mark of the line before it, continues that line; any
@@ -286,13 +265,12 @@ def read_bulk_data(lines: Lines) -> BulkData:
             found = parents.get(head.strip()[1:], [])
             if len(found) != 1 and parent not in found:
                 why = f"the mark {head.decode()!r} is at the end of {len(found)} lines, not of one"
-                raise lines.refused(line, "continuation", why)
+                raise line.refused("continuation", why)
             parent = parent if parent in found else found[0]
         if parent < 0:
-            raise lines.refused(line, "continuation", "there is no entry before it")
+            raise line.refused("continuation", "there is no entry before it")
         if child.setdefault(parent, k) != k:
-            why = "the line that it continues has another continuation"
-            raise lines.refused(line, "continuation", why)
+            raise line.refused("continuation", "the line that it continues has another one")
     names: dict[str, list[list[Piece]]] = {}
     for start in starts:
         own, half, at = [pieces[start]], b"*" in pieces[start].head, child.pop(start, None)
@@ -300,18 +278,17 @@ def read_bulk_data(lines: Lines) -> BulkData:
             own.append(pieces[at])
             if half and b"*" not in own[-1].head:
                 why = "large fields before it fill only half a line; add '*'"
-                raise lines.refused(own[-1].line, "continuation", why)
+                raise own[-1].line.refused("continuation", why)
             half, at = half != (b"*" in own[-1].head), child.pop(at, None)
         # meshio writes CTETRA_, CHEXA_ and so on for elements with midside nodes.
         name = own[0].head.strip().removesuffix(b"*").strip().removesuffix(b"_")
         if not _NAME.fullmatch(name):
-            text = lines.text[own[0].line][:24].decode()
-            raise lines.refused(own[0].line, repr(text), "it begins no entry of bulk data")
+            text = own[0].line.text[:24].decode()
+            raise own[0].line.refused(repr(text), "it begins no entry of bulk data")
         names.setdefault(name.decode(), []).append(own)
     for at in sorted(child.values())[:1]:
-        why = "the marks of continuations go round in a circle"
-        raise lines.refused(pieces[at].line, "continuation", why)
-    return BulkData(lines, names)
+        raise pieces[at].line.refused("continuation", "its marks go round in a circle")
+    return BulkData(names)
 
 
 @record
@@ -320,12 +297,11 @@ class Card:
 
     name: str
     fields: list[str]
-    lines: Lines
-    line: int
+    line: Line
 
     def error(self, why: str) -> MeshError:
         """Return the error for this entry."""
-        return self.lines.refused(self.line, self.name, why)
+        return self.line.refused(self.name, why)
 
     def text(self, at: int) -> str:
         """Return a field; blank beyond the last one."""
@@ -364,7 +340,6 @@ class Card:
 class BulkData:
     """Entries of bulk data by name, each with the lines that continue it."""
 
-    lines: Lines
     names: dict[str, list[list[Piece]]]
 
     def _fields(self, name: str, entry: list[Piece]) -> list[bytes]:
@@ -372,7 +347,7 @@ class BulkData:
         for piece in entry:
             if piece.spoilt:
                 why = f"the line has too many fields, or one of more than {_LONG} characters"
-                raise self.lines.refused(piece.line, name, why)
+                raise piece.line.refused(name, why)
         return [field for piece in entry for field in piece.fields]
 
     def table(self, **widths: int) -> Table:
@@ -381,16 +356,16 @@ class BulkData:
         Blank fields have the values of GRDSET, BAROR and BEAMOR. Two rods or systems in one entry
         are two, the second ones at the end.
         """
-        found = [(of[0].line, name, of) for name in widths for of in self.names.get(name, ())]
-        found.sort(key=lambda one: one[0])
+        found = [(name, of) for name in widths for of in self.names.get(name, ())]
+        found.sort(key=lambda one: one[1][0].line.order)
         rows, surplus, width = [], [], max(8, *widths.values())
-        for _, name, entry in found:
+        for name, entry in found:
             fields = self._fields(name, entry)
             surplus.append(any(fields[widths[name] :]))
             rows.append((fields + width * [b""])[:width])
-        names = np.array([name for _, name, _ in found], "U8")
-        first = np.array([line for line, *_ in found], dtype=np.int64)
-        table = Table(self.lines, names, first, np.array(rows, "S").reshape(-1, width))
+        names = np.array([name for name, _ in found], "U8")
+        lines = np.fromiter((entry[0].line for _, entry in found), object)
+        table = Table(names, lines, np.array(rows, "S").reshape(-1, width))
         table.refuse_first(np.array(surplus), "it has more fields than entries of this kind")
         for name, default in _DEFAULTS.items():
             if name in widths and {name, default} <= self.names.keys():
@@ -412,22 +387,22 @@ class BulkData:
 
     def quads(self, name: str) -> tuple[Table, IntArray]:
         """Return the data fields of entries of any length by fours, and the entry of each four."""
-        rows, entries, lines = list[list[bytes]](), list[int](), list[int]()
+        rows, entries, lines = list[list[bytes]](), list[int](), list[Line]()
         for i, entry in enumerate(self.names.get(name, ())):
             fields = self._fields(name, entry)
             rows += [fields[k : k + 4] for k in range(0, len(fields), 4)]
             entries += [i] * (len(fields) // 4)
             lines += [of.line for of in entry for _ in of.fields[::4]]
         whole = np.array(rows, "S").reshape(-1, 4)
-        first = np.array(lines, dtype=np.int64)
-        return Table(self.lines, np.full(len(rows), name), first, whole), np.array(entries, int)
+        table = Table(np.full(len(rows), name), np.fromiter(lines, object), whole)
+        return table, np.array(entries, int)
 
     def cards(self, *names: str) -> Iterator[Card]:
         """Yield entries one by one, name by name."""
         for name in names:
             for entry in self.names.get(name, ()):
                 texts = [field.decode() for field in self._fields(name, entry)]
-                yield Card(name, texts, self.lines, entry[0].line)
+                yield Card(name, texts, entry[0].line)
 
 
 @record
@@ -436,21 +411,19 @@ class Table:
 
     Attributes
     ----------
-    lines : Lines
     names : ndarray of str, shape (n,)
-    first : ndarray of int, shape (n,)
-        Line where each entry begins.
+    lines : ndarray of Line, shape (n,)
+        Where each entry begins.
     fields : ndarray of bytes, shape (n, width)
         Data fields, from field 2 of an entry on.
     """
 
-    lines: Lines
     names: npt.NDArray[np.str_]
-    first: IntArray
+    lines: npt.NDArray[np.object_]
     fields: npt.NDArray[Any]
 
     def __len__(self) -> int:
-        return len(self.first)
+        return len(self.fields)
 
     @cached_property
     def blank(self) -> BoolArray:
@@ -459,11 +432,12 @@ class Table:
 
     def select(self, rows: IntArray | BoolArray) -> Table:
         """Return some of the entries."""
-        return Table(self.lines, self.names[rows], self.first[rows], self.fields[rows])
+        return Table(self.names[rows], self.lines[rows], self.fields[rows])
 
     def refused(self, row: int, why: str) -> MeshError:
         """Return the error for an entry."""
-        return self.lines.refused(int(self.first[row]), str(self.names[row]), why)
+        found: MeshError = self.lines[row].refused(str(self.names[row]), why)
+        return found
 
     def refuse_first(self, wrong: BoolArray, why: str) -> None:
         """Raise the error for the first entry that is wrong, if there is one."""

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import FloatArray, InputError
+from ..base import FloatArray, InputError, sp
 from .raw import RawMatrix, numbers, passed_over, spoilt
 
 # The length of a binary header, bytes, with words of 4 and of 8 bytes.
@@ -103,8 +103,9 @@ def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
     firsts, cols = (np.repeat([one[i] for one in strings], counts).astype(int) for i in (0, 1))
     values = np.concatenate([np.zeros(0), *(numbers for *_, numbers in strings)])
     within = np.arange(len(values)) - np.repeat(np.cumsum(counts) - counts, counts).astype(int)
-    keep = values != 0.0
-    return RawMatrix(file, name, n_cols, (firsts + within)[keep], cols[keep], values[keep])
+    matrix = sp.coo_array((values, (firsts + within, cols)), shape=(n_rows, n_cols))
+    matrix.eliminate_zeros()
+    return RawMatrix(file, name, matrix)
 
 
 class _Binary:

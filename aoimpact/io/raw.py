@@ -12,17 +12,16 @@ from contextlib import contextmanager
 from dataclasses import field
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ..base import PRINTED, FloatArray, InputError, IntArray, MeshError, decoded, record, sp
-from ..mesh import KINDS, reference_element
+from ..mesh import KINDS, reference_element, twins
 
 # Kinds of cells by their numbers of nodes.
 SOLIDS = {reference_element(kind).n_nodes: kind for kind in KINDS}
-SURFACES = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
 LINES = {2: "line", 3: "line3"}
 POINTS = {1: "vertex"}
 DIMENSIONS = ("point", "line", "surface", "volume")
@@ -65,11 +64,14 @@ class RawBlock:
         Row numbers of `RawMesh.nodes`.
     labels : ndarray of int, shape (n,), or None
         Numbers that the file gives to the elements; None for formats without numbers.
+    name : str
+        The deck's name of the elements, such as "CPS4"; "" for that of their kind.
     """
 
     kind: str
     cells: IntArray
     labels: IntArray | None = None
+    name: str = ""
 
     @property
     def dim(self) -> int:
@@ -97,9 +99,8 @@ class RawMesh:
         Groups that hold more than solids, and the rest of their contents, as in "3 MASS, 20 S4R".
     deck : AbaqusDeck, NastranDeck or None
         Cards of a deck beyond its mesh; None for formats whose cells may be no more than sides and
-        edges. Its `sections` count the cards on shells and beams, as in "2 PSHELL", its `elements`
-        those of the deck's own types, as in "100 CPS4"; its `read` returns the sections in SI by
-        group, from a `sections.Source`.
+        edges. Its `sections` count the cards on shells and beams, as in "2 PSHELL"; its `read`
+        returns the sections in SI by group, from a `sections.Source`.
     """
 
     nodes: FloatArray
@@ -119,6 +120,11 @@ class RawMesh:
     def dims(self) -> IntArray:
         """Dimension of each cell, through all blocks."""
         return np.repeat([block.dim for block in self.blocks], np.diff(self.first))
+
+    @property
+    def contents(self) -> str:
+        """The elements by their names, as in "100 CPS4"."""
+        return listed((of.name or of.kind, len(of.cells)) for of in self.blocks)
 
     @property
     def numbers(self) -> list[IntArray]:
@@ -197,9 +203,12 @@ def labels_of(arrays: Any, name: str, count: int) -> IntArray | None:
     return found
 
 
-def listed(names: Iterable[str] | Mapping[str, int]) -> str:
-    """Return names and how often each is there, as in "100 CPS4, 2 S4R"."""
-    return ", ".join(f"{count} {name}" for name, count in sorted(Counter(names).items()))
+def listed(counts: Iterable[tuple[str, int]]) -> str:
+    """Return names and how often each is there in all, as in "100 CPS4, 2 S4R"."""
+    found = Counter[str]()
+    for name, count in counts:
+        found[name] += count
+    return ", ".join(f"{count} {name}" for name, count in sorted((+found).items()))
 
 
 def once(labels: IntArray, places: Any, refuse: Callable[[int], MeshError]) -> IntArray:
@@ -243,9 +252,17 @@ def read_text(file: Path) -> str:
     return text
 
 
-def refused(file: Path, line: int, what: str, why: str) -> MeshError:
-    """Return the error for a line, counted from 1, and a keyword or entry such as "*NODE"."""
-    return MeshError(f"mesh file {str(file)!r}, line {line}, {what}: {why}")
+class Line(NamedTuple):
+    """A line of a deck: its text, str or bytes, its number in the file from 1, and an order."""
+
+    text: Any
+    file: Path
+    number: int
+    order: int
+
+    def refused(self, what: str, why: str) -> MeshError:
+        """Return the error for a keyword or entry in it, such as "*NODE"."""
+        return MeshError(f"mesh file {str(self.file)!r}, line {self.number}, {what}: {why}")
 
 
 def number(text: str) -> float:
@@ -371,12 +388,9 @@ class RawMatrix:
     file : Path
     name : str
         Name of the matrix, in capitals; empty if the file gives none.
-    size : int
-        Number of rows.
-    rows, cols : ndarray of int
-        From 0.
-    values : ndarray
-    labels : ndarray of int, shape (size, 2), or None
+    matrix : scipy.sparse.coo_array
+        Its entries in the order of the file.
+    labels : ndarray of int, shape (n, 2), or None
         Node and component of each row.
     triangle : bool
         True if the file says that it holds one triangle only.
@@ -388,10 +402,7 @@ class RawMatrix:
 
     file: Path
     name: str
-    size: int
-    rows: IntArray
-    cols: IntArray
-    values: FloatArray
+    matrix: Any
     labels: IntArray | None = None
     triangle: bool = False
     unfit: str = ""
@@ -402,27 +413,21 @@ class RawMatrix:
         """The file and, where it has names, the matrix in it."""
         return f"{self.file.name}: {self.name}" if self.name else self.file.name
 
-    def line(self, entry: int) -> int | None:
-        """Return the line of an entry; None if entries have no lines of their own."""
-        return None if self.before is None else entry_line(self.file, self.before, entry + 1)
-
     def symmetric(self) -> Any:
-        """Return both triangles as a CSR array, shape (size, size).
+        """Return both triangles as a CSR array.
 
         Raises
         ------
         InputError
             If an entry occurs twice, or only some entries have a transposed one.
         """
-        shape = (self.size, self.size)
-        matrix = sp.csr_array(sp.coo_array((self.values, (self.rows, self.cols)), shape=shape))
-        if matrix.nnz < len(self.values):
-            order = np.lexsort((self.cols, self.rows))
-            rows, cols = self.rows[order], self.cols[order]
-            first = int(np.flatnonzero((np.diff(rows) == 0) & (np.diff(cols) == 0))[0])
-            row, column = (at(self.labels, int(of[first])) for of in (rows, cols))
+        matrix, places = self.matrix.tocsr(), self.matrix.coords
+        if matrix.nnz < self.matrix.nnz:
+            again = int(twins(np.stack(places, axis=1))[1][0])
+            row, column = (at(self.labels, int(of[again])) for of in places)
+            line = None if self.before is None else entry_line(self.file, self.before, again + 1)
             why = f"the entry of {row} and {column} is there twice: are two files joined in it?"
-            raise spoilt(self.file, why, self.line(int(order[first + 1])))
+            raise spoilt(self.file, why, line)
         there = matrix.astype(bool)
         there.data[:] = True  # entries that are 0 are there as well
         paired = there.multiply(there.T).nnz - int(there.diagonal().sum())
@@ -431,7 +436,7 @@ class RawMatrix:
             return sp.csr_array(matrix + matrix.T - sp.diags_array(matrix.diagonal()))
         if self.triangle and paired:
             raise spoilt(self.file, "it says symmetric, but has both triangles; say general")
-        limit = PRINTED * float(np.abs(self.values).max(initial=0.0))
+        limit = PRINTED * float(np.abs(matrix.data).max(initial=0.0))
         if paired < off and float(abs(matrix - matrix.T).max()) > limit:
             lack = f"{off - paired} of {off} entries lack the transposed one"
             raise spoilt(self.file, f"{lack}: is the file cut short?")
@@ -470,14 +475,14 @@ def labelled(file: Path, name: str, rows: Any, cols: Any, values: Any, **more: A
         raise spoilt(file, "a node or component is too large: are columns mixed up?")
     known, places = np.unique(codes(np.stack([nodes, components], axis=1)), return_inverse=True)
     labels = np.stack(np.divmod(known, _COMPONENTS), axis=1)
-    first, second = places[: len(values)], places[len(values) :]
-    return RawMatrix(file, name, len(known), first, second, values, labels, **more)
+    entries = values, (places[: len(values)], places[len(values) :])
+    matrix = sp.coo_array(entries, shape=(len(known), len(known)))
+    return RawMatrix(file, name, matrix, labels, **more)
 
 
 def passed_over(file: Path, name: str, why: str) -> RawMatrix:
     """Return a matrix without entries: its file may have others."""
-    none = np.zeros(0, dtype=np.int64)
-    return RawMatrix(file, name, 0, none, none, np.zeros(0), unfit=why)
+    return RawMatrix(file, name, sp.coo_array((0, 0)), unfit=why)
 
 
 def entry_line(file: Path, before: int, entry: int) -> int:

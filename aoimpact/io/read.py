@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import resources
@@ -36,12 +35,14 @@ from ..base import (
     instance,
     nearest,
     positive,
+    sp,
     text,
     warn,
 )
 from ..fem import Layers, OneMaterial
 from ..mesh import (
     KINDS,
+    PARTS,
     THIN,
     Mesh,
     Solids,
@@ -57,7 +58,7 @@ from ..mesh import (
 from . import abaqus, exodus, gmsh, med, nastran, viameshio, vtk
 from .abaqusdeck import key, looks_like_inp
 from .nastrandeck import is_nastran
-from .raw import RawBlock, RawMesh, grouped, listed, nodes_in
+from .raw import RawMesh, grouped, listed, nodes_in
 from .sections import Source
 from .viameshio import from_meshio, is_meshio
 
@@ -76,17 +77,10 @@ _READERS: dict[str, _Reader] = {
 }
 
 # Surface and line elements of second order as ones of first order, by their nodes.
-_SPLIT: dict[str, tuple[str, Any]] = {
-    "line3": ("line", [(0, 2), (2, 1)]),
-    "triangle6": ("triangle", [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]),
-    "quad9": ("quad", [(0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)]),
-}
+_SPLIT = {raised: (kind, parts) for kind, (raised, parts) in PARTS.items()}
 
 # Surface elements whose normals are put on one side.
 _FLAT = ("quad", "triangle")
-
-# Shape functions of a quad8 in its middle.
-_MIDDLE = np.repeat([-0.25, 0.5], 4)
 
 
 def read_mesh(
@@ -146,8 +140,9 @@ def read_mesh(
     -----
     AOImpactWarning
         If nodes were dropped or midside nodes put in order, if groups of a file have no elements,
-        if a deck says how thick its shells are or which sections its beams have (see
-        `read_sections`), or if meshio read it and nothing was checked.
+        if a deck has other elements than those of the body and their sides and edges, or says how
+        thick its shells are or which sections its beams have (see `read_sections`), or if meshio
+        read it and nothing was checked.
 
     Examples
     --------
@@ -206,7 +201,7 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     given = len(raw.nodes)
     raw = _of_first_order(raw, named)
     solids = _body(raw, named)
-    _warn_of_sections(raw, solids, bool(named))
+    _warn_of_rest(raw, solids, bool(named))
     used = np.zeros(len(raw.nodes), dtype=bool)
     for _, cells, _ in solids:
         used[cells] = True
@@ -249,6 +244,7 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
         return raw
     nodes, labels, blocks, origins = raw.nodes, raw.node_labels, [], []
     node_sets = {name: np.asarray(own) for name, own in raw.node_sets.items()}
+    middle = reference_element("quad8").shape(np.array([[0.5, 0.5, 0.0]]))[0]
     for block, numbers in zip(raw.blocks, raw.numbers, strict=True):
         kind, cells = block.kind, np.asarray(block.cells)
         sound = kind in {*_SPLIT, "quad8"} and cells.shape[1:] == (nodes_in(kind),) and len(cells)
@@ -256,14 +252,15 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
             middles = len(nodes) + np.arange(len(cells))
             for name, own in node_sets.items():
                 node_sets[name] = np.append(own, middles[np.isin(cells, own).all(axis=1)])
-            nodes = np.concatenate([nodes, np.einsum("a,nai->ni", _MIDDLE, nodes[cells])])
+            nodes = np.concatenate([nodes, np.einsum("a,nai->ni", middle, nodes[cells])])
             if labels is not None:
                 labels = np.append(labels, labels.max() + 1 + np.arange(len(cells)))
             kind, cells = "quad9", np.column_stack([cells, middles])
         if sound and kind in _SPLIT:  # others are refused later
             kind, parts = _SPLIT[kind]
             tags = None if block.labels is None else np.repeat(block.labels, len(parts))
-            block = RawBlock(kind, cells[:, np.array(parts)].reshape(-1, len(parts[0])), tags)
+            cells = cells[:, np.array(parts)].reshape(-1, len(parts[0]))
+            block = replace(block, kind=kind, cells=cells, labels=tags)
             numbers = np.repeat(numbers, len(parts))
         blocks.append(block)
         origins.append(numbers)
@@ -272,23 +269,38 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
     return RawMesh(nodes, tuple(blocks), node_sets, sets, labels, raw.left_out, raw.deck)
 
 
-def _warn_of_sections(raw: RawMesh, body: list[Solids], named: bool) -> None:
-    """Warn of what a deck says of shells and beams and the body does not have.
+def _warn_of_rest(raw: RawMesh, body: list[Solids], named: bool) -> None:
+    """Warn of elements and sections of a deck that the body does not have.
 
-    Who names groups, as those of `read_sections`, knows what they are.
+    Who names groups, as those of `read_sections`, knows the sections. Meshers write sides and edges
+    of elements as elements without sections.
     """
-    thin = any(kind in THIN for kind, *_ in body)
-    if raw.deck is None or not thin:
+    if raw.deck is None:
         return
-    if raw.deck.sections and not named:
+    if raw.deck.sections and not named and any(kind in THIN for kind, *_ in body):
         why = f"sections of the deck ({raw.deck.sections}) are not part of a mesh"
         warn(f"{why}: give those of read_sections(path) to FEModel.from_mesh")
-    lines = raw.dims == 1
-    lines[np.concatenate([numbers for *_, numbers in body])] = False
-    if count := int(lines.sum()):
-        groups = [name for name, own in raw.cell_sets.items() if lines[own].any()]
-        of = f" of {', '.join(map(repr, groups))}" if groups else ""
-        warn(f"{count} line elements{of} are not part of the body; give a Beam for their group")
+
+    def corners(kind: str, cells: IntArray) -> Any:
+        """Return which nodes are corners of which cells, shape (n_cells, n_nodes)."""
+        cells = cells[:, : nodes_in(kind.rstrip("0123456789"))]
+        starts = np.arange(0, cells.size + 1, cells.shape[1])
+        shape = len(cells), len(raw.nodes)
+        return sp.csr_array((np.ones(cells.size), cells.ravel(), starts), shape=shape)
+
+    of_body, left = sp.vstack([corners(kind, cells) for kind, cells, _ in body]), list[Any]()
+    there = np.concatenate([numbers for *_, numbers in body])
+    for block, numbers in zip(raw.blocks, raw.numbers, strict=True):
+        rest = block.cells[~np.isin(numbers, there)]
+        count = len(rest)
+        if block.dim and count and not raw.deck.sections:
+            own = corners(block.kind, rest)
+            inside = (own @ of_body.T).max(axis=1).toarray().ravel() == own.sum(axis=1)
+            count = int(np.count_nonzero(~inside))
+        left.append((block.name or block.kind, count))
+    if others := listed(left):
+        why = "were left out, as no solids, nor in groups named as shells or beams"
+        warn(f"elements of the deck {why}: {others}")
 
 
 def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
@@ -324,12 +336,8 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
             parts.append((block.kind, block.cells[own], numbers[own]))
     unknown = {kind for kind, _, _ in parts}.difference(KINDS + THIN)
     if unknown or not parts:
-        counts = Counter[str]()
-        for block in raw.blocks:
-            counts[block.kind] += len(block.cells) * (not parts or block.kind in unknown)
-        it_has = listed(+counts) or "no cells at all"
-        if raw.deck is not None and not parts:
-            it_has = raw.deck.elements or it_has
+        them = tuple(of for of in raw.blocks if not parts or of.kind in unknown)
+        it_has = replace(raw, blocks=them).contents or "no cells at all"
         what = "cells of an unsupported kind:" if unknown else "no elements: it has"
         cure = f"supported are {', '.join(KINDS + THIN)}"
         if re.search(r"\b(CP[ES]|CAX|M3D|SFM3D)\d", it_has):
@@ -504,12 +512,9 @@ def read_sections(
         said = of_no_solid[0].partition(":")[0]
         source.left_out.append(f"{said}; give scale=, force=, time= of its units")
     if not found:
-        cure = "give materials to from_mesh"
-        if raw.deck.elements:
-            cure = f"it has {raw.deck.elements}. Write shells as S3 or S4, or {cure}"
-        elif source.left_out:
-            cure = f"{'; '.join(dict.fromkeys(source.left_out))}. Write bars, or {cure}"
-        raise MeshError(f"{where} has no sections of solids, shells or beams; {cure}")
+        said = "; ".join([f"it has {raw.contents}", *dict.fromkeys(source.left_out)])
+        cure = "Write shells as S3 or S4, rods as bars, or give materials to from_mesh"
+        raise MeshError(f"{where} has no sections of solids, shells or beams; {said}. {cure}")
     for name, one in known.items():
         if key(name) not in source.taken:
             instance(f"given[{name!r}]", one, *source.wanted.get(key(name), (object,)))
@@ -575,7 +580,7 @@ def load(path: FilePath) -> RawMesh:
         raise
     except MemoryError:
         raise MemoryLimitError(f"{where} needs more memory than there is: coarsen it") from None
-    except (ValueError, LookupError, OverflowError, OSError) as error:
+    except (ValueError, LookupError, OverflowError, OSError, RecursionError) as error:
         why = f"{where} cannot be read: {error}"
         raise MeshError(f"{why}. Save it again, or as .msh or .vtu") from None
 

@@ -9,6 +9,7 @@ from .convert import Solids, collapse, of_second_order, open_edges
 from .curvature import SurfaceShape, surface_shape
 from .elements import (
     KINDS,
+    SURFACES,
     THIN,
     ReferenceElement,
     Rule,
@@ -20,7 +21,7 @@ from .elements import (
 )
 from .enrichment import enriched
 from .generate import box_mesh, sheet_mesh, sphere_mesh
-from .halving import halved
+from .halving import PARTS, halved
 from .locate import AT_NODE, nearest_line, node_at, weights_at
 from .mesh import (
     Block,
@@ -32,6 +33,7 @@ from .mesh import (
     right_handed,
     select,
     taken,
+    twins,
 )
 from .orient import against_neighbours, pairs, sides
 from .surface import SHARP, Place, Surface, boundary, plane_of

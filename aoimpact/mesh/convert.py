@@ -66,22 +66,19 @@ def of_second_order(mesh: Mesh) -> Mesh:
     if labels is not None:
         labels = np.concatenate([labels, labels.max() + 1 + np.arange(len(edges))])
     surface = boundary(mesh)
-    outside = np.zeros(n, dtype=bool)
-    outside[surface.nodes] = True
     skin = surface.ends(np.arange(len(surface.cell)))
     on_surface = np.isin(keys, (skin @ [n, 1]).reshape(-1))
     node_sets = {}
     for name, ids in mesh.node_sets.items():
-        chosen = np.zeros(n, dtype=bool)
-        chosen[ids] = True
-        between = chosen[edges].all(axis=1) & (on_surface | ~outside[ids].all())
+        inside = not np.isin(ids, surface.nodes).all()
+        between = np.isin(edges, ids).all(axis=1) & (on_surface | inside)
         node_sets[name] = np.concatenate([ids, n + np.flatnonzero(between)])
     for name, members in mesh.cell_sets.items():
         own = [
-            cells[members[(members >= block.first) & (members < block.numbers.stop)] - block.first]
+            cells[np.isin(np.r_[block.numbers], members)].ravel()
             for block, (_, cells) in zip(mesh.blocks, blocks, strict=True)
         ]
-        nodes = np.unique(np.concatenate([part.reshape(-1) for part in own]))
+        nodes = np.unique(np.concatenate(own))
         if np.array_equal(nodes[nodes < n], mesh.node_sets.get(name, [])):
             node_sets[name] = nodes
     places = np.concatenate([mesh.nodes, mesh.nodes[edges].mean(axis=1)])
@@ -97,15 +94,13 @@ def open_edges(mesh: Mesh, ids: IntArray) -> int:
     ids : ndarray of int
         Nodes. If a midside node is one of them, they are no corners alone, and the result is 0.
     """
-    chosen = np.zeros(mesh.n_nodes, dtype=bool)
-    chosen[ids] = True
-    middles = [np.zeros(0, dtype=np.int64)]
+    middles = []
     for block in mesh.blocks:
         ends = block.element.edges
         middle = block.cells[:, block.element.n_corners :][:, : len(ends)]
-        if chosen[middle].any():
+        if np.isin(middle, ids).any():
             return 0
-        middles.append(middle[chosen[block.cells[:, ends]].all(axis=2)])
+        middles.append(middle[np.isin(block.cells[:, ends], ids).all(axis=2)])
     found = np.unique(np.concatenate(middles))
     return int(np.isin(found, boundary(mesh).nodes).sum()) if len(found) else 0
 

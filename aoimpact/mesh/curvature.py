@@ -223,8 +223,8 @@ def _region(
     joined, bends = _joined(surface, face, here)
     graph = surface.normal(face, surface.middle(face)) @ normal > _GRAPH
     graph |= np.isin(face, start)
-    links = sp.diags_array(graph.astype(float)) @ joined
-    linked = _linked(links @ sp.diags_array(graph.astype(float)), np.isin(face, start))
+    kept = sp.diags_array(graph.astype(float))
+    linked = _linked(kept @ joined @ kept, np.isin(face, start))
     turned = (joined + joined.T) @ linked.astype(float) > 0.0
     turned &= ~graph
     limit = np.linalg.norm(centre[face[turned]] - here, axis=1).min(initial=np.inf)
@@ -246,7 +246,7 @@ def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_
     row = np.repeat(np.arange(len(face)), 4)
     middles = np.zeros((len(face), 4, 2))
     for side, on in surface.of_count(face):
-        uv = side.places[: side.n_corners]
+        uv = side.element.cell.corners[:, :2]
         middles[on, : side.n_corners] = 0.5 * (uv + np.roll(uv, -1, axis=0))
     normal = surface.normal(face[row], middles.reshape(-1, 2))
     two, one = (of[key[of, 0] < key[of, 1]] for of in twins(key))

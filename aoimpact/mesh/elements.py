@@ -156,27 +156,21 @@ class ReferenceFace:
     nodes : ndarray of int
         The nodes on it, by their numbers within the element: the corners, counter-clockwise as seen
         from outside, the middles of the edges from each to the next, the middle of the side.
-    n_corners : int
-        3: u, v ≥ 0 and u + v ≤ 1. 4: both from 0 to 1.
-    places : ndarray, shape (n_nodes, 2)
-        Coordinates of the nodes.
+    element : ReferenceElement
+        The surface element on these nodes. Its u, v ≥ 0 have u + v ≤ 1, or are both from 0 to 1.
     """
 
     nodes: IntArray
-    n_corners: int
-    places: FloatArray
-    _basis: _Basis
+    element: ReferenceElement
+
+    @property
+    def n_corners(self) -> int:
+        return self.element.n_corners
 
     def evaluate(self, uv: FloatArray) -> ArrayPair:
         """Return the nodes' shape functions, (n, n_nodes), and their slopes, (n, n_nodes, 2)."""
-        shape, gradient = self._basis(np.pad(uv, ((0, 0), (0, 1))))
+        shape, gradient = self.element.evaluate(np.pad(uv, ((0, 0), (0, 1))))
         return shape, gradient[..., :2]
-
-    @property
-    def linear(self) -> ReferenceFace:
-        """The side with its corners alone."""
-        n = self.n_corners
-        return ReferenceFace(self.nodes[:n], n, *_side(n))
 
 
 # The exponents (i, j, k, l) of xⁱ yʲ zᵏ (1 - z)⁻ˡ, each from 0 to 3.
@@ -343,16 +337,6 @@ _PYRAMID_5 = (*_TETRAHEDRON_4, (1, 1, 0, 1))
 _PYRAMID_13 = (*_TETRAHEDRON_10, (1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1))
 
 
-# Those on a side, by its number of nodes.
-_SIDES = {
-    3: _space(1, lambda i, j, k: i + j <= 1 and k == 0),
-    4: _space(1, lambda i, j, k: k == 0),
-    6: _space(2, lambda i, j, k: i + j <= 2 and k == 0),
-    8: _space(2, lambda i, j, k: (i, j) != (2, 2) and k == 0),
-    9: _space(2, lambda i, j, k: k == 0),
-}
-
-
 _EDGES = "01 12 23 03 45 56 67 47 04 15 26 37"  # of a hexahedron
 _FACES = "0347 1256 0145 2367 0123 4567"
 
@@ -386,14 +370,25 @@ _CUBIC: dict[str, tuple[tuple[_Powers, ...], str, int, int]] = {
     "wedge15": (_space(3, lambda i, j, k: i + j <= (3 if k < 2 else 1)), "012 345", 4, 5),
 }
 
-# Solids, and beside them what shells and beams are made of, without quadrature of its own.
+# Solids, and beside them what shells, beams and the sides of solids are made of, without quadrature
+# of their own.
 KINDS = tuple(_ALL)
-_ALL |= {
-    "line": (_LINE, "", ((0, 0, 0, 0), (1, 0, 0, 0)), 1, 1),
-    "triangle": (_TRIANGLE, "", _SIDES[3], 1, 1),
-    "quad": (_QUAD, "", _SIDES[4], 1, 1),
+_ALL |= {  # whose functions are those of solids on a side or edge in the plane z = 0
+    kind: (cell, middles, tuple(of for of in space if not any(of[n_axes:])), 1, 1)
+    for kind, n_axes, cell, middles, space in (
+        ("line", 1, _LINE, "", _HEXAHEDRON_8),
+        ("line3", 1, _LINE, "01", _HEXAHEDRON_20),
+        ("triangle", 2, _TRIANGLE, "", _TETRAHEDRON_4),
+        ("triangle6", 2, _TRIANGLE, "01 12 02", _TETRAHEDRON_10),
+        ("quad", 2, _QUAD, "", _HEXAHEDRON_8),
+        ("quad8", 2, _QUAD, "01 12 23 03", _HEXAHEDRON_20),
+        ("quad9", 2, _QUAD, "01 12 23 03 0123", _HEXAHEDRON_27),
+    )
 }
 THIN = ("quad", "triangle", "line")
+
+# Surface elements by their numbers of nodes.
+SURFACES = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
 
 
 @cache
@@ -471,18 +466,9 @@ def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
         first = 0.0 if element.thin else turn[corner].min()  # a surface element begins as it does
         turn = np.round(turn - first, 9) % (2.0 * np.pi)
         middle = np.linalg.norm(arms, axis=1) < ROUNDING
-        nodes, n_corners = on[np.lexsort((turn, middle, ~corner))], int(corner.sum())
-        found.append(ReferenceFace(nodes, n_corners, *_side(len(nodes))))
+        nodes = on[np.lexsort((turn, middle, ~corner))]
+        found.append(ReferenceFace(nodes, reference_element(SURFACES[len(nodes)])))
     return tuple(found)
-
-
-@cache
-def _side(n_nodes: int) -> tuple[FloatArray, _Basis]:
-    """Return the places and shape functions of the nodes of a side."""
-    corners = (_TRIANGLE if n_nodes in (3, 6) else _QUAD).corners
-    middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
-    places = np.vstack([corners, middles, corners.mean(axis=0)])[:n_nodes]
-    return places[:, :2], _Basis.of(_SIDES[n_nodes], places, 0.0)
 
 
 def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:
@@ -506,10 +492,8 @@ def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:
 def cofactors(j: FloatArray) -> ArrayPair:
     """Return det J and the cofactors C, J⁻ᵀ = C / det J, of `jacobians`."""
     cof = np.empty(j.shape)
-    for i in range(3):
-        for a in range(3):
-            i1, i2, a1, a2 = (i + 1) % 3, (i + 2) % 3, (a + 1) % 3, (a + 2) % 3
-            cof[i, a] = j[i1, a1] * j[i2, a2] - j[i1, a2] * j[i2, a1]
+    for i, a in product(range(3), repeat=2):  # negative indices go on around
+        cof[i, a] = j[i - 2, a - 2] * j[i - 1, a - 1] - j[i - 2, a - 1] * j[i - 1, a - 2]
     det = j[0, 0] * cof[0, 0] + j[0, 1] * cof[0, 1] + j[0, 2] * cof[0, 2]
     return det, cof
 

@@ -38,10 +38,8 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
         found = enriched_element(block.kind)
         own = block.element
         if found is None:
-            faces = (
-                [] if own.thin else [of.nodes[: of.n_corners] for of in reference_faces(own.kind)]
-            )
-            for side in faces or [np.arange(own.n_corners)]:
+            faces = [of.nodes[: of.n_corners] for of in reference_faces(own.kind)]
+            for side in faces or [np.arange(2)]:  # a line has none
                 edges = np.stack([side, np.roll(side, 1)], axis=1)
                 corners_of = [*edges, side] if len(side) == 3 else edges
                 others += [_keys(block.cells, corners) for corners in corners_of]
@@ -59,7 +57,7 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
     )
     used, number = np.unique(place.ravel()[:count], return_inverse=True)
     shared = np.isin(used, place.ravel()[count:])
-    start = 0
+    numbers = iter(np.split(number, np.cumsum([*map(len, keys)])))
     blocks = []
     for block in mesh.blocks:
         found = enriched_element(block.kind)
@@ -67,12 +65,10 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
             blocks.append(block)
             continue
         cells = [block.cells]
-        n = len(block.cells)
-        signs = np.ones((n, found[0].n_nodes))
+        signs = np.ones((len(block.cells), found[0].n_nodes))
         for function, corners in enumerate(found[1], block.cells.shape[1]):
-            added = number[start : start + n]
+            added = next(numbers)
             cells.append(mesh.n_nodes + added[:, None])
-            start += n
             if len(corners) == 2 and block.element.quadratic:
                 ends = block.cells[:, corners]
                 signs[:, function] = np.sign(ends[:, 1] - ends[:, 0])

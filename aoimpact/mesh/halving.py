@@ -6,18 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from ..base import IntArray, sp
+from ..base import ROUNDING, IntArray, sp
+from .elements import reference_element
 from .mesh import Mesh
 from .vectors import parted
 
-# The corners of the parts of an element, each the mean of four of its own corners.
-_PARTS = {
-    kind: [[np.resize([*map(int, at)], 4) for at in part.split()] for part in parts.split(",")]
-    for kind, parts in {
-        "line": "0 01, 01 1",
-        "triangle": "0 01 02, 1 12 01, 2 02 12, 01 12 02",
-        "quad": "0 01 0123 03, 1 12 0123 01, 2 23 0123 12, 3 03 0123 23",
-    }.items()
+# Elements of second order, and the parts into which their nodes cut them and those on their
+# corners.
+PARTS: dict[str, tuple[str, Any]] = {
+    "line": ("line3", [(0, 2), (2, 1)]),
+    "triangle": ("triangle6", [(0, 3, 5), (1, 4, 3), (2, 5, 4), (3, 4, 5)]),
+    "quad": ("quad9", [(0, 4, 8, 7), (1, 5, 8, 4), (2, 6, 8, 5), (3, 7, 8, 6)]),
 }
 
 
@@ -32,18 +31,25 @@ def halved(mesh: Mesh) -> tuple[sp.csr_array, Mesh, IntArray]:
     parent : ndarray of int, shape (new elements,)
         The element that each is a part of.
     """
-    corners = [np.sort(of.cells[:, _PARTS[of.kind]], axis=3) for of in mesh.blocks]
-    own = np.repeat(np.arange(mesh.n_nodes)[:, None], 4, axis=1)
-    every = np.concatenate([own, *(each.reshape(-1, 4) for each in corners)])
+    corners = []
+    for block in mesh.blocks:
+        raised = reference_element(PARTS[block.kind][0])
+        shares = raised.linear.shape(raised.nodes) > ROUNDING
+        between = [np.resize(np.flatnonzero(own), 4) for own in shares]
+        corners.append(np.sort(block.cells[:, between], axis=2))
+    every = np.concatenate([each.reshape(-1, 4) for each in corners])
     members, number = np.unique(every, axis=0, return_inverse=True)
     order = np.argsort((members[:, :1] != members).any(axis=1), kind="stable")
     members = members[order]
-    number = np.argsort(order)[number.ravel()[mesh.n_nodes :]]
+    number = np.argsort(order)[number.ravel()]
     entries = np.full(members.size, 0.25), (np.arange(members.size) // 4, members.ravel())
     mean = sp.csr_array(entries, shape=(len(members), mesh.n_nodes))
-    parts = zip(mesh.blocks, parted(number, [each[..., 0] for each in corners]), strict=True)
-    cells: Any = [(of.kind, part.reshape(-1, of.cells.shape[1])) for of, part in parts]
-    parents = [np.repeat(np.r_[of.numbers], len(_PARTS[of.kind])) for of in mesh.blocks]
+    nodes = parted(number, [each[..., 0] for each in corners])
+    cells: Any = [
+        (block.kind, own[:, PARTS[block.kind][1]].reshape(-1, block.cells.shape[1]))
+        for block, own in zip(mesh.blocks, nodes, strict=True)
+    ]
+    parents = [np.repeat(np.r_[of.numbers], len(PARTS[of.kind][1])) for of in mesh.blocks]
     parent = np.concatenate(parents)
     groups = {name: np.flatnonzero(np.isin(parent, own)) for name, own in mesh.cell_sets.items()}
     return mean, Mesh(mean @ mesh.nodes, cells, cell_sets=groups), parent

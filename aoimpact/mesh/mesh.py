@@ -340,11 +340,8 @@ def _table(blocks: Sequence[Block]) -> IntArray:
     if len(blocks) == 1:
         return blocks[0].cells
     width = max(block.cells.shape[1] for block in blocks)
-    table = np.empty((blocks[-1].numbers.stop, width), dtype=np.int64)
-    for block in blocks:
-        table[block.numbers] = block.cells[:, :1]
-        table[block.numbers, : block.cells.shape[1]] = block.cells
-    return table
+    fill = [np.repeat(of.cells[:, :1], width - of.cells.shape[1], axis=1) for of in blocks]
+    return np.vstack([np.hstack([of.cells, more]) for of, more in zip(blocks, fill, strict=True)])
 
 
 def _sets(name: str, given: Any, count: int, what: str) -> dict[str, IntArray]:

@@ -9,9 +9,7 @@ import numpy as np
 
 from ..base import BoolArray, FloatArray, IntArray, sp
 from .surface import SHARP
-from .vectors import dot
-
-_TINY = float(np.finfo(float).tiny)
+from .vectors import dot, unit
 
 
 def against_neighbours(nodes: FloatArray, groups: Sequence[IntArray]) -> list[BoolArray]:
@@ -79,9 +77,8 @@ def sides(
     )
     number = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
     middle = [np.repeat(nodes[of].mean(axis=1), of.shape[1], axis=0) for of in groups]
-    inside, along = np.concatenate(middle) - nodes[ends[:, 0]], np.diff(nodes[ends], axis=1)[:, 0]
-    share = dot(inside, along) / np.maximum(dot(along, along), _TINY)
-    return ends, number, inside, inside - share[:, None] * along
+    inside, along = np.concatenate(middle) - nodes[ends[:, 0]], unit(np.diff(nodes[ends], axis=1))
+    return ends, number, inside, inside - dot(inside, along[:, 0])[:, None] * along[:, 0]
 
 
 def pairs(key: IntArray) -> Iterator[tuple[IntArray, IntArray]]:

@@ -114,10 +114,8 @@ class Surface:
     def nodes(self) -> IntArray:
         """Node numbers of each face, corners first; short rows repeat their first node."""
         width = max(4, *(len(face.nodes) for _, face in self.sides))
-        local = np.stack([np.resize(face.nodes, width) for _, face in self.sides])
-        for row, (_, face) in zip(local, self.sides, strict=True):
-            row[len(face.nodes) :] = face.nodes[0]
-        return np.take_along_axis(self.mesh.cells[self.cell], local[self.side], axis=1)
+        rows = [[*of.nodes, *[of.nodes[0]] * (width - len(of.nodes))] for _, of in self.sides]
+        return np.take_along_axis(self.mesh.cells[self.cell], np.array(rows)[self.side], axis=1)
 
     def thin(self, face: IntArray) -> BoolArray:
         """Return which faces are surface elements themselves, which have two sides."""
@@ -337,9 +335,9 @@ class Surface:
         """Return how far the nodes between corners lie from a straight side, m, shape (n, 5, 3)."""
         found = np.zeros((len(face), 5, 3))
         for side, on in self.of_count(face):
-            n, count = side.n_corners, len(side.nodes)
+            n, count, of = side.n_corners, len(side.nodes), side.element
             x = self.mesh.nodes[self.nodes[face[on], :count]]
-            found[on, : count - n] = x[:, n:] - side.linear.evaluate(side.places[n:])[0] @ x[:, :n]
+            found[on, : count - n] = x[:, n:] - of.linear.shape(of.nodes[n:]) @ x[:, :n]
         return found
 
     def bounds(self, face: IntArray, frame: FloatArray) -> ArrayPair:
@@ -368,8 +366,8 @@ def boundary(mesh: Mesh) -> Surface:
         for number, block in enumerate(mesh.blocks)
         for face in reference_faces(block.kind)
     ]
-    corners, cells, numbers = [], [], []
-    for side, (number, face) in enumerate(sides):
+    corners, cells = [], []
+    for number, face in sides:
         block = mesh.blocks[number]
         key = np.full((len(block.cells), 4), -1)
         if block.element.thin:  # a side of its own, also on the side of a solid
@@ -377,9 +375,9 @@ def boundary(mesh: Mesh) -> Surface:
         else:
             key[:, : face.n_corners] = np.sort(block.cells[:, face.nodes[: face.n_corners]], axis=1)
         corners.append(key)
-        cells.append(np.arange(block.first, block.first + len(block.cells)))
-        numbers.append(np.full(len(block.cells), side))
-    key, cell, side_of = (np.concatenate(parts) for parts in (corners, cells, numbers))
+        cells.append(np.r_[block.numbers])
+    side_of = np.repeat(np.arange(len(sides)), [*map(len, cells)])
+    key, cell = np.concatenate(corners), np.concatenate(cells)
     single = np.ones(len(key), dtype=bool)
     other, one = twins(key)
     single[one] = single[other] = False
