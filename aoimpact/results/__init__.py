@@ -1,9 +1,9 @@
-"""A plan is run here, and its results: histories, events, energies, tables, plots, advice.
+"""Running a plan, and its results: histories, events, energies, tables, plots, warnings.
 
-`solve` runs a plan by its solver, `RecordLength` for as long as it needs; a `Run` is the result, a
-`Result` the same of two bodies; quantities.py is the table of the numbers that sum them up, and
-advice.py has every warning about a run. For `accuracy`, which compares runs, and `impact`, which
-returns them; `batch`, `cli` and `study` print them.
+`solve` runs a plan with a solver, `RecordLength` until the impact is over. The result is a `Run`,
+for two bodies a `Result`. quantities.py has the table of the numbers that summarise a run,
+advice.py every warning about it. `accuracy` compares runs, `impact` returns them, and `batch`,
+`cli` and `study` print them.
 """
 
 from .advice import (

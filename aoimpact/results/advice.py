@@ -1,14 +1,14 @@
-"""Every warning about a run: its models, its contacts, and what linear elasticity is not for.
+"""Every warning about a run: its models, its contacts, and the limits of linear elasticity.
 
-`RULES` is the table of the limits of linear elasticity: of a contact each gives a force, speed or
-energy over its scale, the limit of this value, and the text beyond it (`Limit`). From them come
-the rows (`Advice`) that are the warnings of a run and the lines of its summary, and the force and
-speed up to which many impacts at once need no warning. What is not known of a body is not checked,
-so models given by numbers cost nothing.
+`RULES` is the table of these limits. For a contact each rule returns a `Limit`: the largest force,
+speed or energy, relative to a scale, and the warning above it. From them come the rows (`Advice`)
+of a run, which are its warnings and lines of its summary, and the force and speed up to which none
+of many impacts needs a warning. Unknown properties of a body are not checked, so models given by
+numbers cost nothing.
 
 A model fitted to a contact of duration T has the receptance of its body at the frequency i s,
-s ~ 10/T. The forces that it leaves unbalanced at the frequency of the contact that it has met show
-how exact it is for that one.
+s ~ 10/T. Its accuracy for a contact of another duration is judged by the forces that it leaves
+unbalanced at the frequency of that contact.
 """
 
 from __future__ import annotations
@@ -44,25 +44,26 @@ if TYPE_CHECKING:
 
 # ------------------------------------------------------------------- limits of linear elasticity
 
-# Radius of a contact over that of curvature. Sneddon's punch with the shape of a sphere, instead of
-# Hertz's paraboloid, has 1 % less force here and 3 % at .5; strains are .2 of it (Tabor).
+# Largest ratio of contact radius to radius of curvature, and ratio of the strain to it (Tabor).
+# Sneddon's spherical punch has 1 % less force than Hertz's paraboloid here, and 3 % less at .5.
 _WIDTH, _STRAIN = 0.3, 0.2
 
-# Velocity over that of waves in a bar: the strain of two bars that meet, as large as the tolerance.
+# Largest impact velocity relative to the wave speed in a bar, c. The strain of two bars that meet
+# at v is of the order of v/c.
 _SPEED = 0.01
 
-# Deflection over thickness of a body constrained on both sides, where the linear one is 12 % off:
-# the load on a clamped plate goes with w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
-# section 100). And over the size of any body.
+# Largest deflection relative to the thickness of a body constrained on both sides, and relative to
+# the size of any body. At the first the linear deflection is 12 % off: the load on a clamped plate
+# is proportional to w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*, section 100).
 _THICKNESS, _SIZE = 0.5, 0.1
 
-# Supports along an axis that is no more along the contact's direction than this keep a body from
-# drawing in.
+# Largest abs(cosine) between an axis and the contact's direction at which supports along the axis
+# count as in-plane: they stop the edges from being drawn in.
 _ACROSS = 0.5
 
-# Masses of a projectile over that of a plate below which the waves of the impact do not come back
-# from the supports before it is over, and above which the plate follows quasi-statically
-# (R. Olsson, Composites A 31, 879, 2000).
+# Ratios of projectile to plate mass. Below the first the impact is over before waves return from
+# the supports; above the second the plate responds quasi-statically (R. Olsson, Composites A 31,
+# 879, 2000).
 _WAVES, _QUASI_STATIC = 0.2, 2.0
 
 
@@ -75,14 +76,14 @@ class Advice:
     name : str
         "yield", "deflection", "mass ratio" or "speed".
     value : float
-        What it has reached, relative: of the force of first yield, of the thickness or the size of
-        the body, of the target's mass, or of the velocity of waves.
+        Peak force over the force of first yield, deflection over the body's thickness or size,
+        projectile's over target's mass, or impact velocity over wave speed.
     limit : float
-        Up to where it needs no thought; infinite where there is no such limit.
+        Largest value without a warning; infinite where there is no limit.
     meaning : str
-        In words; empty where a summary leaves it out.
+        Text after the value in a summary; empty where a summary leaves the row out.
     warning : str
-        Beyond the limit, in words.
+        Text of the warning if the value exceeds the limit.
     """
 
     name: str
@@ -101,22 +102,23 @@ class Advice:
 
 
 class Limit(NamedTuple):
-    """Up to where a contact needs no warning of one kind.
+    """Limit of a contact's force, speed or energy, above which a warning is due.
 
     Attributes
     ----------
     of : {"force", "speed", "energy"}
-        The force of the contact, N, the speed at which its bodies meet, m/s, or the energy of all
-        bodies, J, with which one may move too far.
+        Limited quantity: the contact's peak force, N, the speed at which its bodies meet, m/s, or
+        the kinetic energy of all bodies, J, which bounds the deflection of each.
     scale : float
-        The value that is limited is this quantity over its scale.
+        Reference value of the quantity, in its unit.
     limit : float
+        Largest ratio of the quantity to its scale.
     text : str
-        Why more is too much, and the cure; empty where no warning is due.
+        Reason of the limit and cure, for the warning; empty if the limit causes none.
     meanings : (str, str)
-        Of the value within the limit and beyond it; empty where a summary leaves it out.
+        `Advice.meaning` within the limit and beyond it.
     rows : callable, optional
-        Rows of a run, where the value is none of these quantities.
+        Returns the `Advice` of a run where its value is not `of` over `scale`.
     """
 
     of: str
@@ -128,7 +130,7 @@ class Limit(NamedTuple):
 
     @property
     def most(self) -> float:
-        """The largest of the quantity without a warning."""
+        """Largest value of the quantity without a warning."""
         return self.scale * self.limit if self.text else math.inf
 
 
@@ -144,7 +146,7 @@ class _Joint(NamedTuple):
 
 
 def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
-    """Return the limits of a contact by name, as far as its law and bodies are known."""
+    """Return the limits of a contact by name; those that need unknown properties are left out."""
     law, materials = own_law(contact.law), contact.materials(plan.bodies)
     known, surface = list(filter(None, materials)), round_contact(law, materials)
     joint = _Joint(plan, contact, law, known, surface, plan.touched(contact))
@@ -153,7 +155,7 @@ def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
 
 
 def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]:
-    """Yield the rows of a contact of a run; of all rules, or of those that may be exceeded."""
+    """Yield the rows of one contact of a run; `exceeded` skips limits that are surely kept."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
     if not events.contacts:
         return
@@ -179,12 +181,12 @@ def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]
 
 
 def contact_name(run: Run, contact: Contact) -> str:
-    """Return the name of a contact, by itself that of its bodies."""
+    """Return the name of a contact, by default made of the names of its bodies."""
     return contact.name or f"{run.names[contact.first]} on {run.names[contact.second]}"
 
 
 def _yield(joint: _Joint) -> Limit | None:
-    """The force at which the first of the bodies begins to yield below the surface."""
+    """Limit of the force: that at which the weaker body begins to yield below its surface."""
     surface, law, text = joint.surface, joint.law, ""
     strong = [of for of in joint.materials if of.yield_strength]
     if isinstance(law, ElasticPlastic | Thornton):
@@ -207,7 +209,7 @@ def _yield(joint: _Joint) -> Limit | None:
 
 
 def _width(joint: _Joint) -> Limit | None:
-    """The force of a contact too wide for the curvature of its surfaces."""
+    """Limit of the force: a wider contact is too large relative to the radius of curvature."""
     if (surface := joint.surface) is None:
         return None
     text = (
@@ -219,7 +221,7 @@ def _width(joint: _Joint) -> Limit | None:
 
 
 def _speed(joint: _Joint) -> Limit | None:
-    """The speed of bodies that meet too fast."""
+    """Limit of the speed at which the bodies meet, relative to the wave speed."""
     if not joint.materials:
         return None
     slowest = min(of.bar_speed for of in joint.materials)
@@ -232,9 +234,10 @@ def _speed(joint: _Joint) -> Limit | None:
 
 
 def _deflection(joint: _Joint) -> Limit | None:
-    """The energy below which each constrained body of a contact has a small deflection.
+    """Limit of the energy, below which each constrained body surely has a small deflection.
 
-    k0 u²/2 is the least energy of a deflection u; 0 where no such limit is known.
+    A deflection u takes at least the energy k0 u²/2. Where no such bound is known the limit is 0,
+    so that the deflection itself is always checked.
     """
     plan, energies = joint.plan, []
     alone = not plan.weighed and not plan.loads
@@ -268,7 +271,7 @@ def _deflection(joint: _Joint) -> Limit | None:
 
 
 def _stretches(tip: ContactPoint) -> bool:
-    """True if supports on two sides of the point keep the body from drawing in as it deflects."""
+    """True if supports on opposite sides of the point make the body stretch as it deflects."""
     body = tip.body.given
     if body.nodes is None or body.free is None or tip.point is None or tip.direction is None:
         return False
@@ -283,7 +286,7 @@ def _stretches(tip: ContactPoint) -> bool:
 
 
 def _thickness(joint: _Joint) -> Limit | None:
-    """The force of a contact that is wider than a shell, or a beam's wall, is thick."""
+    """Limit of the force: a wider contact exceeds the thickness of a shell or of a beam's wall."""
     walls = [tip.thin.narrowest for _, _, tip in joint.tips if tip.thin is not None]
     if (surface := joint.surface) is None or not walls:
         return None
@@ -296,7 +299,7 @@ def _thickness(joint: _Joint) -> Limit | None:
 
 
 def _mass_ratio(joint: _Joint) -> Limit | None:
-    """The masses, which no warning limits: they tell plates' ways of response apart."""
+    """Ratio of the masses, which tells how a plate responds; it causes no warning."""
     first, second = (joint.plan.bodies[body] for body, _ in joint.contact.ports)
     if not first.known_mass or not second.mass or not second.constrained or second.wall:
         return None
@@ -310,7 +313,7 @@ def _mass_ratio(joint: _Joint) -> Limit | None:
 
 
 def _shell(joint: _Joint) -> Limit | None:
-    """No force where solid elements are those of a sheet."""
+    """Limit of the force: 0 if a contact lies on flat solid elements of a thin sheet."""
     shells = [shell for _, _, tip in joint.tips if (shell := _as_a_shell(tip))]
     return Limit("force", 1.0, 0.0, "; ".join(shells)) if shells else None
 
@@ -331,22 +334,22 @@ RULES: dict[str, Callable[[_Joint], Limit | None]] = {
 
 # ------------------------------------------------------------------- models fitted to a contact
 
-# Unbalanced force, relative, up to which later contacts are right: on five bodies that ring between
-# two to four contacts the impulse was wrong by .02 to .45 above 6e-5, and by less than .001 below
-# 2e-5.
+# Largest relative unbalanced force at which contacts after the first are accurate. On five bodies
+# that ring between two to four contacts the relative error of the impulse was .02 to .45 above
+# 6e-5, and less than .001 below 2e-5.
 _BALANCED_AGAIN = 3e-5
 
-# Unbalanced force, relative, up to which the displacement after a contact is right: on twelve
-# bodies it was wrong by .15 to 1.3 above this, but for a light body that moves as a whole, and by
-# less than .1 below a tenth of this.
+# Largest relative unbalanced force at which the displacement after a contact is accurate. On twelve
+# bodies its relative error was .15 to 1.3 above this value, except for a light body that moves as a
+# whole, and less than .1 below a tenth of this value.
 _BALANCED_AFTER = 1e-3
 
 
 def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
-    """Warn where a model was fitted to quite another duration than that of its contact.
+    """Warn where a model is inaccurate for the durations of its body's contacts.
 
-    The duration of the contact of the peak force counts, and how long the body is touched in all:
-    its motion between two contacts makes the force of the second.
+    Two durations are checked: of the contact with the peak force, and from the first to the last
+    contact of the body, whose motion between two contacts determines the force of the second.
 
     Parameters
     ----------
@@ -386,10 +389,10 @@ def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
 
 
 def follows(run: Run, body: int) -> bool:
-    """Return whether a body's displacement is known to be right after the contact.
+    """Return whether a body's displacement is known to be accurate after the contact.
 
-    By the forces that its model leaves unbalanced at that time scale. This costs a few products
-    with K and M; the error itself costs another run.
+    The criterion is the forces that its model leaves unbalanced at the time scale of the record:
+    they cost a few products with K and M, an estimate of the error another run.
     """
     model, touches = run.plan.bodies[body], _touches(run, body)
     if model.contact_time is None or not touches or not len(run.t):
@@ -413,13 +416,14 @@ def _touches(run: Run, body: int) -> list[tuple[float, float]]:
 
 # ------------------------------------------------------------------- bodies and contact points
 
-# β over the duration of the contact from which dashpots at a massless contact count: a body of one
-# oscillator is wrong by 2e-4 in the peak and 9e-4 in the rebound velocity there.
+# Ratio of β to the contact's duration above which neglected dashpots at a massless contact matter.
+# At it, the relative errors for a body of one oscillator are 2e-4 (peak), 9e-4 (rebound velocity).
 _LAGS = 1e-4
-# Share of the body's mass that changes the force by about as much.
+# Mass at the contact, relative to the body's, that changes the force by about as much.
 _LIGHT = 1e-6
 
-# Directions more than 10° off the normal are warned of; facets of coarse meshes are that far off.
+# Least cosine of the angle between direction and normal without a warning. 10° allow for the facets
+# of coarse meshes.
 _OBLIQUE = math.cos(math.radians(10.0))
 
 # Points of two bodies closer than this share of the first body's size count as one.
@@ -429,8 +433,8 @@ _SHARED = 1e-3
 def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     """Warn of bodies and contact points outside the range of the method.
 
-    Damping that would hold a massless contact back, rebounds that are not known, directions oblique
-    to the surface, and bodies on the same side of a point that they share.
+    The warnings are of damping that would retard a massless contact, of unknown rebound velocities,
+    of directions oblique to the surface, and of bodies that meet with alike outward normals.
 
     Parameters
     ----------
@@ -440,8 +444,8 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     """
     plan = run.plan
     for number, (body, name) in enumerate(zip(plan.bodies, names, strict=True)):
-        # The dashpots β k on a contact without mass let it follow its force with the time constant
-        # β; the compliance of such a contact is taken without them (`Rayleigh`).
+        # Dashpots β k would let a massless contact follow its force with the time constant β, but
+        # the compliance of such a contact is taken without them (`Rayleigh`).
         lag = body.damping.beta if body.massless and isinstance(body.damping, Rayleigh) else 0.0
         longest = max((b - a for a, b in _touches(run, number)), default=math.inf) if lag else 0.0
         if lag > _LAGS * longest:
@@ -487,7 +491,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
 
 
 def _face_alike(first: ContactPoint, second: ContactPoint) -> bool:
-    """True if two bodies lie on the same side of a common point, if they share coordinates."""
+    """True if two bodies touch at one point, in common coordinates, with alike outward normals."""
     nodes, place, along = first.body.given.nodes, first.point, first.direction
     if first.body is second.body or nodes is None or place is None or second.point is None:
         return False
@@ -500,7 +504,7 @@ def _face_alike(first: ContactPoint, second: ContactPoint) -> bool:
 def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
     """Warn of a finite-element projectile with supports, where the target is free.
 
-    A projectile on springs only is not warned of: it may move as a tup on its guide does.
+    A projectile on springs only is accepted: it may be a tup on its guide.
     """
     tip = projectile.touched_at()
     if tip is None or not projectile.constrained or target.constrained:
@@ -516,15 +520,16 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
 
 # ------------------------------------------------------------------- errors
 
-# Energy drift, over the error of the run or rounding, from which a run is not to be trusted.
+# Largest ratio of energy drift to the error of time integration, and least value of that error,
+# which allows for rounding.
 _DRIFT, _LEAST_ERROR = 100.0, 1e-12
 
-# Error by a mesh, or by a contact, from which on it is worth a warning.
+# Largest relative error from a mesh, or from a contact, without a warning.
 MESH_LIMIT = 0.1
 
 
 def warn_of_mesh(run: Run, quantity: str, error: ErrorParts) -> None:
-    """Warn of a large error of a quantity by meshes or contacts, and name the cure."""
+    """Warn of a large error of a quantity from meshes or contacts, and name the cure."""
     plan = run.plan
     tips = {(body, port): tip for of in plan.contacts for body, port, tip in plan.touched(of)}
     meshed = [
@@ -551,7 +556,7 @@ def warn_of_mesh(run: Run, quantity: str, error: ErrorParts) -> None:
 
 
 def _as_a_shell(tip: ContactPoint) -> str:
-    """Return the shell to take in place of flat solids under a contact; empty for others."""
+    """Return text that proposes a shell instead of flat solids under a contact; else empty."""
     if not tip.flat:
         return ""
     material = tip.made_of
@@ -562,9 +567,9 @@ def _as_a_shell(tip: ContactPoint) -> str:
 
 
 def warn_of_ledger(energy: float, error: float | None) -> None:
-    """Warn where the energy of a run to a tolerance drifts by far more than its error.
+    """Warn where the energy drifts by far more than the error of time integration allows.
 
-    Over 600 random scenes it drifted by at most 0.3 times that, at contacts without mass by 10.
+    Over 600 random scenes the drift was at most 0.3 times that error, 10 at massless contacts.
     """
     if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
         warn(
@@ -575,14 +580,14 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
 
 # ------------------------------------------------------------------- limits and misses
 
-# Longest element of the finer body over the length of a bending wave, (D/(m s²))^(1/4) at s = 5
-# over the rise of the force, by which the error of the mesh is known. Of shells and beams, whose
-# finer elements are half as long, it is 0.9 of half a wave whose quarter of a period is the rise.
+# Largest ratio of element to bending wave length, (D/(m s²))^(1/4) at s = 5 / (rise time of the
+# force), at which the finer mesh gives an error estimate. For shells and beams, whose finer
+# elements are half as long, it is 0.9 of half a wave of which a quarter period is the rise time.
 _BENDING = 2.5
 
 
 def warning_limits(plan: Scenario) -> tuple[float, float]:
-    """Return up to which force, N, and velocity, m/s, an impact needs no warning; 0 of none."""
+    """Return the largest force, N, and velocity, m/s, at which an impact needs no warning."""
     mass, most = plan.bodies[0].known_mass, {"force": math.inf, "speed": math.inf}
     for limit in limits(plan, plan.contacts[0]).values():
         of, value = limit.of, limit.most
@@ -593,9 +598,9 @@ def warning_limits(plan: Scenario) -> tuple[float, float]:
 
 
 def warn_of_run(run: Run) -> None:
-    """Warn where a run is not what was meant, or not what the method is for.
+    """Warn where bodies never meet, or a run leaves the range of the method.
 
-    Of several contacts only the worst is named.
+    Each kind of warning is issued once, for the contact that exceeds its limit most.
 
     Parameters
     ----------
@@ -621,17 +626,17 @@ def warn_of_run(run: Run) -> None:
 
 
 def outgrown(run: Run) -> Iterator[tuple[int, ContactPoint, float, float, float]]:
-    """Yield where elements are longer than bending waves, so that their error is not known.
+    """Yield the contact points with elements too long for bending waves to estimate their error.
 
-    The number of the body, where it is touched, the length of its elements there, m, the rise of
-    the force, s, and the length that its waves need, m.
+    Each row is the body's number, its contact point, the length of the elements there, m, the rise
+    time of the force, s, and the largest length that resolves the waves, m.
     """
     for contact, events in zip(run.plan.contacts, run.events, strict=True):
         for body, _, tip in run.plan.touched(contact) if events.contacts else ():
             rise = events.peak_time - (events.peak_contact or (events.peak_time,))[0]
             mesh = (tip.body.coarse or tip.body).mesh
             if mesh is None or rise <= 0.0 or events.peak_time >= run.duration:
-                continue  # the last: how long the force rises is not known
+                continue  # if the record ends at the peak, the rise time is not known
             cut = 2.0 if all(block.element.thin for block in mesh.blocks) else 1.0
             edge, wave = tip.edge_and_wave(0.5 * SHIFT_TIMES_DURATION / rise)
             edge, most = edge * (1.0 if tip.body.mesh is mesh else cut), cut * _BENDING * wave
@@ -640,7 +645,7 @@ def outgrown(run: Run) -> Iterator[tuple[int, ContactPoint, float, float, float]
 
 
 def _missed(run: Run) -> str:
-    """The warning of bodies that never pressed on each other, for those that came closest."""
+    """Text of the warning that no bodies met, for the contact that came closest; or empty."""
     recorder, layout = run.recorder, run.plan.layout
     t = run.even_times(0.0, run.duration) if recorder.dense else recorder.times
     rows = recorder.rows(t, energies=False)

@@ -1,4 +1,4 @@
-"""The error of each number that a run prints, by where it comes from."""
+"""The relative errors of a run's numbers and histories, split by their sources."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from dataclasses import dataclass, field
 
 from ..base import InputError, nearest, text
 
-# Smaller relative errors are rounding.
+# Relative errors below this are rounding errors.
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
-    """The quantities that a run's models were chosen for, and the errors by these models.
+    """The quantities of interest that a run's models were chosen for, and the models' errors.
 
     Attributes
     ----------
     quantities : mapping of str to (str, float)
-        Unit of each, and the largest value of a history over the record; NaN of a number.
+        Unit and, of a history, largest value over the record; NaN for a number.
     rtol : float
-        The tolerance that was requested for each, relative.
+        Relative tolerance of each quantity of interest.
     numbers : mapping of str to float
-        The estimated error from the models of the quantities, and of each number that sums up the
-        run.
+        Estimated relative error that the models cause, of the quantities of interest and of each
+        number of the run.
     """
 
     quantities: Mapping[str, tuple[str, float]]
@@ -34,17 +34,17 @@ class Chosen:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Errors of a run by its meshes and its contact laws, relative; empty where not known.
+    """Relative errors of a run from its meshes and its contact laws; empty where not known.
 
     Attributes
     ----------
     mesh : mapping of str to float
-        By the name of the number or history: from finite elements that are too stiff.
+        Error from finite elements that are too stiff, by the name of the number or history.
     contact : mapping of str to float
-        From contacts that change their width, and from the curvatures where a law was found from
-        them.
+        Error from contacts whose width changes and, for a law found from the surfaces, from
+        inexact curvatures.
     worst_time : float or None
-        Time at which the history of interest is off by the larger of both, s.
+        Time at which the history of interest has the largest of these errors, s.
     """
 
     mesh: Mapping[str, float] = field(default_factory=dict, hash=False)
@@ -54,22 +54,22 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class ErrorParts:
-    """Relative error of one number or history by its sources; None where one is not known.
+    """Relative error of one number or history, split by sources; None for an unknown part.
 
-    A history is compared with its largest value. A rebound velocity below a tenth of the initial
-    velocity is compared with that tenth, and a restitution below 0.1 with 0.1.
+    Errors of a history are relative to its largest value. Those of a rebound velocity are relative
+    to at least a tenth of the initial velocity, those of a restitution to at least 0.1.
 
     Attributes
     ----------
     mesh : float or None
-        From finite elements that are too stiff, at the contacts and in the whole bodies.
+        Error from finite elements that are too stiff, at the contacts and in the whole bodies.
     contact : float or None
-        From a contact that changes its width, from curvatures that are not exact, and from how
-        little the section of a beam yields between the contact and the axis.
+        Error from a contact whose width changes, from inexact curvatures, and from neglecting how
+        the section of a beam deforms between the contact and the axis.
     model : float or None
-        From representing the bodies by fewer degrees of freedom.
+        Error from representing the bodies by fewer degrees of freedom.
     time : float or None
-        From the integration in time.
+        Error of the integration in time.
 
     Examples
     --------
@@ -91,7 +91,7 @@ class ErrorParts:
 
     @property
     def total(self) -> float:
-        """Sum of the parts; NaN where one of them is not known, `least` being the others' sum.
+        """Sum of the parts; NaN if one of them is not known: `least` is the sum of the known ones.
 
         NaN also for a number that does not exist, such as the restitution of bodies that have not
         parted.
@@ -119,7 +119,7 @@ class ErrorParts:
         return ", ".join([missing, *parts] if last else parts)
 
     def bound(self) -> str:
-        """Return the error in percent, in words; its least value where a part is not known.
+        """Return the error in percent, in words; "at least" its known parts if one is not known.
 
         :meta private:
         """
@@ -133,25 +133,26 @@ class ErrorParts:
 
 @dataclass(frozen=True, repr=False)
 class ErrorEstimate(ErrorParts):
-    """Errors of a run: ``error["restitution"].total`` of any number that the summary prints.
+    """Relative errors of a run, such as ``error["restitution"].total``, by the number's name.
 
-    ``error.mesh``, ``.contact``, ``.model``, ``.time`` and ``.total`` are those of the quantity of
-    interest, the first of several, or of the force if none was given. Only the model's part of
-    these quantities is controlled; the others are as they are. Iterating gives the names.
+    ``error.mesh``, ``.contact``, ``.model``, ``.time`` and ``.total`` are those of the first
+    quantity of interest, or of the force if none was given. The tolerance bounds only the model's
+    part of the quantities of interest; all other errors are only estimated. Iterating gives the
+    names.
 
     Attributes
     ----------
     parts : mapping of str to ErrorParts
-        By the name of the number, "restitution" or, in a scene, "contacts.0.impulse".
+        Errors by the name of the number: "restitution" or, in a scene, "contacts.0.impulse".
     energy : float or None
-        Range of the total energy over the record, relative to the largest kinetic and elastic
-        energy in it. No solver uses it, so it checks the run independently.
+        Range of the total energy over the record, relative to the largest sum of kinetic, elastic
+        and contact energy. No solver uses it, so it checks the run independently.
     quantity : str or None
-        The quantity of interest, if one was given; of several the first.
+        First quantity of interest; None if none was given.
     rtol : float or None
-        The tolerance that was requested for it.
+        Relative tolerance of the quantities of interest.
     worst_time : float or None
-        Time at which the history of interest is off most by mesh and contact, s.
+        Time at which the history of interest has the largest error from mesh and contact, s.
 
     Examples
     --------
@@ -203,7 +204,7 @@ def percent(share: float | None) -> str:
 
 
 def suggestion(name: str, names: Iterable[str]) -> str:
-    """Return the name of the same quantity, or else the nearest one, for messages."""
+    """Return text that suggests a name of the same quantity, or else the nearest name."""
     quantity = name.rpartition(".")[2]
     same = [one for one in names if one.rpartition(".")[2] == quantity]
     return f": take {same[0]!r}" if same else nearest(name, names)

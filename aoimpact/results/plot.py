@@ -1,10 +1,10 @@
-"""Figures of a result, and both bodies of an impact as they meet, to be drawn.
+"""Plots of a result, and the shapes of both bodies of an impact for a movie.
 
-A plot is drawn on the axes given, or on those of a new figure, which are returned; keywords go to
+A plot is drawn on the given axes, or on those of a new figure, and returns them; keywords go to
 ``Axes.plot``. Units get the prefix that suits the numbers, and a second curve on the same axes
-keeps the prefix of the first. `during` is what of the record is drawn: "contact", from shortly
-before the first touch to shortly after the last, "record", or (start, end), s. An ``ax`` that is no
-Axes raises InputTypeError.
+keeps the prefix of the first. `during` is the time span that is drawn: "contact", from shortly
+before the first contact to shortly after the last, "record", or (start, end), s. An ``ax`` that is
+no Axes raises InputTypeError.
 """
 
 from __future__ import annotations
@@ -41,18 +41,18 @@ During = Literal["contact", "record"] | tuple[float, float]
 
 AnyRun = TypeVar("AnyRun", bound="Run")
 
-# Shown before and after the contact, as a share of its length.
+# Time shown before and after the contact, relative to the contact's duration.
 _MARGIN = 0.1
 
-# Elements of a rigid ball's picture, over its radius.
+# Element size in the picture of a rigid ball, relative to its radius.
 _SIZE = 0.35
 
 
 def shown(run: AnyRun, during: During) -> AnyRun:
-    """Return a run at times enough within a span of time.
+    """Return a run at enough times within a time span to draw its curves.
 
-    What was stepped, or read at chosen times, keeps these; what is known between them is read as
-    finely as the fastest of its modes asks for.
+    Runs with fixed steps, or read at chosen times, keep their times. Dense output is evaluated as
+    finely as the fastest natural mode requires.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def shown(run: AnyRun, during: During) -> AnyRun:
 
 
 def span_of(run: Run, during: During) -> tuple[float, float]:
-    """Return the start and the end of what is drawn, s."""
+    """Return the start and end of the time span that is drawn, s."""
     if isinstance(during, str):
         word = choice("during", during, ("contact", "record"))
         if word == "record" or run.touching is None:
@@ -91,8 +91,8 @@ def plot(result: Result, *, during: During = "contact") -> Any:
     Parameters
     ----------
     during : {"contact", "record"} or (float, float), optional
-        Span to draw: the contacts with a little before and after, all of the record, or from
-        one time to another, s.
+        Time span to draw: the contacts with a margin on both sides, the whole record, or
+        (start, end), s.
 
     Returns
     -------
@@ -151,7 +151,7 @@ def plot_energy(
 ) -> Axes:
     """Draw the energies over time, of all bodies or of one (paper, Fig. 5).
 
-    `body` is the handle of a body, its number or, in an impact, "projectile" or "target".
+    `body` is a body's handle or number or, in an impact, "projectile" or "target".
 
     Examples
     --------
@@ -192,7 +192,7 @@ def plot_displacement(
     during: During = "contact",
     **kwargs: Any,
 ) -> Axes:
-    """Draw how far each body's contact coordinate has moved over time.
+    """Draw the displacement of each body's contact coordinate over time.
 
     An impact also shows the centres of mass, dashed (paper, Fig. 10).
 
@@ -246,7 +246,7 @@ def plot_force(
 ) -> Axes:
     """Draw the force of each contact over time; keywords go to ``Axes.plot``.
 
-    `during` is "contact", from the first touch to the last with a little before and after,
+    `during` is "contact", from the first contact to the last with a margin on both sides,
     "record", or (start, end), s.
 
     Examples
@@ -262,7 +262,8 @@ def plot_force(
     curves: list[Curve] = []
     for contact, of in zip(run.plan.contacts, run.each_contact, strict=True):
         first, second = (run.plan.body_names[body] for body in (contact.first, contact.second))
-        alone = contact.name or not (first and second)  # the bodies, where only these have names
+        # A contact without a name is told apart by the names of its bodies.
+        alone = contact.name or not (first and second)
         label = of.name if alone else f"{of.name}: {first} on {second}"
         curves.append((of.force, {"label": label} if len(run.each_contact) > 1 else {}))
     return draw_curves(ax, (run.t, "time", "s"), "contact force", "N", curves, kwargs)
@@ -271,8 +272,8 @@ def plot_force(
 def shown_bodies(hit: Result, times: FloatArray) -> tuple[list[Shown], FloatArray]:
     """Return the bodies that can be drawn, and the direction of travel.
 
-    The target stands where its mesh is; the projectile is turned and moved to where it touches it.
-    A round projectile without a mesh is drawn as a ball.
+    The target is drawn in the coordinates of its mesh; the projectile is turned and moved to touch
+    it. A round projectile without a mesh is drawn as a ball.
     """
     from scipy.spatial.transform import Rotation
 

@@ -1,10 +1,10 @@
-"""The quantities of interest: what an impact or a scene is summed up by.
+"""The quantities of interest: numbers and histories that summarise an impact or a scene.
 
-`QUANTITIES` is the only table of them. ``quantity=``, `Run.value`, summaries, the errors of a
-result, the names that ``keep=`` takes, the columns of a sweep with their units, the fast path of
-`simulate_many` and the comparison of models all read it. An impact is a scene of two bodies: of a
-number that each contact or each body has, it has the first. CONTRIBUTING.md says what goes with a
-new one.
+`QUANTITIES` is their only table. ``quantity=``, `Run.value`, summaries, the errors of a result,
+the names that ``keep=`` takes, the columns of a sweep with their units, the fast path of
+`simulate_many` and the comparison of models all read it. An impact is a scene of two bodies with
+one contact; it has only the number of the first contact or body. CONTRIBUTING.md says what a new
+quantity needs.
 """
 
 from __future__ import annotations
@@ -28,26 +28,26 @@ if TYPE_CHECKING:
     from .run import Run
 
 
-# A run and times, s, to values of shape (rows, times).
+# Returns the values of a run at times, s, as an array of shape (rows, times).
 History = Callable[["Run", FloatArray], FloatArray]
 
-# The least scale of a relative error, as a share of the largest contact of a scene: one that only
-# grazes has no digits of its own.
+# Least value that an error is divided by, relative to the largest value of all contacts of a scene:
+# a contact that only grazes has no accurate digits.
 _LEAST_CONTACT = 0.1
 
-# The same, as a share of the largest initial velocity, or of a restitution of 1: a body that is all
-# but stopped has neither.
+# Least value that an error is divided by: of a rebound velocity relative to the largest initial
+# velocity, and of a restitution. Those of a body that is almost stopped have no accurate digits.
 _LEAST_REBOUND = 0.1
 
-# Times at which momenta are compared while bodies touch.
+# Number of times at which two runs' momenta are compared while bodies touch.
 _ON_THE_WAY = 400
 
-# Times at which the largest friction is looked for between two of a record.
+# Number of times, around the largest friction force of a record, at which it is looked for again.
 _BETWEEN = 65
 
 
 def recorded(rows: Callable[[Run], FloatArray]) -> History:
-    """Return a history from rows that a run has at its own times, shape (rows, times)."""
+    """Return a `History` from a function that gives rows at a run's own times."""
     return partial(read, rows)
 
 
@@ -63,20 +63,20 @@ def read(rows: Callable[[Run], FloatArray], run: Run, times: FloatArray) -> Floa
 
 @dataclass(frozen=True, eq=False)
 class Speeds:
-    """How bodies move before their contacts and after them.
+    """Velocities of bodies before their contacts and after them.
 
-    Arrays of shape (bodies,), or (bodies, impacts) of many impacts at once.
+    Arrays have the shape (bodies,), or (bodies, impacts) for many impacts at once.
 
     Attributes
     ----------
     before, after : array
-        Velocities of the centres of mass along the direction of travel, m/s: when the first contact
-        begins, 0 of what is held at rest, and when the last one has ended; `after` is NaN where it
-        is not known.
+        Velocities of the centres of mass along the direction of travel, m/s: `before` when the
+        first contact begins, 0 for supported bodies at rest, `after` when the last one has ended,
+        NaN where not known.
     fixed : array of bool
-        Whether a body is constrained, or a wall.
+        True for a constrained body or a wall.
     pair : (int, int) or None
-        The bodies of the contact, if there is only one.
+        Numbers of the two bodies in contact; None for several contacts.
     """
 
     before: FloatArray
@@ -86,13 +86,13 @@ class Speeds:
 
     @property
     def still(self) -> Any:
-        """Which bodies are held at rest."""
+        """True for each body that supports hold at rest."""
         return self.fixed & (self.before == 0.0)
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Numbers or histories of a run, by one of four functions.
+    """Numbers or histories of a run, computed by one of four functions.
 
     Attributes
     ----------
@@ -101,36 +101,35 @@ class Quantity:
         Number of a contact, from its `Events`. It is called for contacts that never touched, too:
         `contacts` is then empty, and force, impulse and duration are 0. The fast path of
         `simulate_many` calls it for many impacts at once, as if each touched once, with an array of
-        shape (impacts,) in place of each number. So a quotient such as impulse / contact_duration
-        says what it is where it divides by 0, for numbers and for arrays.
+        shape (impacts,) in place of each number. A quotient such as impulse / contact_duration must
+        therefore define its value for a divisor of 0, for numbers and for arrays.
     of_speeds : callable, optional
-        Of `Speeds`: numbers, shape (k,) or (k, impacts). This and `of_contact` are all that the
-        fast path of `simulate_many` has; other numbers take an impact off it.
+        Numbers computed from `Speeds`, shape (k,) or (k, impacts). The fast path of `simulate_many`
+        supports only this function and `of_contact`.
     of_run : callable, optional
-        Numbers of a `Run`, shape (k,).
+        Numbers computed from a `Run`, shape (k,).
     history : callable, optional
-        Histories of a `Run` at times, s: shape (rows, times).
+        Histories of a `Run` at times, s, shape (rows, times).
     each : {"contacts", "bodies", ""}
-        Owner of the k numbers, or the histories: each contact, each body, or the run as a whole,
-        which has then one or, where there is no such number in its scene, none. A single number
-        that is not known is NaN.
+        Owner of the k numbers or histories: each contact, each body, or the run as a whole. A run
+        has one number, or none if it is not defined for the scene; an unknown number is NaN.
     scenes : bool
-        Whether scenes have it, or impacts of two bodies only.
+        True if scenes have the quantity, False if only impacts of two bodies do.
     column : bool
-        Whether a sweep keeps it by default.
+        True if a sweep keeps the quantity by default.
     count : bool
-        Whether it counts something, so that it is right or wrong.
+        True for a count, which has no relative error: it is either right or wrong.
     lasting : bool
-        Whether the motion after the last contact is part of it.
+        True if the motion after the last contact affects the quantity.
     memory : float
-        By how much longer than the impact a record is for it, s.
+        Time by which the record must exceed the impact, s.
     least : callable, optional
-        Least scale of relative errors, from the velocities at the start, as `Speeds.before`.
+        Returns the least value that errors are divided by, from the initial velocities, m/s.
     sliding : bool
-        True of what only runs with friction have.
+        True if only runs with friction have the quantity.
     by_momentum : callable, optional
-        How much the k numbers of a `Run` change with the momentum that each contact passes on, from
-        changes of it, N s, shape (contacts,).
+        Returns the changes of the k numbers of a `Run` due to changes of the momentum that each
+        contact has transferred, N s, shape (contacts,).
     """
 
     name: str
@@ -151,18 +150,18 @@ class Quantity:
 
     @property
     def is_history(self) -> bool:
-        """True if it is a history, or several, rather than numbers."""
+        """True if the quantity consists of histories, not of numbers."""
         return self.history is not None
 
     @property
     def is_plain(self) -> bool:
-        """True if the fast path of `simulate_many` has it."""
+        """True if the fast path of `simulate_many` supports the quantity."""
         return self.of_contact is not None or self.of_speeds is not None
 
     def of_plain(self, events: Events, speeds: Speeds) -> FloatArray:
-        """Return the number of many impacts, from arrays of shape (impacts,) in place of numbers.
+        """Return the number for many impacts, from arrays of shape (impacts,) in place of numbers.
 
-        Only if `is_plain`.
+        Requires `is_plain`.
         """
         if self.of_contact is not None:
             number = self.of_contact(events)
@@ -172,37 +171,34 @@ class Quantity:
         return np.broadcast_to(np.asarray(number, dtype=np.float64), speeds.before.shape[1:])
 
     def names(self, run: Run) -> list[str]:
-        """Return the names that its numbers are kept by.
-
-        Such as "peak_force" of an impact, "contacts.0.peak_force" of a scene.
-        """
+        """Return the names of its numbers: "peak_force", in a scene "contacts.0.peak_force"."""
         return [self.called(run, i) for i in range(len(self.values(run)))]
 
     def called(self, run: Run, number: int) -> str:
-        """Return the name of one of its numbers: of an impact its own name."""
+        """Return the name of its number at index `number`."""
         owned = run.plan.scene and self.each
         return f"{self.each}.{number}.{self.name}" if owned else self.name
 
     def difference(self, run: Run, exact: Run) -> float:
-        """Return how far a run is from a more exact one: the largest `deviation`."""
+        """Return the largest absolute `deviation` of a run from a more accurate one."""
         return float(np.abs(self.deviation(run, exact)).max(initial=0.0))
 
     def deviation(self, run: Run, exact: Run) -> FloatArray:
-        """Return by how much a run gives more than a more exact one, relative.
+        """Return the signed relative differences of a run to a more accurate one, flattened.
 
-        Flat, contact by contact, of histories at the times of the more exact run. Relative to the
-        largest value of the history, or to the number; in a scene to no less than a tenth of the
-        largest of all contacts.
+        Histories are compared at the times of the more accurate run. Differences are relative to
+        the largest value of the history, or to the number, but to no less than a tenth of the
+        largest one of all contacts.
         """
         if self.history is not None:
             mine, right = self.history(run, exact.t), self.history(exact, exact.t)
             size = np.abs(right).max(axis=1)
         else:
             mine, right = self.compared(run), self.compared(exact)
-            if not len(right):  # friction of runs without
+            if not len(right):  # such as friction in runs without friction
                 return np.zeros(1)
             there = ~(np.isnan(mine) & np.isnan(right))
-            if not there.any():  # nothing that would tell one from the other
+            if not there.any():  # no number to compare
                 return np.array([math.inf])
             mine, right = mine[there], right[there]
             size = np.abs(right)
@@ -211,9 +207,9 @@ class Quantity:
         return _relative(mine - right, self.at_least(scales, before)).ravel()
 
     def span(self, run: Run) -> float:
-        """Return the time, s, over which the motion affects this quantity.
+        """Return the duration of the motion that affects this quantity, s.
 
-        Bodies without gravity, loads or preload do not deform until the first contact.
+        Bodies without gravity, loads or preload do not deform before the first contact.
         """
         first, last = run.touching or (0.0, 0.0)
         if run.plan.preload or run.plan.weighed or run.plan.loads:
@@ -221,15 +217,16 @@ class Quantity:
         return (run.duration if self.lasting else last) - first
 
     def largest(self, run: Run) -> float:
-        """Return the largest value of a history over the record; NaN of a number."""
+        """Return the largest absolute value of a history over the record; NaN for a number."""
         if self.history is None:
             return math.nan
         return float(np.abs(self.history(run, run.t)).max(initial=0.0))
 
     def contact_time(self, run: Run) -> float | None:
-        """Return the duration of the first contact, s, or None where none ends in the record.
+        """Return the duration of the first contact, s; None without contact.
 
-        In a scene, that of the shortest hard contact, about its largest force.
+        In a scene it is the shortest duration of a contact around its peak force, among contacts
+        with at least a tenth of the largest force.
         """
         if not run.plan.scene:
             return run.events[0].contact_duration or None
@@ -242,7 +239,7 @@ class Quantity:
         return min((end - start for start, end in spans if end > start), default=None)
 
     def values(self, run: Run) -> FloatArray:
-        """Return its numbers of a run, shape (k,)."""
+        """Return the numbers of a run, shape (k,); unknown ones are NaN."""
         if self.of_speeds is None:
             return self.compared(run)
         parted = any(events.contacts for events in run.events) and not run.in_contact_at_end
@@ -252,9 +249,9 @@ class Quantity:
         return values if run.plan.scene else values[:1]
 
     def compared(self, run: Run) -> FloatArray:
-        """Return the numbers by which runs are compared, each found once.
+        """Return the numbers by which runs are compared; they are cached in the run.
 
-        As `values`, but with velocities at the record's end where contact has not ended, and the
+        Unlike `values` they use velocities at the record's end if contact has not ended, and the
         mean over the static mode where a centre of mass is not known.
         """
         if self.name not in run.compared:
@@ -269,20 +266,23 @@ class Quantity:
         return run.compared[self.name]
 
     def at_least(self, scales: FloatArray, before: FloatArray) -> FloatArray:
-        """Return scales of relative errors, none below the `least` of these velocities, m/s."""
+        """Return the values that errors are divided by, each raised to at least `least(before)`.
+
+        `before` are the initial velocities, m/s.
+        """
         return scales if self.least is None else np.maximum(scales, self.least(before))
 
 
 def look_up(result: Run, name: str, argument: str) -> float:
-    """Return a number of a run by its name, as of `Quantity.named`, or else any attribute of it.
+    """Return a number of a run by its name: of a quantity, or else of an attribute of the run.
 
     Parameters
     ----------
     result : Run
     name : str
-        Attributes are dotted, with numbers for places in lists.
+        Name as of `Run.value`. Attributes are dotted, with numbers as indices of sequences.
     argument : str
-        For messages: what the name was given as.
+        Name of the argument that the name was given as, for messages.
 
     Raises
     ------
@@ -307,7 +307,7 @@ def look_up(result: Run, name: str, argument: str) -> float:
                 f"{argument}: {name!r}: {type(found).__name__} has no {part!r}"
                 f"{suggestion(name, known)}"
             ) from None
-    if found is None:  # an error that is not known
+    if found is None:  # an unknown error
         return math.nan
     if not isinstance(found, (numbers.Real, np.bool_)):
         raise InputTypeError(
@@ -324,19 +324,23 @@ def number_errors(
     *,
     on_the_way: bool = False,
 ) -> Mapping[str, float]:
-    """Return by how much the force, and each number that sums up a run, may be wrong, relative.
+    """Return relative error estimates of the force and of each number of a run, by name.
 
-    The largest of its changes to other runs, each times its factor, by the names by which numbers
-    are kept, such as "peak_force" or, of a scene, "contacts.0.peak_force". Infinite where one of
-    the runs has no such number. Errors that are known already are taken as they are.
+    The error of "peak_force" or, in a scene, "contacts.0.peak_force", is the largest difference to
+    the other runs, each times its factor. It is infinite where one of the runs has no such number.
 
     Parameters
     ----------
+    run : Run
+    others : sequence of (Run, float)
+        Runs to compare with, and the factor of the difference to each.
+    known : mapping of str to float, optional
+        Errors that are known already.
     on_the_way : bool, optional
-        True to take, of numbers that sum up the force, no less than what the momentum differs by
-        while the bodies touch, the root of its mean square: two forces that differ may have the
-        same integral by chance. They have no bound where one run touches more often than the other:
-        the true motion may touch more often than both.
+        True to bound the errors of numbers that integrate the force from below, by the root mean
+        square difference of the transferred momentum during contact: two different forces may have
+        the same integral by chance. These errors are infinite where one run touches more often than
+        the other: the true motion may touch more often than both.
     """
     before = np.array(run.plan.velocities)
 
@@ -361,9 +365,10 @@ def number_errors(
 
 
 def _momentum_apart(run: Run, other: Run) -> FloatArray:
-    """By how much the momentum that each contact passes on differs while bodies touch, N s.
+    """Root mean square difference of the momentum that each contact has transferred, N s.
 
-    The root of its mean square, shape (contacts,); infinite where one run touches more often.
+    The mean is over the time from the first to the last contact, the shape is (contacts,). It is
+    infinite for a contact that touches more often in one run.
     """
     first, last = run.touching or (0.0, 0.0)
     times = np.linspace(first, last, _ON_THE_WAY)
@@ -376,7 +381,7 @@ def _momentum_apart(run: Run, other: Run) -> FloatArray:
 
 
 def number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
-    """A number's quantity, and its place among the values of this; KeyError if there is none."""
+    """Quantity with this name, index of the number, and all numbers; KeyError if there is none."""
     *_, at, last = ("", "", *name.split("."))
     quantity, place = QUANTITIES[last], int(at) if at.isdigit() else 0
     known = not quantity.is_history and name == quantity.called(run, place)
@@ -386,7 +391,7 @@ def number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
 
 
 def _speeds(run: Run, after: FloatArray) -> Speeds:
-    """How the bodies of a run come to their first contact, with these velocities after the last."""
+    """`Speeds` of a run from the velocities after its last contact, m/s."""
     plan = run.plan
     pair = (plan.contacts[0].first, plan.contacts[0].second) if len(plan.contacts) == 1 else None
     fixed = np.array([of.constrained for of in plan.bodies])
@@ -394,7 +399,7 @@ def _speeds(run: Run, after: FloatArray) -> Speeds:
 
 
 def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
-    """Rows over their scales; of a scale of 0 a difference is infinite."""
+    """Differences divided by the scale of each row; infinite for a scale of 0, but 0/0 is 0."""
     scales = scales.reshape(-1, *(1,) * (difference.ndim - 1))
     relative = np.where(difference == 0.0, 0.0, np.copysign(np.inf, difference))
     np.divide(difference, scales, out=relative, where=np.broadcast_to(scales > 0.0, relative.shape))
@@ -402,10 +407,10 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
 
 
 def _allowed(run: Run, momenta: FloatArray) -> FloatArray:
-    """Changes of contacts' momenta, N s, no larger than the energy left in the bodies allows.
+    """Uncertainties of contacts' momenta, N s, limited by the energy left in the bodies.
 
-    Two bodies that part with e times their velocity keep 1 - e² of their energy. If all of that is
-    uncertain, the impulse is so by (1 - e)/(2 e) of itself.
+    Two bodies that part with e times their velocity keep 1 - e² of their energy as vibration. If
+    all of it is uncertain, the relative uncertainty of the impulse is (1 - e)/(2 e).
     """
     e = QUANTITIES["restitution"].compared(run).max(initial=0.0)
     if run.plan.weighed or run.plan.loads or e == 0.0:
@@ -415,7 +420,7 @@ def _allowed(run: Run, momenta: FloatArray) -> FloatArray:
 
 
 def _of_bodies(run: Run, momenta: FloatArray) -> FloatArray:
-    """Changes of velocities, m/s, by those of contacts' momenta, N s; 0 of what is held at rest."""
+    """Changes of velocities, m/s, by those of contacts' momenta, N s; 0 for bodies held at rest."""
     found = np.zeros(len(run.plan.bodies))
     for contact, momentum in zip(run.plan.contacts, _allowed(run, momenta), strict=True):
         for body, _ in contact.ports:
@@ -425,12 +430,15 @@ def _of_bodies(run: Run, momenta: FloatArray) -> FloatArray:
 
 
 def _unbounded(run: Run, momenta: FloatArray) -> FloatArray:
-    """Changes of a number of each body: no less than 0, and infinite with those of momenta."""
+    """Bounds of each body's number: infinite if a change of momentum is, else 0."""
     return np.full(len(run.plan.bodies), math.inf if np.isinf(momenta).any() else 0.0)
 
 
 def _restitution(of: Speeds) -> FloatArray:
-    """How fast the two bodies part over how fast they came; what is held at rest stays so."""
+    """Ratio of the velocity at which two bodies part to that of their approach; or empty.
+
+    Bodies held at rest stay at rest.
+    """
     if of.pair is None:
         return np.empty(0)
     first, second = of.pair
@@ -442,23 +450,23 @@ def _restitution(of: Speeds) -> FloatArray:
 
 
 def _of_events(name: str, unit: str, **options: Any) -> Quantity:
-    """A number that `Events` have by the same name."""
+    """Quantity that is the attribute `name` of `Events`."""
     return Quantity(name, unit, of_contact=attrgetter(name), **options)
 
 
 def _displacement(name: str, body: int) -> Quantity:
-    """The displacement of the contact point of a body of an impact."""
+    """Quantity that is the displacement of a body's contact point in an impact."""
     history = recorded(lambda run: run.bodies[body].port_displacements)
     return Quantity(name, "m", history=history, scenes=False, lasting=True)
 
 
 def _friction_peaks(run: Run) -> FloatArray:
-    """The largest force of friction of each contact that has it, N.
+    """Largest friction force of each contact, N; 0 without friction.
 
-    Between the times of the record next to the largest there it is looked for again: where slip
-    begins it has a corner.
+    It is looked for again between the times next to that of the record's maximum: at the start of
+    slip, the force has a kink.
     """
-    found, run = list[float](), replace(run, asked=None)  # of the solver's own times
+    found, run = list[float](), replace(run, asked=None)  # at the solver's own times
     for number, contact in enumerate(run.plan.contacts if run.plan.oblique is not None else ()):
         if contact.friction is None:
             found.append(0.0)
@@ -477,7 +485,10 @@ def _friction_peaks(run: Run) -> FloatArray:
 
 
 def _tangential_restitution(run: Run) -> FloatArray:
-    """How fast two bodies move past each other after contact, along the way they did before it."""
+    """Tangential velocity after contact over that before, along the initial tangential direction.
+
+    The velocity is that of one body relative to the other.
+    """
     plan = run.plan
     if plan.oblique is None or len(plan.contacts) != 1:
         return np.empty(0)
@@ -496,7 +507,7 @@ def _tangential_restitution(run: Run) -> FloatArray:
 
 
 def _final_spins(run: Run) -> FloatArray:
-    """Spin of each body after the last contact, rad/s."""
+    """Magnitude of each body's spin after the last contact, rad/s; NaN for constrained bodies."""
     if run.plan.oblique is None:
         return np.empty(0)
     bodies = enumerate(run.plan.bodies)
@@ -524,7 +535,7 @@ _ALL = (
     Quantity(
         "rebound_velocity",
         "m/s",
-        # NaN for bodies held at rest, unless all are.
+        # Bodies held at rest have no rebound velocity, unless all are at rest.
         of_speeds=lambda of: np.where(of.still & ~of.still.all(axis=0), np.nan, of.after),
         each="bodies",
         least=lambda before: _LEAST_REBOUND * np.abs(before).max(axis=0),
@@ -578,7 +589,7 @@ def quantity_unit(name: str) -> str:
     The name may be dotted, and may end with a component of a vector: "bodies.0.final_spin.1".
     """
     *_, last = (part for part in name.split(".") if not part.isdigit())
-    if last == "final_velocity":  # a vector, and its length no quantity
+    if last == "final_velocity":  # a vector whose magnitude is no quantity
         return "m/s"
     quantity = QUANTITIES.get(last)
     return "" if quantity is None or quantity.is_history else quantity.unit

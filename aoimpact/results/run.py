@@ -1,7 +1,7 @@
 """The result of a run: motions of the bodies, contacts and energies over time, and its numbers.
 
-Histories are read-only arrays over `Run.t`. Displacements, velocities and centres of mass are
-measured along the direction of travel, from where the bodies were at t = 0.
+Histories are read-only arrays over `Run.t`. Displacements and velocities, also of centres of mass,
+are components along the direction of travel; displacements are zero at t = 0.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from .quantities import QUANTITIES, look_up, number, number_errors, read
 from .summary import impact_rows, scene_rows, summary_text
 from .table import ROLES, different
 
-# Starts and ends, s.
+# Start and end of each interval, s.
 Spans = list[tuple[float, float]]
 
 
@@ -52,11 +52,12 @@ class BodyEnergy(Frozen):
     Attributes
     ----------
     kinetic, elastic : (n,) arrays
-        Kinetic energy, and strain energy of the body itself, without that of the indentation,
-        which the contact law has: the paper's nonlocal energy. Slightly negative where the law's
-        half-space yields more than the body, as of a ball.
+        Kinetic energy, and strain energy without that of the indentation, which belongs to the
+        contact law: the paper's nonlocal energy. It is slightly negative where the law's half-space
+        is more compliant than the body, such as a ball.
     dissipated, work : (n,) arrays
-        Lost in its damping, and work of gravity and applied forces on it, since t = 0.
+        Energy lost in the body's damping, and work of gravity and applied forces on it, since
+        t = 0.
     """
 
     kinetic: FloatArray
@@ -74,17 +75,17 @@ class Energy(Frozen):
     kinetic, elastic : arrays
         Energies of all bodies together; `elastic` is the paper's nonlocal deformation energy.
     contact : array
-        Stored in the contact laws: the paper's local deformation energy.
+        Energy stored in the contact laws: the paper's local deformation energy.
     dissipated : array
-        Lost in the contact laws and in the bodies' damping since t = 0.
+        Energy lost in the contact laws, by friction and in the bodies' damping since t = 0.
     work : array
         Work of gravity and applied forces since t = 0.
     friction : array
-        The part of `dissipated` that friction has taken.
+        Part of `dissipated` that is lost by friction.
     total : array
         kinetic + elastic + contact + dissipated − work: constant in an exact run.
     bodies : tuple of BodyEnergy
-        The shares of the bodies.
+        Energies of each body.
     """
 
     kinetic: FloatArray
@@ -98,12 +99,12 @@ class Energy(Frozen):
 
     @property
     def projectile(self) -> BodyEnergy:
-        """The share of the first body."""
+        """Energies of the first body."""
         return self.bodies[0]
 
     @property
     def target(self) -> BodyEnergy:
-        """The share of the second body."""
+        """Energies of the second body."""
         return self.bodies[1]
 
 
@@ -114,9 +115,9 @@ class BodyResult(Frozen, Measured):
     Attributes
     ----------
     name : str
-        As its user called it; "projectile" and "target", or "body 0", without a name.
+        Name given by the user, by default "projectile" or "target", in a scene "body 0".
     label : str
-        "rigid", "AO(1)", "modal(40)", "full(3159)".
+        Kind of the model, such as "rigid", "AO(1)", "modal(40)", "full(3159)".
     mass : float or None
         Total mass [kg]; None where it is not known.
     constrained : bool
@@ -144,7 +145,7 @@ class BodyResult(Frozen, Measured):
     def displacement(self) -> FloatArray:
         """Displacement of the (first) contact coordinate [m], shape (n,).
 
-        Warns where it may be badly wrong, as the other histories do; see `error`.
+        Warns, as all histories of a body do, if its error may be large; see `error`.
         """
         return self._told("displacement")
 
@@ -157,8 +158,8 @@ class BodyResult(Frozen, Measured):
     def centre_displacement(self) -> FloatArray:
         """Displacement of the centre of mass [m], shape (n,).
 
-        NaN where that is not known: of a body given by K and M without nodes, unless it is free
-        and struck through its centre.
+        NaN for a body given by K and M without nodes, whose centre of mass is not known, unless
+        the body is free and struck through it.
         """
         return self._told("centre_displacement")
 
@@ -171,7 +172,7 @@ class BodyResult(Frozen, Measured):
     def final_velocity(self) -> FloatArray:
         """Velocity of the centre of mass after the last contact, or at the record's end, m/s, (3,).
 
-        In the axes of the scene, which are those of its meshes: `simulate` has them.
+        The axes are those of the scene and its meshes; see `simulate`.
 
         Raises
         ------
@@ -182,15 +183,15 @@ class BodyResult(Frozen, Measured):
 
     @property
     def final_spin(self) -> FloatArray:
-        """Angular velocity then, rad/s, shape (3,); NaN where supports or springs hold the body.
+        """Angular velocity after the last contact, rad/s, shape (3,); NaN for a constrained body.
 
-        It has the angular momentum of the body, which deforms.
+        It is that of the rigid body with the angular momentum of the deforming body.
         """
         return self._at_end[3:]
 
     @cached_property
     def spin(self) -> FloatArray:
-        """Angular velocity over time, rad/s, shape (n, 3), as `final_spin` has it at the end."""
+        """Angular velocity over time, rad/s, shape (n, 3), defined as for `final_spin`."""
         return read_only(self._run._whole_motion(self._number, self._run.t)[3:].T)
 
     @cached_property
@@ -204,11 +205,11 @@ class BodyResult(Frozen, Measured):
 
     @cached_property
     def error(self) -> Mapping[str, FloatArray]:
-        """Errors of the histories by mesh and model, relative to the largest value of each.
+        """Errors of the histories from mesh and model, relative to the largest value of each.
 
-        ``error["velocity"]``, shape (n,), and so of the other three: twice the difference to the
-        run with other elements. To it add the errors of contact. It is empty of a body given by
-        numbers.
+        ``error["velocity"]``, shape (n,), is twice the difference to the run with other elements;
+        ``displacement``, ``centre_displacement`` and ``centre_velocity`` have the same. Errors of
+        the contact law come in addition. The mapping is empty for a body given by numbers.
 
         Examples
         --------
@@ -236,15 +237,15 @@ class BodyResult(Frozen, Measured):
         }
 
     def _told(self, name: str) -> FloatArray:
-        """Return a history, and warn if it may be badly wrong; displacements often need no run."""
+        """Return a history; warn if its error may be large, which may take another run."""
         if name.endswith("velocity") or not follows(self._run, self._number):
             return self._histories[name].told()
         return self._motion[name]
 
     def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
-        """Return functionalᵀX at `times`, s, by the model's own shapes; of a wall, its place.
+        """Return functionalᵀX, m, at `times`, s, from the model's shapes; of a wall, its motion.
 
-        `probe` gives places better, at the price of a factorisation.
+        `probe` is more accurate at the price of a factorisation.
 
         :meta private:
         """
@@ -255,7 +256,7 @@ class BodyResult(Frozen, Measured):
 
 
 def _moved(number: int, name: str, run: Run, times: FloatArray) -> FloatArray:
-    """A motion of a body of a run at times, s."""
+    """History `name` of a body of a run at times, s."""
     return read(lambda of: of.bodies[number]._motion[name], run, times)
 
 
@@ -273,7 +274,7 @@ class Eventful:
 
     @property
     def peak_time(self) -> float:
-        """When the largest force acts [s]."""
+        """Time of the largest force [s]."""
         return self._own_events.peak_time
 
     @property
@@ -291,7 +292,7 @@ class Eventful:
 
     @property
     def contact_count(self) -> int:
-        """How often the bodies touch."""
+        """Number of times that the bodies touch."""
         return self._own_events.contact_count
 
 
@@ -302,22 +303,22 @@ class ContactResult(Frozen, Eventful):
     Attributes
     ----------
     name : str
-        As its user called it; "contact 0" without a name.
+        Name given by the user, by default such as "contact 0".
     force, indentation : (n,) arrays
-        Contact force, ≥ 0 in compression [N], and the law's own indentation [m]; see
+        Contact force, ≥ 0 in compression [N], and indentation of the contact law [m]; see
         ``hit.indentation``.
     elastic, dissipated : (n,) arrays or None
-        Energy stored in its law, and lost in it since t = 0 [J]; None without energies.
+        Energy stored in the law, and lost in it since t = 0 [J]; None without energies.
     events : Events
-        Its intervals, peak and impulse.
+        Intervals of contact, peak force and impulse.
     law : ContactLaw
-        As it was given to `connect`, or found from the surfaces.
+        Law given to `connect`, or found from the surfaces.
     friction_force : (n, 3) array or None
-        Force of friction on the second body [N]; the first has the opposite. None without friction.
+        Friction force on the second body [N], opposite to that on the first; None without friction.
     stuck : (n,) array or None
-        Share of the contact's radius within which it sticks: 1 all, 0 where all slips, or apart.
+        Radius of the stick zone over that of the contact: 1 in full stick, 0 in full slip or apart.
     friction_energy : (n,) array or None
-        Dissipated by friction since t = 0 [J]; None without energies.
+        Energy dissipated by friction since t = 0 [J]; None without energies.
     """
 
     name: str
@@ -333,13 +334,12 @@ class ContactResult(Frozen, Eventful):
 
     @property
     def slip_intervals(self) -> Spans:
-        """Start and end [s] of every interval in which all of the contact slips.
+        """Start and end [s] of every interval of full slip.
 
-        One begins with the contact, or where the last point that sticks begins to slip: its centre,
-        as a rule. It ends with the contact, or where the first point ceases to slip: there the
-        force of friction no longer changes as fast as its bound μF. Both are located to the error
-        of the motion, whatever the times of the record; with fixed steps they are interpolated
-        between these.
+        Full slip begins with the contact, or where the last sticking point, usually the centre,
+        begins to slip. It ends with the contact, or where the first point ceases to slip: there the
+        friction force no longer changes as fast as its bound μF. An adaptive run locates both times
+        to the error of the motion; with fixed steps they are interpolated between the steps.
         """
         if self.stuck is None:
             return []
@@ -347,9 +347,9 @@ class ContactResult(Frozen, Eventful):
 
     @property
     def stick_intervals(self) -> Spans:
-        """Start and end [s] of every interval in which it sticks, at least in one point.
+        """Start and end [s] of every interval in which at least one point of the contact sticks.
 
-        With `slip_intervals` they make up the intervals of contact.
+        Together with `slip_intervals` they cover the intervals of contact.
         """
         found: Spans = []
         for start, end in self.intervals if self.stuck is not None else ():
@@ -381,10 +381,10 @@ class Cost:
     Attributes
     ----------
     model : float
-        To choose and to make the bodies' models, with the runs that this takes; 0 where models were
+        Time to choose and make the bodies' models, including the runs for that; 0 if models were
         given.
     run : float
-        The run itself.
+        Time of the run itself.
 
     Examples
     --------
@@ -405,24 +405,24 @@ class Cost:
 
 _NOTHING_KNOWN = LeftOut()
 
-# Points of a curve: in the shortest period of the models, and in all.
+# Points of a curve: in the shortest period of the models, and their least and largest total.
 _PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
 
 
 @dataclass(frozen=True)
 class Handle:
-    """A body of a scene, to connect, load and read it by.
+    """Identifies a body of a scene, or one of its contact points, in calls and results.
 
     Attributes
     ----------
     body : int
-        Its number in the order of `add`.
+        Number of the body in the order of `add`.
     at : int
-        Which of its places of contact is meant, if it may be touched in several; see `port`.
+        Number of the contact point, for a body with several; see `port`.
     name : str
-        As it was added, for messages.
+        Name of the body, for messages.
     scene : str
-        The mark of the scene that it is of.
+        Unique identifier of the scene.
 
     Examples
     --------
@@ -441,7 +441,7 @@ class Handle:
     scene: str = field(default="", compare=False, repr=False, metadata={"identity": True})
 
     def port(self, at: int) -> Handle:
-        """Return the handle of another of its contact points: `at` in the order of `tips`.
+        """Return the handle of the body's contact point number `at`, in the order of `tips`.
 
         Examples
         --------
@@ -466,9 +466,9 @@ class Run:
     time_error : float or None
         Relative error of peak force and impulse from integration in time.
     chosen : Chosen or None
-        How the bodies' models were chosen, where `simulate` was left to do so.
+        Quantities, tolerance and errors of models that `simulate` chose; None for given models.
     modelled : float
-        How long it took to choose and to make the models, s.
+        Computing time to choose and make the models, s.
 
     Examples
     --------
@@ -488,12 +488,12 @@ class Run:
     time_error: float | None
     chosen: Chosen | None = None
     asked: FloatArray | None = None  # the times of `at`, s; None for the solver's own
-    # The errors of meshes and contact laws, or the function that estimates them of the run. It is
-    # called when an error is first read.
+    # Errors of meshes and contact laws, or the function that estimates them from the run when an
+    # error is first read.
     left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
-    # The run with the bodies as they are meshed, where this one is that with finer elements.
+    # Run with the bodies as the user meshed them, if this run has finer elements.
     beside: Run | None = None
-    # Returns the runs with other elements, the changes to which are errors of histories.
+    # Returns runs with other elements; the differences to them give the errors of histories.
     other_runs: Callable[[Run], list[Run | float]] | None = None
     modelled: float = 0.0
     said: tuple[str, ...] = ()  # warnings of the run, which `simulate` issues
@@ -517,17 +517,17 @@ class Run:
 
     @property
     def cost(self) -> Cost:
-        """Seconds spent on models and on the run."""
+        """Computing time of the models and of the run, s."""
         return Cost(self.modelled, self.recorder.seconds)
 
     @property
     def models(self) -> tuple[Any, ...]:
-        """The bodies' models in the order of `add`: those chosen, or as given."""
+        """The bodies' models, chosen or given, in the order of `add`."""
         return tuple(self.plan.bodies)
 
     @property
     def solver(self) -> str:
-        """How time was integrated."""
+        """Description of the time integration."""
         return self.recorder.solver
 
     @cached_property
@@ -552,7 +552,7 @@ class Run:
         return read_only(self.recorder.times if self.asked is None else self.asked)
 
     def even_times(self, start: float, end: float) -> FloatArray:
-        """Return even times, s, that show the vibration of all bodies, as far as memory allows.
+        """Return evenly spaced times, s, that resolve the vibration of all bodies, up to a limit.
 
         :meta private:
         """
@@ -566,9 +566,9 @@ class Run:
 
     @cached_property
     def pushes(self) -> FloatArray:
-        """Contact forces, each followed by those of its friction along two tangents, N.
+        """Contact forces, each followed by its two tangential friction forces, N.
 
-        Without friction they are made without the motions, which cost more.
+        Without friction they are computed without the motions, which would cost more.
 
         :meta private:
         """
@@ -607,7 +607,7 @@ class Run:
 
     @property
     def _parted(self) -> float:
-        """The end of the last contact, or of the record without any, s; of steps the next one."""
+        """End of the last contact, s, or of the record; with fixed steps, the step at or after."""
         touching, end = self.touching, self.duration
         end = end if touching is None else min(touching[1], end)
         if self.recorder.dense:
@@ -617,7 +617,7 @@ class Run:
 
     @property
     def accelerated(self) -> float | None:
-        """When the first contact begins, s, where gravity or loads have changed velocities by then.
+        """Start of the first contact, s, if gravity or loads act until then; else None.
 
         :meta private:
         """
@@ -626,7 +626,7 @@ class Run:
 
     @cached_property
     def velocities_before(self) -> FloatArray:
-        """Velocities of the bodies as the first contact begins, m/s; 0 of what is held at rest.
+        """Velocities of the bodies as the first contact begins, m/s; 0 for bodies held at rest.
 
         :meta private:
         """
@@ -639,7 +639,7 @@ class Run:
     def motion_at(self, body: int, time: float | None = None) -> FloatArray:
         """Return the velocity of a body's centre of mass and its spin, m/s and rad/s, shape (6,).
 
-        By default after the last contact, or at the record's end; 0 for rounding.
+        By default after the last contact, or at the record's end; rounding errors are set to 0.
 
         :meta private:
         """
@@ -662,7 +662,7 @@ class Run:
 
     @cached_property
     def others(self) -> list[Run]:
-        """The runs with which histories are compared; none where one cannot be run.
+        """The runs with which histories are compared; empty if one of them fails.
 
         :meta private:
         """
@@ -672,7 +672,7 @@ class Run:
 
     @cached_property
     def compared_velocities(self) -> FloatArray:
-        """Mean velocities at the end of the last contact, or of the record, m/s, shape (bodies,).
+        """`mean_velocities` at the end of the last contact, or of the record, m/s, (bodies,).
 
         :meta private:
         """
@@ -681,8 +681,8 @@ class Run:
     def mean_velocities(self, time: float) -> FloatArray:
         """Return the velocities of the centres of mass at a time, s, shape (bodies,), m/s.
 
-        Where a centre of mass is not known they are means over the static mode: no velocities of
-        the body, but runs are compared by them.
+        Where a centre of mass is not known, the mean over the static mode stands in, by which runs
+        can be compared.
 
         :meta private:
         """
@@ -696,7 +696,7 @@ class Run:
 
     @cached_property
     def each_contact(self) -> tuple[ContactResult, ...]:
-        """The contacts of any run.
+        """The contacts of a run; of a `Result` too, whose `contacts` are intervals.
 
         :meta private:
         """
@@ -708,7 +708,7 @@ class Run:
         stored = rows.elastic + 0.5 * math.fsum(contact.removed) * rows.force**2
         pushed, stuck, lost = None, None, None
         if plan.oblique is not None:
-            pushed, stuck, lost = np.zeros((len(self.t), 3)), zero, zero  # smooth
+            pushed, stuck, lost = np.zeros((len(self.t), 3)), zero, zero  # without friction
             if rows.tangential is not None and rows.stuck is not None:
                 pushed = rows.tangential.T @ plan.oblique.axes[1:]
                 stuck, lost = np.sqrt(rows.stuck), rows.friction
@@ -726,7 +726,7 @@ class Run:
         )
 
     def deepest(self, number: int) -> float:
-        """Return the largest indentation of a contact's law, m; no history of it is kept.
+        """Return the largest indentation of a contact's law, m, without keeping its history.
 
         :meta private:
         """
@@ -751,7 +751,8 @@ class Run:
         recorded = [layout.body(self._rows, number) for number in range(len(layout.ports))]
         strain = [of.elastic.copy() for of in recorded]
         for between, touch in zip(self.plan.contacts, contacts, strict=True):
-            for port, c in zip(between.ports, between.removed, strict=True):  # c F²/2 is the law's
+            # c F²/2 is counted as energy of the law.
+            for port, c in zip(between.ports, between.removed, strict=True):
                 strain[port.body] -= 0.5 * c * touch.force**2
         bodies = tuple(
             BodyEnergy(of.kinetic, elastic, of.dissipated, of.work)
@@ -768,12 +769,12 @@ class Run:
         return Energy(kinetic, elastic, contact, dissipated, work, total, bodies, friction)
 
     def at(self, times: npt.ArrayLike) -> Self:
-        """Return the same run at other times: dense output, as exact as the run itself.
+        """Return the same run at other times, by dense output as accurate as the run itself.
 
         Parameters
         ----------
         times : array_like, shape (m,)
-            Ascending, within the record [s]; none gives empty histories.
+            Ascending times within the record [s]; an empty array gives empty histories.
 
         Raises
         ------
@@ -803,7 +804,7 @@ class Run:
 
     @cached_property
     def events(self) -> tuple[Events, ...]:
-        """Events of each contact, from the solver, or interpolated between fixed steps."""
+        """Events of each contact, located by the solver or interpolated between fixed steps."""
         return self.recorder.events
 
     @property
@@ -817,7 +818,7 @@ class Run:
 
     @cached_property
     def numbers(self) -> Mapping[str, float]:
-        """All numbers that sum up the run, by the names that `value` takes."""
+        """Numbers that summarise the run, by the names that `value` takes."""
         numeric = [of for of in QUANTITIES.values() if not of.is_history]
 
         def find(name: str) -> float:
@@ -828,23 +829,23 @@ class Run:
 
     @cached_property
     def compared(self) -> dict[str, FloatArray]:
-        """Numbers that were found by quantity; see `Quantity.compared`.
+        """Cache of `Quantity.compared`, by the quantity's name.
 
         :meta private:
         """
         return {}
 
     def value(self, name: str) -> float:
-        """Return a number that sums up the run, by its name.
+        """Return a number of the run by its name.
 
         Parameters
         ----------
         name : str
-            "restitution", or any other quantity of interest that is a number; of the history that
-            the models were chosen for, such as "reaction", its largest value; of a scene
-            "contacts.0.peak_force" or any other number of a contact, "bodies.0.rebound_velocity":
-            the names of `ErrorEstimate`. Or an attribute, such as "error.time"; of a vector one
-            component, such as "bodies.0.final_spin.2".
+            Name of a number as in `ErrorEstimate`: "restitution", or in a scene
+            "contacts.0.peak_force" and "bodies.0.rebound_velocity". The name of a history that the
+            models were chosen for, such as "reaction", means its largest value. Any attribute that
+            is a number has a name, such as "error.time", or "bodies.0.final_spin.2" for a component
+            of a vector.
 
         Returns
         -------
@@ -871,15 +872,15 @@ class Run:
 
     @property
     def in_contact_at_end(self) -> bool:
-        """True if the record ends in contact: its numbers are then not yet final."""
+        """True if the record ends in contact, so that its numbers are not final."""
         return any(events.last_until(self.duration) for events in self.events)
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Errors of the quantity of interest; ``error["restitution"]`` is that of a number."""
+        """Errors of the quantity of interest; ``error["restitution"]`` has those of a number."""
         energy, models = None, self.plan.bodies
         walls = [i for i, body in enumerate(models) if body.wall]
-        # A wall that moves brings energy that is not counted.
+        # The energy that a moving wall supplies is not counted.
         if self.plan.energies and not any(self.bodies[i].port_velocities.any() for i in walls):
             of = (replace(self, asked=self.recorder.marks) if self.recorder.dense else self).energy
             stored = float((of.kinetic + of.elastic + of.contact).max())
@@ -890,7 +891,8 @@ class Run:
         full = [model for model in models if isinstance(model, FullModel)]
         whole = full and all(of in full for of in models if of.tips)
         quantities, rtol, absent = list[str](), None, None
-        by_model: Mapping[str, float] = names if whole else {}  # which leaves nothing out
+        # The errors of full models are zero.
+        by_model: Mapping[str, float] = names if whole else {}
         if self.chosen is not None:
             quantities, rtol = list(self.chosen.quantities), self.chosen.rtol
             by_model, absent = self.chosen.numbers, None if self.plan.meshed else 0.0
@@ -951,7 +953,7 @@ class Result(Eventful, Run):
 
     @property
     def law(self) -> Any:
-        """The contact law, as it was given or found from the surfaces."""
+        """The contact law, given or found from the surfaces."""
         return own_law(self.plan.contacts[0].law)
 
     @property
@@ -961,18 +963,19 @@ class Result(Eventful, Run):
 
     @property
     def indentation(self) -> FloatArray:
-        """Indentation of the contact law [m], shape (n,): (F/k)^(2/3) under Hertz's on any mesh.
+        """Indentation of the contact law [m], shape (n,): (F/k)^(2/3) for Hertz's on any mesh.
 
-        Projectile's minus target's contact coordinate minus the initial gap, plus c F: the meshes
-        have the compliance c in place of the half-space's. Negative while the bodies are apart.
+        It is the projectile's minus the target's contact coordinate minus the initial gap, plus
+        c F, where c is the local compliance of the meshes, which replaces that of the half-spaces.
+        It is negative while the bodies are apart.
         """
         return self.each_contact[0].indentation
 
     @property
     def friction_force(self) -> FloatArray:
-        """Force of friction on the target [N], shape (n, 3); the projectile has the opposite.
+        """Friction force on the target [N], shape (n, 3), opposite to that on the projectile.
 
-        In the axes of the target's mesh, as `velocity` was given.
+        The axes are those of the target's mesh, as for `velocity`.
 
         Raises
         ------
@@ -983,17 +986,17 @@ class Result(Eventful, Run):
 
     @property
     def stuck(self) -> FloatArray:
-        """Share of the contact's radius within which it sticks, shape (n,); see `ContactResult`."""
+        """Radius of the stick zone over that of the contact, shape (n,); see `ContactResult`."""
         return self._with_friction("stuck")
 
     @property
     def slip_intervals(self) -> Spans:
-        """Start and end [s] of every interval in which all of the contact slips."""
+        """Start and end [s] of every interval of full slip; see `ContactResult`."""
         return self.each_contact[0].slip_intervals
 
     @property
     def stick_intervals(self) -> Spans:
-        """Start and end [s] of every interval in which it sticks, at least in its middle."""
+        """Start and end [s] of every interval in which at least one point of the contact sticks."""
         return self.each_contact[0].stick_intervals
 
     def _with_friction(self, name: str) -> FloatArray:
@@ -1008,10 +1011,11 @@ class Result(Eventful, Run):
 
     @property
     def tangential_restitution(self) -> float:
-        """Tangential velocity of the centre of mass after the last contact over that before.
+        """Ratio of the tangential velocity after the last contact to that before the first one.
 
-        It is that of the projectile past the target, along its first direction; negative where it
-        goes back. NaN where `restitution` is, and where it had none.
+        The velocity is that of the projectile's centre of mass relative to the target's, along its
+        initial direction; the ratio is negative if it reverses. NaN where `restitution` is, and
+        without an initial tangential velocity.
         """
         return self._number("tangential_restitution")
 
@@ -1029,8 +1033,8 @@ class Result(Eventful, Run):
     def approach(self) -> FloatArray:
         """Approach of the centres of mass, projectile's minus target's minus the gap [m].
 
-        The force over it is the paper's modified interaction law (Fig. 7): what two rigid masses
-        would have to have between them.
+        The force as a function of it is the paper's modified interaction law (Fig. 7): with that
+        law, two rigid masses would have the same force over time.
         """
         first, second = (body.centre_displacement for body in self.bodies)
         return first - second - self.gap
@@ -1046,9 +1050,9 @@ class Result(Eventful, Run):
 
     @property
     def contact_radius(self) -> float:
-        """Radius of the contact at its largest, √(R δ) [m]; NaN where the law has no surface.
+        """Largest radius of the contact, √(R δ) [m]; NaN for a law without a known surface.
 
-        √(a b) of an elliptic contact of semi-axes a and b.
+        For an elliptic contact of semi-axes a and b it is √(a b).
         """
         found = self.plan.round_contact(self.plan.contacts[0])
         if found is None:
@@ -1064,9 +1068,9 @@ class Result(Eventful, Run):
 
     @property
     def advice(self) -> tuple[Advice, ...]:
-        """How far the impact is from the limits of linear elasticity; see `Advice`.
+        """The impact relative to the limits of linear elasticity; see `Advice`.
 
-        Yield, deflection, mass ratio and speed, as far as they are known, as the summary has them.
+        The rows are yield, deflection, mass ratio and speed, as far as known, as in the summary.
 
         Examples
         --------
@@ -1079,7 +1083,7 @@ class Result(Eventful, Run):
 
     @property
     def hertz_pressure(self) -> float:
-        """Largest pressure by Hertz, 3 F/(2 π a b) [Pa]; NaN where the law has no surface."""
+        """Largest Hertzian pressure, 3 F/(2 π a b) [Pa]; NaN for a law without a known surface."""
         width = self.contact_radius
         return 1.5 * self.peak_force / (math.pi * width**2) if width > 0.0 else math.nan
 
@@ -1087,16 +1091,16 @@ class Result(Eventful, Run):
     def rebound_velocity(self) -> float:
         """Velocity of the projectile's centre of mass after the last contact [m/s].
 
-        NaN without a rebound, if the bodies have not met or the record ends in contact, and where
-        the centre of mass is not known (see `BodyResult`).
+        NaN if the bodies have not met, the record ends in contact, or the centre of mass is not
+        known (see `BodyResult`).
         """
         return self._number("rebound_velocity")
 
     @property
     def restitution(self) -> float:
-        """Coefficient of restitution, by the centres of mass after the last contact.
+        """Coefficient of restitution, from velocities of centres of mass after the last contact.
 
-        (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is
+        It is (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is
         constrained or of infinite mass. NaN without a rebound, and where a centre of mass
         is not known.
         """
@@ -1115,26 +1119,27 @@ class Result(Eventful, Run):
         scale: float | None = None,
         fps: float = 15.0,
     ) -> Path:
-        """Write a movie of the two bodies as they meet, coloured by von Mises' stress.
+        """Write a movie of the impact, coloured by von Mises stress.
 
-        Displacements, also those of the approach, are enlarged by a factor that the picture names.
-        The target stands where its mesh is; the projectile is turned and moved to where it touches
-        it. A body without elements is drawn if it is a ball. The highest 2 % of the stresses,
+        Displacements, including rigid-body motion, are enlarged by a factor shown in the picture.
+        The target is drawn in the coordinates of its mesh; the projectile is turned and moved to
+        touch it. A body without elements is drawn if it is a ball. The highest 2 % of the stresses,
         mostly under the contact, share the last colour.
 
         Parameters
         ----------
         path : path
-            Ending in .gif or .mp4.
+            File to write, ending in .gif or .mp4.
         times : array_like, shape (k,), optional
-            Ascending, within the record, s; a frame each. By themselves `frames` times from shortly
-            before the contact to shortly after it.
+            Ascending times of the frames within the record, s; by default `frames` times from
+            shortly before the contact to shortly after it.
         frames : int, optional
+            Number of frames, if `times` is not given.
         scale : float, optional
-            How many times displacements are enlarged; by itself 1, 2 or 5 times a power of ten that
-            makes them visible.
+            Enlargement of displacements; by default 1, 2 or 5 times a power of ten that makes them
+            visible.
         fps : float, optional
-            Frames a second.
+            Frames per second.
 
         Returns
         -------
@@ -1145,7 +1150,7 @@ class Result(Eventful, Run):
         MissingPackageError
             If PyVista or, for .mp4, imageio and imageio-ffmpeg are not installed.
         InputError
-            If no body has elements, the path is no place for a movie, or a time is outside the
+            If no body has elements, a movie cannot be written to `path`, or a time is outside the
             record.
 
         Examples

@@ -1,4 +1,4 @@
-"""One run of a plan, for a given time or until its impact is over."""
+"""One run of a plan, for a given duration or until its impact is over."""
 
 from __future__ import annotations
 
@@ -24,19 +24,21 @@ from .run import Result, Run
 
 TimeSolver = Adaptive | Newmark
 
-# With friction to as many digits as its coefficient has.
+# Default solvers without and with friction, whose coefficient is known to fewer digits.
 _BY_DEFAULT, _RUBBING = Adaptive(), Adaptive(rtol=1e-4)
 
 
 def time_solver(plan: Scenario, solver: TimeSolver | None) -> TimeSolver:
-    """Return a solver; by default to a tolerance, of a full model or damped friction in steps.
+    """Return the checked solver; by default `Newmark` for a full model or friction with damping.
+
+    The default for all other plans is `Adaptive`.
 
     Raises
     ------
     InputError
-        If `solver` is `Adaptive`, and a damped law has friction.
+        If `solver` is `Adaptive`, and a rate-dependent law has friction.
     InputTypeError
-        If it is no solver.
+        If `solver` is no solver.
     """
     damped_friction = plan.oblique is not None and any(
         contact.law.depends_on_rate for contact in plan.contacts
@@ -61,9 +63,10 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
     Raises
     ------
     InputError, InputTypeError
-        As of that.
+        As for `time_solver`.
     LawLimitError
-        If a contact grows wider than its patches, or deeper than its table; with its number.
+        If a contact grows wider than its patches, or deeper than its table; the error has the
+        contact's number.
     """
     solver = time_solver(plan, solver)
     try:
@@ -81,7 +84,8 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
         radii = [tip.patch.radius for *_, tip in plan.touched(contact) if tip.patch is not None]
         cure = "leave radius out, so that a patch carries the contact"
         if radii and plan.fastest > 0.0:
-            # Rigid bodies go deeper. c is inversely proportional to the radius of a patch.
+            # Rigid bodies give an upper bound of the indentation. The compliance of a patch is
+            # inversely proportional to its radius.
             own, mass = contact.law.law, plan.reduced_mass(contact)
             most = removable(own, own.stroke(0.5 * mass * plan.fastest**2))
             wider = 1.2 * max(contact.law.compliance / most, 1.0) * max(radii)
@@ -93,28 +97,29 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
         ) from None
 
 
-# Longest record in units of the first guess, for contacts that do not end, as under gravity.
+# Longest record in units of the first guess, for contacts that never end, such as under gravity.
 _MOST = 4096.0
 
-# Length of the record in units of the time from the first contact's start to the last one's end,
-# rounded up to one of so many lengths an octave, which models of little difference share.
+# Length of the record from the start of the first contact, in units of the time to the end of the
+# last one. It is rounded up to one of _LENGTHS lengths per octave, so that models that hardly
+# differ have the same length.
 AS_LONG_AGAIN, _LENGTHS = 2.0, 16.0
 
 
 @dataclass
 class RecordLength:
-    """How long a scene is recorded, s.
+    """Duration of a scene's record, given or determined by the impact.
 
     Attributes
     ----------
     length : float
-        The duration given, or a first guess.
+        Duration given, or first guess, s.
     given : bool
-        Whether it was given.
+        True if the duration was given.
     margin : float, optional
-        By how much it is longer than the impact needs, if it was not given.
+        Time added to what the impact needs if the duration was not given, s.
     settled : bool, optional
-        False to let the next run determine the length, unless it was given.
+        False to let the next run determine a duration that was not given.
     """
 
     length: float
@@ -125,7 +130,7 @@ class RecordLength:
     _cut: bool = False
 
     def run(self, plan: Scenario, solver: TimeSolver | None) -> Run:
-        """Run a plan for this length, or, where that is open, until its impact is over."""
+        """Run a plan for the given or settled duration, or else until the impact is over."""
         if self.given or self.settled:
             return solve(_lasting(plan, self.length), solver)
         self._longest = self._longest or _MOST * self.length
@@ -156,22 +161,22 @@ class RecordLength:
 
 
 def _lasting(plan: Scenario, length: float) -> Scenario:
-    """The plan with that duration, s."""
+    """Plan with the duration `length`, s."""
     return plan if plan.duration == length else replace(plan, duration=length)
 
 
 def _ahead(plan: Scenario, length: float, solver: TimeSolver | None) -> Run:
-    """A run of that length, s, or of more, where free motion costs nothing."""
+    """Run of the duration `length`, s; longer if the solver is `Adaptive`: free motion is cheap."""
     if isinstance(time_solver(plan, solver), Adaptive):
-        with suppress(AOImpactError):  # of a contact that the record may not have
+        with suppress(AOImpactError):  # an error may come from a contact after `length`
             return solve(_lasting(plan, AS_LONG_AGAIN * 2.0 ** (1.0 / _LENGTHS) * length), solver)
     return solve(_lasting(plan, length), solver)
 
 
 def _shortened(run: Run, length: float) -> Run:
-    """The first part of a run, to that length, s; all of one with fixed steps.
+    """First part of a run, up to `length`, s; the whole run if it has fixed steps.
 
-    The peak and the impulse of a contact are still those of all of the run.
+    Peak force and impulse of each contact remain those of the whole run.
     """
     if not run.recorder.dense or run.duration <= length:
         return run
@@ -184,7 +189,7 @@ def _shortened(run: Run, length: float) -> Run:
 
 
 def _until_over(run: Run) -> float:
-    """How long the record must be, s; infinite where that is not known yet."""
+    """Duration that the record must have, s; infinite while not known."""
     touching = run.touching
     forced = run.plan.preload or run.plan.weighed or run.plan.loads
     if touching is None and not forced and run.each_contact:

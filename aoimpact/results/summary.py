@@ -1,4 +1,4 @@
-"""The few lines that a result prints of itself, as text and as a table of a notebook."""
+"""The summary of a result that it prints."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 
 _RIGID = "rigid", "wall"
 
-# A summary of more bodies or contacts than these helps nobody.
+# Largest number of bodies, contacts and slip intervals that a summary lists.
 SHOWN = 12
 
-# Number of a body's contact points that are listed.
+# Largest number of contact points that are listed for a body.
 _PLACES = 2
 
-# Coordinates that are rounding, m.
+# Coordinates below this are printed as 0, m.
 _NOTHING = 1e-12
 
 
 def impact_rows(result: Result) -> list[tuple[str, str]]:
-    """Return (name, value with unit) for everything that a user asks first."""
+    """Return the rows of an impact's summary: (name, value with unit)."""
     oblique, contact = result.plan.oblique, result.plan.contacts[0]
     velocity, along = f"{result.velocity:.6g} m/s", ""
     if oblique is not None:
@@ -90,7 +90,7 @@ def impact_rows(result: Result) -> list[tuple[str, str]]:
 
 
 def scene_rows(run: Run) -> list[tuple[str, str]]:
-    """Return (name, value with unit) of the bodies and contacts of a scene."""
+    """Return the rows of a scene's summary: (name, values with units)."""
     bodies, contacts, oblique = len(run.names), len(run.events), run.plan.oblique
     rows = [(name, _body(run, i)) for i, name in enumerate(run.names[:SHOWN])]
     if oblique is not None:
@@ -119,7 +119,7 @@ def scene_rows(run: Run) -> list[tuple[str, str]]:
 
 
 def summary_text(head: str, rows: Sequence[tuple[str, str]], width: int) -> str:
-    """Return a summary as lines of text, names in a column at least that wide."""
+    """Return a summary as lines of text, with names in a column of at least `width` characters."""
     width = max(width, *(len(name) for name, _ in rows))
     return "\n".join([head, *(f"  {name:<{width}} {value}" for name, value in rows)])
 
@@ -134,7 +134,7 @@ def _told(run: Run, name: str, digits: int = 4, *, listed: bool = False, along: 
 def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
     """The error of a number, with its parts if `listed`; empty where none is known.
 
-    Time alone is not said: bodies given by numbers have no other error.
+    Empty also if only the error of time integration is known, as of bodies given by numbers.
     """
     error = run.error[name]
     if error.mesh is error.contact is error.model is None or not error.least >= ROUNDING:
@@ -147,7 +147,7 @@ def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
 def _bound(
     run: Run, interest: Quantity, value: float, error: ErrorParts, *, listed: bool = False
 ) -> str:
-    """An error, in the number's own unit if that is below what errors are relative to."""
+    """Text of an error: absolute if the number is below the least scale of relative errors."""
     least = 0.0 if interest.least is None else interest.least(np.array(run.plan.velocities))
     if math.isinf(error.least):
         return " not bounded"
@@ -158,18 +158,18 @@ def _bound(
 
 
 def _is_certain(error: ErrorParts, count: int) -> bool:
-    """True if a count is off by less than one half."""
+    """True if the error of a count is less than one half."""
     return error.least * count < 0.5
 
 
 def _peak(run: Run, owner: str) -> str:
-    """The largest force of a contact, and when it acts."""
+    """The largest force of a contact, and its time."""
     force = _told(run, f"{owner}peak_force", 5, listed=True)
     return f"{force} at {_told(run, f'{owner}peak_time')}"
 
 
 def _slips(contact: ContactResult) -> str:
-    """When all of a contact slips."""
+    """The intervals of full slip of a contact."""
     if not contact.intervals or not (slips := contact.slip_intervals):
         return ""
     if not contact.stick_intervals:
@@ -179,7 +179,7 @@ def _slips(contact: ContactResult) -> str:
 
 
 def _body(run: Run, number: int) -> str:
-    """How a body is modelled and held, and where it is touched; of an impact its mass, too."""
+    """A body's model, support and contact points; in an impact also its mass."""
     body, scene = run.plan.bodies[number], run.plan.scene
     rigid, name, mass = body.label in _RIGID, run.names[number], ""
     tips = body.tips[:: 3 if run.plan.oblique else 1][: _PLACES if scene else 1]
@@ -193,7 +193,7 @@ def _body(run: Run, number: int) -> str:
 
 
 def _place(tip: ContactPoint, *, rigid: bool) -> str:
-    """Return where and over what a body is touched, along which direction."""
+    """Return a contact point's node or patch, position and direction."""
     if tip.point is None or tip.direction is None:
         return ""
     what = "point" if tip.node is None else f"node {tip.node_label}"
@@ -214,9 +214,9 @@ def _rebound(result: Result, name: str, along: str = "") -> str:
 
 
 def error_rows(run: Run) -> list[tuple[str, str]]:
-    """Return what is known of the error: of the quantities of interest, with value and tolerance.
+    """Return the rows of errors: each quantity of interest with its value, error and tolerance.
 
-    Of a history, at any time, relative to its largest value.
+    The error of a history is that at any time, relative to its largest value.
     """
     chosen = run.chosen
     rows = []
@@ -238,7 +238,7 @@ def error_rows(run: Run) -> list[tuple[str, str]]:
 
 
 def _interest(run: Run, name: str, parts: ErrorParts) -> str:
-    """A quantity of interest, its value and all of its error."""
+    """A quantity of interest, its value and its total error."""
     words, interest = name.replace("_", " "), QUANTITIES.get(name)
     if interest is None or interest.is_history:
         bound = _bound(run, QUANTITIES["force"], math.inf, parts)
@@ -253,7 +253,7 @@ def _interest(run: Run, name: str, parts: ErrorParts) -> str:
     values = [run.numbers[of] for of in interest.names(run)]
     alone = len(values) == 1
     bound = _bound(run, interest, values[0] if alone else math.inf, parts)
-    if interest.count:  # a share of a number of contacts is none
+    if interest.count:  # a relative error of a count has no meaning
         certain = all(_is_certain(parts, int(value)) for value in values)
         bound = f", {'certain' if certain else 'uncertain'}"
     called = run.contact_names if interest.each == "contacts" else run.names
@@ -266,7 +266,7 @@ def _interest(run: Run, name: str, parts: ErrorParts) -> str:
 
 
 def _number(interest: Quantity, value: float, digits: int = 5) -> str:
-    """A number with its unit; velocities without a prefix, to be compared by eye."""
+    """A number with its unit; velocities have no prefix, so that they are easy to compare."""
     if math.isnan(value):
         return "none"
     if interest.count or not interest.unit or "/" in interest.unit:

@@ -1,4 +1,4 @@
-"""A run's histories as one table: for a CSV file, pandas and xarray."""
+"""A run's histories as one table, for CSV files, pandas and xarray."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from .run import Run
 
 
-# Names of the bodies of an impact that have none of their own.
+# Default names of the bodies of an impact.
 ROLES = ("projectile", "target")
 
-# Every history of a contact, of a body and of the run in the order of the CSV file: name, unit and
-# description. An energy is one of their ``energy``.
+# Name, unit and description of every history of a contact, of a body and of the run, in the order
+# of the CSV file. "kinetic_energy" is the attribute ``energy.kinetic``, and so on.
 _HISTORIES = {
     "contact": (
         ("force", "N", "contact force, positive in compression"),
@@ -46,7 +46,7 @@ _HISTORIES = {
 
 
 def _history(run: Run, kind: str, number: int, name: str) -> FloatArray | None:
-    """A history by its name, shape (n,) or (n, 3); None where the run has none."""
+    """History by its name, shape (n,) or (n, 3); None if the run does not have it."""
     of: Any = {"contact": run.each_contact, "body": run.bodies, "run": (run,)}[kind][number]
     absent = run.plan.oblique is None or (name == "spin" and of.constrained)
     if absent and name in ("spin", "friction_energy"):
@@ -76,7 +76,7 @@ def columns(run: Run) -> dict[str, FloatArray]:
 
 
 def different(names: Sequence[str], others: Sequence[str]) -> tuple[str, ...]:
-    """Return distinct names: `others` in place of an empty one, and after a shared one."""
+    """Return distinct names: `others` replace empty names and are appended to names that repeat."""
     called = [name or other for name, other in zip(names, others, strict=True)]
     times = Counter(called)
     return tuple(
@@ -86,7 +86,7 @@ def different(names: Sequence[str], others: Sequence[str]) -> tuple[str, ...]:
 
 
 def to_csv(run: Run, path: FilePath) -> None:
-    """Write all histories, one row a time, under a header line with names and units.
+    """Write all histories to a CSV file, one row per time, with names and units in the header.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def to_csv(run: Run, path: FilePath) -> None:
 
 
 def to_dataframe(run: Run) -> Any:
-    """Return all histories as a pandas DataFrame, a row a time.
+    """Return all histories as a pandas DataFrame, one row per time.
 
     The columns are those of `to_csv`, "name [unit]"; the index is "t [s]".
 
@@ -129,7 +129,8 @@ def to_dataframe(run: Run) -> Any:
 def to_xarray(run: Run) -> Any:
     """Return all histories as an xarray Dataset, with units.
 
-    Dimensions are time, contact and body; ``data.sel(body="body 1").velocity`` is one history.
+    Dimensions are time, contact and body, and the axis of vectors:
+    ``data.sel(body="body 1").velocity`` is one history.
 
     Raises
     ------
@@ -164,6 +165,6 @@ def to_xarray(run: Run) -> Any:
     if run.plan.scene:
         return dataset
     contact = run.plan.contacts[0]
-    dataset = dataset.squeeze("contact", drop=True)  # of the one contact of an impact
+    dataset = dataset.squeeze("contact", drop=True)  # an impact has one contact
     given = {"velocity": run.plan.velocities[0], "gap": contact.gap}
     return dataset.assign_attrs(given, law=str(own_law(contact.law)))
