@@ -1,8 +1,7 @@
-"""Linear algebra of K and K + s²M: solvers behind one interface, and eigenpairs.
+"""Linear algebra of K and K + s²M: linear solvers behind one interface, and eigenpairs.
 
-What a solver can do is said as data (method.py); which one is taken, in solvers.py. It knows
-matrices and where their rows lie in space, no bodies. For `fem`, `reduction` and all that solves
-with K and M.
+`method.Method` describes the cost and abilities of a solver; solvers.py chooses among them. This
+folder knows matrices and the coordinates of their rows, but no bodies.
 """
 
 from .blocks import ENTRIES_AT_ONCE

@@ -1,4 +1,4 @@
-"""Matrices in parts, which threads share out: by rows, and in blocks as the core takes them."""
+"""Products with matrices whose parts threads share out: ranges of rows, or blocks for the core."""
 
 from __future__ import annotations
 
@@ -13,47 +13,48 @@ from ..base import FloatArray, IntArray, at_once, sp
 
 Part = tuple[int, int]
 
-# AOI_BLOCKS_WORK of csrc/multigrid/multigrid.h; the core refuses work space of any other length.
+# Length of the core's work space over n (size + 1): AOI_BLOCKS_WORK of csrc/multigrid/multigrid.h.
 _WORK = 3
 
-# Minimum dofs of a part, and maximum number of parts. Each cut stores a layer of elements
-# twice: four parts of a plate of 268 000 dofs store 2 % more, those of a cube 5 %. To hand a part
-# over takes 20 µs, a product of so many dofs 1 to 2 ms.
+# Minimum dofs of a part, and maximum number of parts. Each cut stores a layer of elements twice:
+# four parts of a plate of 268 000 dofs store 2 % more, those of a cube 5 %. Handing a part to a
+# thread takes 20 µs, the product of such a part 1 to 2 ms.
 _LEAST, _MOST_PARTS = 30_000, 4
 
-# Entries of a matrix that are made or changed at a time: 2 MB of numbers, in the caches. With
-# 2**22, each piece in memory of its own, supports of a block of 493 000 dofs are taken out in 1.4 s
-# instead of 1.0 s, and K + s²M takes 2.8 s instead of 2.5 s.
+# Matrix entries processed in one pass: 2 MB, which the caches hold. With 2**22, removing the
+# supported dofs of a block of 493 000 dofs takes 1.4 s instead of 1.0 s, and forming K + s²M 2.8 s
+# instead of 2.5 s.
 ENTRIES_AT_ONCE = 2**18
 
 
-# Parts at most, and entries of one at least: 1 ms, where handing it over takes 20 µs.
+# Maximum number of parts of a product by rows, and minimum entries of a part: its product takes
+# 1 ms, handing it to a thread 20 µs.
 _MOST_SHARES, _LEAST_ENTRIES = 4, 1_000_000
 
 
 class Blocks:
-    """A symmetric matrix; of most of it one triangle is stored, so that it is read once.
+    """A symmetric matrix in blocks; within each part one triangle is stored, and read once.
 
-    Whoever uses it gives the core work space of its own: one product at a time.
+    Every product that runs at the same time as others needs work space of its own.
 
     Parameters
     ----------
     A : scipy.sparse.bsr_array
-        In order, with every block of its diagonal.
+        Its indices are sorted, and every diagonal block is stored.
     places : ndarray, shape (n, 3), optional
-        Coordinates of the rows of blocks: those of a large body are cut into slabs across its
-        longest side, which are the parts.
+        Coordinates of the rows of blocks. With them a large body is cut across its longest side
+        into slabs, the parts; without them there is one part.
 
     Attributes
     ----------
     pattern : object
-        What the core knows of it.
+        The core's record of the sparsity pattern and the order of rows.
     values : ndarray
-        The entries of its blocks.
+        Entries of the stored blocks.
     parts : list of tuple
-        Where each part begins and ends in the order.
+        Begin and end of each part in the order of rows.
     work_length : int
-        How many numbers the core wants as work space.
+        Length of the work space that the core needs.
     """
 
     def __init__(self, A: Any, places: FloatArray | None = None) -> None:
@@ -70,7 +71,7 @@ class Blocks:
         row = np.repeat(np.arange(n), np.diff(A.indptr))
         inside = part[row] == part[A.indices]
         kept = np.flatnonzero(~inside | (A.indices >= row))
-        if part.any():  # in the order of rows; in each, those of other parts come first
+        if part.any():  # by rows in their order; in each row, blocks of other parts come first
             kept = kept[np.lexsort((inside[kept], place[row[kept]]))]
         starts = np.zeros(n + 1, dtype=np.int32)
         np.cumsum(np.bincount(place[row[kept]], minlength=n), out=starts[1:])
@@ -81,7 +82,7 @@ class Blocks:
         self.work_length = _WORK * n * (size + 1)
 
     def multiply(self, x: FloatArray, work: FloatArray) -> FloatArray:
-        """Return A x."""
+        """Return A x; `work` has `work_length` numbers."""
         matrix, product = (self.pattern, self.values), np.empty_like(x)
         in_stages(2, self.parts, _core.blocks_multiply, matrix, x, product, work)
         return product
@@ -90,7 +91,7 @@ class Blocks:
 def in_stages(
     count: int, parts: list[Part], function: Callable[..., None], matrix: Any, *rest: Any
 ) -> None:
-    """Call the core for each part: none begins a stage before all have ended the last one."""
+    """Call the core for each part, stage by stage: a stage begins once all parts ended the last."""
     for stage in range(count):
         if len(parts) == 1:
             function(matrix, parts[0], stage, *rest)
@@ -99,13 +100,13 @@ def in_stages(
 
 
 def diagonal_places(A: Any) -> IntArray:
-    """Return which blocks of a BSR matrix lie on its diagonal, by rows."""
+    """Return the positions of the diagonal blocks among the stored blocks of a BSR matrix."""
     row = np.repeat(np.arange(len(A.indptr) - 1), np.diff(A.indptr))
     return np.flatnonzero(A.indices == row)
 
 
 def product(A: Any, x: FloatArray) -> FloatArray:
-    """Return A x of a CSR matrix by parts of its rows, with the bits of what is not divided."""
+    """Return A x of a CSR matrix whose rows threads share out, bit for bit the same as A @ x."""
     result, parts = np.empty((A.shape[0], *x.shape[1:])), _parts(A)
 
     def call(begin: int, end: int) -> None:
@@ -116,7 +117,7 @@ def product(A: Any, x: FloatArray) -> FloatArray:
 
 
 def congruent(A: Any, P: Any) -> Any:
-    """Return Pᵀ A P of matrices in blocks, as a sum over parts of A's rows."""
+    """Return Pᵀ A P of sparse matrices, as a sum over parts of A's rows that threads share out."""
     parts = _parts(A)
     terms: list[Any] = [None] * len(parts)
 
@@ -128,21 +129,21 @@ def congruent(A: Any, P: Any) -> Any:
 
 
 def rows_of(A: Any, begin: int, end: int) -> Any:
-    """Return some rows (of blocks) of a CSR or BSR matrix, which share its arrays."""
+    """Return rows `begin` to `end` (of blocks) of a CSR or BSR matrix, sharing its arrays."""
     first, last = A.indptr[begin], A.indptr[end]
     if A.format == "bsr":
         shape = ((end - begin) * A.blocksize[0], A.shape[1])
         some: Any = sp.bsr_array(shape, blocksize=A.blocksize, dtype=A.dtype)
     else:
         some = sp.csr_array((end - begin, A.shape[1]), dtype=A.dtype)
-    # Set afterwards: SciPy's constructors copy what is less than half of an array.
+    # Set after construction: SciPy's constructors copy slices of less than half of an array.
     some.data, some.indices = A.data[first:last], A.indices[first:last]
     some.indptr = A.indptr[begin : end + 1] - first
     return some
 
 
 def _parts(A: Any) -> list[tuple[int, int]]:
-    """Rows (of blocks) of like numbers of entries."""
+    """Return ranges of rows (of blocks) with about equal numbers of entries."""
     count = max(1, min(_MOST_SHARES, A.nnz // _LEAST_ENTRIES))
     shares = np.arange(1, count) * (A.indptr[-1] / count)
     cuts = np.searchsorted(A.indptr, shares).tolist()

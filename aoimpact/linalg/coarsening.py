@@ -1,4 +1,4 @@
-"""Multigrid's finest level, K + s²M in blocks, and prolongations from each level to the next."""
+"""Multigrid's finest level, K + s²M in blocks, and the prolongations from coarser levels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from ..mesh import rigid_motions
 from .blocks import diagonal_places
 from .pencil import Pencil
 
-# ω of the prolongation's smoothing, over λ_max of D⁻¹A (Vanek, Mandel and Brezina 1996).
+# ω λ_max(D⁻¹A) with the damping factor ω of the Jacobi step that smooths the prolongation (Vanek,
+# Mandel and Brezina 1996).
 _DAMPING = 4.0 / 3.0
 
 
@@ -23,13 +24,13 @@ class Finest(NamedTuple):
     Attributes
     ----------
     A : scipy.sparse.bsr_array
-        In order, with every diagonal block.
+        Its indices are sorted, and every diagonal block is stored.
     motions : ndarray, shape (n, b, m)
-        Motions that A resists little: rigid ones.
+        Near-null-space vectors of A: rigid motions.
     nodes : ndarray, shape (n, 3), optional
-        Where the nodes are, if the blocks are of nodes.
+        Coordinates of the nodes, m, if each block row belongs to a node.
     place : ndarray of int or slice
-        Rows of the pencil's dofs; those of constrained dofs are between them.
+        Row of A of each dof of the pencil; the other rows belong to constrained dofs.
     """
 
     A: Any
@@ -39,7 +40,7 @@ class Finest(NamedTuple):
 
 
 def finest_level(pencil: Pencil) -> Finest:
-    """Return K + s²M by blocks of nodes, or of what little is known of the dofs.
+    """Return K + s²M in blocks of 3 dofs per node; of a body without nodes in blocks of 3 or 1.
 
     Raises
     ------
@@ -49,10 +50,10 @@ def finest_level(pencil: Pencil) -> Finest:
     K, M, where = pencil.K, pencil.M, None
     place: npt.NDArray[np.int64] | slice = slice(None)
     if pencil.nodes is None or pencil.free is None:
-        # Three translations of a node if K does not resist these, else dofs by themselves.
+        # Blocks of 3 if most rows of K give no force under translations of triples of dofs, else 1.
         moves = np.tile(np.eye(3), (pencil.n // 3 + 1, 1))[: pencil.n]
         inner = np.abs(K @ moves) <= PRINTED * K.diagonal()[:, None]
-        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # the rest is beside supports
+        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # rows beside supports give one
         motions = moves.reshape(-1, 3, 3) if size == 3 else np.ones((pencil.n, 1, 1))
     else:
         size, free, nodes = 3, pencil.free, np.unique(pencil.free // 3)
@@ -66,7 +67,7 @@ def finest_level(pencil: Pencil) -> Finest:
         A = add(A, pencil.s2, M)
     if len(diagonal_places(A)) < len(motions):
         raise SingularError(f"{pencil.what} is singular: some dofs have no stiffness")
-    if A.shape[0] > pencil.n:  # partly constrained nodes: their other dofs stay uncoupled
+    if A.shape[0] > pencil.n:  # constrained dofs of partly free nodes: only a diagonal entry
         fixed = np.full(A.shape[0], pencil.scale)
         fixed[place] = 0.0
         add_to_diagonal(A, fixed)
@@ -74,7 +75,7 @@ def finest_level(pencil: Pencil) -> Finest:
 
 
 def _spread(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:
-    """Return a CSR matrix with row and column i moved to place[i] of n."""
+    """Return an n x n CSR matrix whose row and column place[i] are row and column i of `matrix`."""
     order = np.argsort(place)
     rows, lengths = matrix[order] if (np.diff(place) < 0).any() else matrix, np.zeros(n + 1, int)
     lengths[1 + place[order]] = np.diff(rows.indptr)
@@ -83,7 +84,7 @@ def _spread(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:
 
 
 def add(A: Any, factor: float, M: Any) -> Any:
-    """Return A + factor M, of a BSR matrix in order and a CSR matrix; A is used up."""
+    """Return A + factor M, of a BSR matrix with sorted indices and a CSR matrix; overwrites A."""
     blocks = in_order(M.tobsr(A.blocksize))
     if not all(np.array_equal(getattr(A, of), getattr(blocks, of)) for of in ("indptr", "indices")):
         return in_order(A + factor * blocks)  # M couples other nodes than A
@@ -107,21 +108,21 @@ def add_to_diagonal(A: Any, values: FloatArray) -> None:
 
 
 def corners_of(pencil: Pencil) -> tuple[sp.csr_array, FloatArray, FloatArray] | None:
-    """Return the linear functions of a quadratic mesh's corners, at all its nodes.
+    """Return the values of the corners' linear shape functions at all nodes of a quadratic mesh.
 
-    The space of the linear elements on the corners lies in that of the quadratic ones, so this is
-    exact (on elements with straight sides; nearly so on curved ones).
+    The linear elements' functions lie in the space of the quadratic elements: exactly if the sides
+    are straight, nearly if they are curved.
 
     Returns
     -------
     interpolation : scipy.sparse.csr_array, shape (n, n_corners)
-        At the nodes that have dofs.
+        Rows: nodes that have dofs; columns: corners.
     motions : ndarray, shape (n_corners, 3, 6)
         Rigid motions of the corners that have dofs.
     places : ndarray, shape (n_corners, 3)
-        Their coordinates.
+        Coordinates of these corners, m.
 
-    None where the mesh is not quadratic, or all corners are constrained.
+    None if the mesh is not quadratic, or all corners are constrained.
     """
     mesh, free, nodes_at = pencil.mesh, pencil.free, pencil.nodes
     if mesh is None or free is None or nodes_at is None or not mesh.quadratic:
@@ -166,7 +167,7 @@ def aggregated(A: Any, candidates: FloatArray, highest: float) -> tuple[Any, Flo
     A : scipy.sparse.bsr_array
         n x n blocks b x b.
     candidates : ndarray, shape (n, b, m)
-        Motions that A resists little: rigid ones.
+        Near-null-space vectors of A: rigid motions.
     highest : float
         λ_max of D⁻¹A, with D the diagonal blocks.
 
@@ -175,6 +176,7 @@ def aggregated(A: Any, candidates: FloatArray, highest: float) -> tuple[Any, Flo
     prolongation : scipy.sparse.bsr_array
         n x n_aggregates blocks b x m.
     coarse : ndarray, shape (n_aggregates, m, m)
+        Near-null-space vectors on the coarse level.
     """
     n, size, count = candidates.shape
     aggregate = np.empty(n, dtype=np.int32)
@@ -183,7 +185,8 @@ def aggregated(A: Any, candidates: FloatArray, highest: float) -> tuple[Any, Flo
     starts = np.searchsorted(aggregate[order], np.arange(n_coarse))
     gram = np.einsum("nbi,nbj->nij", candidates, candidates)[order]
     values, vectors = np.linalg.eigh(np.add.reduceat(gram, starts, axis=0))
-    # gram = V Λ Vᵀ: with B = Q R, Q is B V Λ^(-1/2) and R is Λ^(1/2) Vᵀ; zero where dependent.
+    # Orthonormal candidates: BᵀB = V Λ Vᵀ gives B = Q R with Q = B V Λ^(-1/2) and R = Λ^(1/2) Vᵀ.
+    # The columns of Q for dependent candidates are zero.
     kept = values > ROUNDING * values[:, -1:]
     root = np.sqrt(np.where(kept, values, 0.0))
     inverse_root = np.divide(1.0, root, out=np.zeros_like(root), where=kept)

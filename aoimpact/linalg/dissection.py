@@ -1,7 +1,7 @@
-"""Nested dissection: the order of elimination of a sparse matrix, and how much its factors cost.
+"""Nested dissection: elimination order of a sparse matrix, and the estimated cost of its factors.
 
 George, SIAM J. Numer. Anal. 10 (1973): a separator cuts the body in two and is eliminated after
-both halves, which are cut likewise. Each cut is across the longest side, at the median.
+both halves, which are cut in the same way. Each cut is across the longest side, at the median.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base import BoolArray, FloatArray, IntArray, sp
 
-# Nodes, and rows, of a part that is not cut further.
+# Size up to which a part is not cut: nodes in `nested_dissection`, rows in `fill`.
 _LEAF, _LEAF_ROWS = 64, 200
 
 
@@ -32,20 +32,21 @@ class Fill(NamedTuple):
 
 
 def fill(matrix: Any, places: FloatArray | None = None) -> Fill:
-    """Estimate the factors of a symmetric matrix by the separators of a box.
+    """Estimate the factors of a symmetric matrix by nested dissection of a box.
 
-    Rows of the middle cross-sections s₁, s₂, s₃ are counted. A cut across the longest side takes
-    the least of them and halves the other two. A part whose separator is s and that others surround
-    in r rows adds s²/2 + s r entries and s³/3 + s² r + s r² multiplications. After k cuts along an
-    axis parts have 2 - 2^(1-k) faces across it, on average. On balls, cubes, plates, sheets and
-    bars of 20 000 to 120 000 dofs the dissection itself has 0.6 to 1.1 times these numbers.
+    The middle cross-sections of the box have as many rows, s₁, s₂, s₃, as those of the body. Each
+    cut, across the longest side, has the smallest cross-section as separator and halves the other
+    two. A separator of s rows, in a part bordered by r rows of earlier separators, adds s²/2 + s r
+    entries and s³/3 + s² r + s r² multiplications. After k cuts along an axis, a part has on
+    average 2 - 2^(1-k) faces across it. On balls, cubes, plates, sheets and bars of 20 000 to
+    120 000 dofs, actual dissection has 0.6 to 1.1 times the estimated numbers.
 
     Parameters
     ----------
     matrix : scipy.sparse matrix, shape (n, n)
     places : ndarray, shape (n, 3), optional
         Coordinates of the rows. If left out, the order of Cuthill and McKee gives one
-        cross-section, and the two others are those of a square bar with three rows a node.
+        cross-section, and the other two are those of a square bar with three rows per node.
     """
     n, pieces, cuts = float(matrix.shape[0]), 1.0, np.zeros(3)
     if places is None:
@@ -71,16 +72,16 @@ def fill(matrix: Any, places: FloatArray | None = None) -> Fill:
 
 
 def _cross_section(matrix: Any, along: FloatArray) -> float:
-    """Return how many rows separate the halves below and above the median; n if there is none."""
+    """Return how many rows separate the two halves cut at the median of `along`; n if constant."""
     below = _below(along[:, None])
-    mark = 1.0 + np.random.default_rng(0).random(len(below))  # sums do not cancel
+    mark = 1.0 + np.random.default_rng(0).random(len(below))  # random: sums must not cancel
     up = np.count_nonzero((matrix @ (mark * below))[~below])
     down = np.count_nonzero((matrix @ (mark * ~below))[below])
     return float(min(up, down)) if np.ptp(along) > 0.0 else float(len(along))
 
 
 def nested_dissection(matrix: Any, places: FloatArray) -> IntArray:
-    """Return the rows of a symmetric matrix in an order of elimination, those of a node together.
+    """Return the rows of a symmetric matrix in order of elimination, the rows of a node together.
 
     Parameters
     ----------
@@ -94,14 +95,14 @@ def nested_dissection(matrix: Any, places: FloatArray) -> IntArray:
     _cut(graph, places[first], np.arange(len(first)), np.zeros(len(first), np.float32), order)
     place = np.empty(len(first), dtype=np.int64)
     place[np.concatenate(order)] = np.arange(len(first))
-    # SuperLU joins columns that follow each other. Pieces that share no entries, such as stretching
-    # and bending of a flat sheet, would come between each other's.
+    # Uncoupled pieces, such as stretching and bending of a flat sheet, are put one after the other:
+    # SuperLU forms supernodes only of adjacent columns.
     piece = sp.csgraph.connected_components(graph, directed=False)[1]
     return np.lexsort((place[node], piece[node]))
 
 
 def _nodes(matrix: Any) -> tuple[IntArray, Any]:
-    """Return the node of each row, and which nodes share entries: rows of one pattern are one."""
+    """Return each row's node and the graph of nodes; adjacent rows of one pattern make a node."""
     pattern = _graph(matrix.indices, matrix.indptr)
     mark = pattern @ np.random.default_rng(0).random(pattern.shape[0])
     node = np.cumsum(np.diff(mark, prepend=-1.0) != 0.0) - 1
@@ -119,7 +120,7 @@ def _graph(columns: Any, starts: Any) -> Any:
 def _cut(
     graph: Any, places: FloatArray, nodes: IntArray, is_in: FloatArray, order: list[IntArray]
 ) -> None:
-    """Append some nodes to the order: two halves and, after them, their separator."""
+    """Append `nodes` to the order: both halves, cut in turn, and then their separator."""
     if len(nodes) <= _LEAF:
         order.append(nodes)
         return
@@ -137,7 +138,7 @@ def _cut(
 
 
 def _below(places: FloatArray) -> BoolArray:
-    """The half of some nodes that is below the median along their longest side."""
+    """Return which nodes lie below the median along their longest side: about half of them."""
     along = places[:, np.ptp(places, axis=0).argmax()]
     middle = np.partition(along, len(along) // 2)[len(along) // 2]
     below: BoolArray = along < middle

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..base import ConvergenceError, FloatArray, SingularError, bar
 
-# Three times what multigrid takes on the worst bodies measured: a cube takes 13, a sheet 150 times
-# as long as thick 142, a cube of ν = .499 169.
+# Maximum number of iterations: three times that of multigrid on the worst bodies measured. A cube
+# takes 13, a sheet 150 times as long as thick 142, a cube of ν = 0.499 169.
 _MOST_ITERATIONS = 500
 
 
@@ -28,30 +28,30 @@ def conjugate_gradients(
 ) -> tuple[FloatArray, int]:
     """Return A⁻¹ `rhs`, shape (n,) or (n, m), and the number of preconditioned residuals it took.
 
-    To half of ‖f - A x‖ / ‖f‖ = `tolerance` in each column, since the residual that is computed
-    afresh comes out slightly larger. With β after Polak and Ribière, which forgives the
-    preconditioner its rounding.
+    Each column iterates until ‖f - A x‖ / ‖f‖ ≤ `tolerance` / 2 by the recursive residual, since
+    the residual computed from x is slightly larger. β is that of Polak and Ribière, which tolerates
+    rounding in the preconditioner.
 
     Parameters
     ----------
     name, what : str
         The method and the matrix, for messages.
     product, precondition : callable
-        x ↦ A x, and r ↦ about A⁻¹ r, symmetric and positive definite; of shape (n, columns left).
+        x ↦ A x, and r ↦ ≈ A⁻¹ r, symmetric positive definite; x, r: (n, columns not converged).
     rhs : ndarray, shape (n,) or (n, m)
     tolerance : float
     most : float
-        Iterations at most.
+        Maximum number of iterations.
     at_once : int, optional
-        How many columns to solve for at once. A column by itself has the bits that it has alone.
+        Number of columns solved together. With 1, each column is bit for bit that solved alone.
 
     Raises
     ------
     SingularError
         If a motion turns out to have no positive stiffness.
     ConvergenceError
-        If the iterations do not suffice, or the preconditioner is not positive: of a matrix that is
-        nearly singular, by its rounding.
+        If the iterations do not suffice, or rounding makes the preconditioner indefinite, as for a
+        nearly singular matrix.
     """
     if (count := rhs[0].size) > at_once:
         given: dict[str, Any] = {"tolerance": tolerance, "most": most, "at_once": at_once}
@@ -110,10 +110,10 @@ def conjugate_gradients(
 
 
 def by_columns(of: Callable[[FloatArray], FloatArray]) -> Callable[[FloatArray], FloatArray]:
-    """Return a function of arrays of shape (n, m) by one of arrays of shape (n,)."""
+    """Return the function of arrays of shape (n, m) that applies `of` to each column."""
     return lambda x: np.column_stack([of(column) for column in x.T])
 
 
 def _inner(a: FloatArray, b: FloatArray) -> FloatArray:
-    """aᵀb of each column without BLAS, as `smoother.inner`."""
+    """Return aᵀb of each column, without BLAS for the reasons of `smoother.inner`."""
     return np.asarray(np.einsum("ij,ij->j", a, b))

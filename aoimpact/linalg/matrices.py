@@ -1,4 +1,4 @@
-"""Anyone's stiffness and mass matrices, put in the one form that is computed with, or refused."""
+"""Check of a caller's stiffness and mass matrices, and their conversion to CSR of float64."""
 
 from __future__ import annotations
 
@@ -9,24 +9,27 @@ import numpy as np
 from ..base import PRINTED, FloatArray, InputError, InputTypeError, SingularError, finite_array, sp
 from .superlu import CHECKED_DOFS, factorize
 
-# Entries that the core's int32 offsets can count.
+# Maximum number of entries: the core's offsets are int32.
 _MOST_ENTRIES = 2**31 - 1
 
-# Stiffnesses, N/m, and masses, kg, whose products and ratios stay far from what doubles can hold.
+# Range of the largest entry of K, N/m, and of M, kg, in which products and ratios of entries stay
+# far from the limits of doubles.
 LARGEST, LEAST = 1e60, 1e-60
 
-# Ratio of masses of which the smaller one is lost in the rounding of the other, with much to spare.
+# Largest ratio of masses on the diagonal of M. From 1e16 on, the smaller one is lost in the
+# rounding of the larger one; this leaves much to spare.
 _APART = 1e20
 
-# Each takes what has stiffness down to that share of it, over its own.
+# Inverse iterations for a rigid motion: each multiplies a part of relative stiffness λ, K φ =
+# λ diag(K) φ, by PRINTED / (PRINTED + λ).
 _INVERSE_ITERATIONS = 2
 
 
 def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
     """Return stiffness and mass as float64 CSR, canonical, with int32 indices where they fit.
 
-    Sparse matrices of any format and real type are converted, and dense ones; what is in the right
-    form already is not copied, and the caller's arrays are never written to.
+    Dense matrices, and sparse ones of any format and real type, are converted. A matrix already in
+    the right form is not copied, and the caller's arrays are never written to.
 
     Raises
     ------
@@ -42,7 +45,7 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
         raise InputError(
             f"K and M must be of the same shape, got {stiffness.shape} and {mass.shape}"
         )
-    # Checked before a few entries in a shape of 10⁹ rows are given as many row pointers.
+    # Checked first: CSR of a few entries in a shape of 10⁹ rows would allocate 10⁹ row pointers.
     if sp.issparse(stiffness) and sp.issparse(mass):
         entries, rows = stiffness.nnz + mass.nnz, mass.shape[0]
         if entries < rows:
@@ -95,26 +98,27 @@ def core_rows(matrix: Any) -> tuple[Any, ...]:
 
 
 def check_stiffness(K: sp.csr_array) -> FloatArray | None:
-    """Refuse a K that is not positive semidefinite, as far as a cheap check finds it.
+    """Refuse a K that a cheap check finds not to be positive semidefinite.
 
     Returns
     -------
     ndarray, shape (n,), or None
-        Some motion that has a part of every one without elastic force; where there is none, a soft
-        one, or nothing but rounding. None beyond 10 000 dofs.
+        A random combination of all motions without elastic force; without such motions, a soft
+        motion or rounding. None beyond 10 000 dofs.
 
     Raises
     ------
     InputError
-        If a diagonal entry is negative, a principal minor of order 2 is, or (up to 10 000 dofs)
-        an eigenvalue.
+        If a diagonal entry, a principal minor of order 2 or (up to 10 000 dofs) an eigenvalue is
+        negative.
     """
     diagonal = K.diagonal()
-    # K without supports has zero eigenvalues, which ten printed digits make slightly negative.
+    # The zero eigenvalues of a K without supports become slightly negative if it was printed with
+    # ten digits.
     _check_minors("K", K)
     if len(diagonal) > CHECKED_DOFS:
         return None
-    # Each dof is held by a small share of its own stiffness, so that no scale of the dofs matters.
+    # Each dof gets a spring of a small share of its own stiffness: the units of dofs do not matter.
     regular = K + sp.diags_array(np.where(diagonal > 0.0, PRINTED * diagonal, 1.0))
     try:
         factors = factorize(regular, what="K")
@@ -133,17 +137,17 @@ def check_stiffness(K: sp.csr_array) -> FloatArray | None:
 
 
 def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
-    """Refuse an M that is not positive semidefinite, or leaves motions to neither K nor M.
+    """Refuse an M that is not positive semidefinite, and motions with neither mass nor stiffness.
 
-    Lumped matrices have rotations without mass, and elements that integrate their mass at few
-    points (CalculiX' C3D10, C3D4, C3D8R) have motions without mass. These follow K at once: they
-    are compliance, and no vibration.
+    Motions with stiffness but no mass are accepted: rotations of lumped matrices, and motions of
+    elements whose mass is integrated at few points (CalculiX' C3D10, C3D4, C3D8R). They follow the
+    forces without delay, as compliance and not as vibration.
 
     Raises
     ------
     InputError
-        If a diagonal entry or a principal minor of order 2 is negative, or (up to 10 000 dofs) an
-        eigenvalue is, or K + s²M is not positive definite.
+        If a diagonal entry, a principal minor of order 2 or (up to 10 000 dofs) an eigenvalue is
+        negative, masses lie too far apart, or K + s²M is not positive definite.
     """
     diagonal = M.diagonal()
     _check_minors("M", M)
@@ -157,7 +161,7 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
             f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
             "is too heavy to move, and give dofs that hardly have mass none"
         )
-    massless = np.flatnonzero(diagonal == 0.0)  # the second-order minors made these rows zero
+    massless = np.flatnonzero(diagonal == 0.0)  # whole rows are zero: their minors are not negative
     bare = massless[K.diagonal()[massless] == 0.0]
     if len(bare):
         raise InputError(
@@ -184,7 +188,7 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
 
 
 def _is_definite(matrix: sp.csr_array) -> bool:
-    """True if no eigenvalue is zero or negative, but for rounding."""
+    """Return whether all eigenvalues are positive beyond rounding."""
     try:
         factorize(matrix)
     except SingularError:
@@ -193,7 +197,7 @@ def _is_definite(matrix: sp.csr_array) -> bool:
 
 
 def _check_minors(name: str, matrix: sp.csr_array) -> None:
-    """Refuse A_ii < 0 and A_ij² > A_ii A_jj: x with x_i = ±1, x_j = ±1 has negative energy then."""
+    """Refuse A_ii < 0 and A_ij² > A_ii A_jj, which make xᵀA x < 0 for an x of two entries."""
     diagonal = matrix.diagonal()
     if (diagonal < 0.0).any():
         worst = int(np.argmin(diagonal))
@@ -216,7 +220,7 @@ def _check_minors(name: str, matrix: sp.csr_array) -> None:
 
 
 def sound_matrix(name: str, matrix: Any) -> Any:
-    """Return a square matrix of float64 whose structure is sound, sparse or dense."""
+    """Return `matrix`, sparse or dense, as float64; refuse an invalid structure or shape."""
     if not sp.issparse(matrix):
         matrix = finite_array(name, matrix)
     elif (dtype := getattr(matrix, "dtype", np.dtype(object))).kind not in "iuf":
@@ -235,21 +239,21 @@ def sound_matrix(name: str, matrix: Any) -> Any:
 
 
 def _anew(matrix: Any) -> Any:
-    """Return a sparse matrix made anew from its arrays, with no flag of the old one believed.
+    """Return a sparse matrix rebuilt from its checked arrays, without trusting its flags.
 
-    SciPy's conversions trust these arrays: wrong indices write outside the memory allocated. Its
-    own astype would sort the entries of the caller's arrays.
+    SciPy's conversions trust the arrays: wrong indices write outside the allocated memory. Its
+    astype would sort the caller's arrays in place.
     """
     if matrix.ndim == 2 and matrix.format in ("csr", "csc", "bsr"):
-        # In one piece, as the core takes them: A.real of a complex A is every other number.
+        # Contiguous, as the core needs them: A.real of a complex A is a strided view.
         indices, starts = map(_integers, (matrix.indices, matrix.indptr))
-        if (starts[1:] < starts[:-1]).any():  # SciPy looks only where there are entries
+        if (starts[1:] < starts[:-1]).any():  # SciPy checks this only if there are entries
             raise ValueError("indptr must not descend")
         arrays = np.ascontiguousarray(matrix.data, np.float64), indices, starts
         anew = getattr(sp, f"{matrix.format}_array")(arrays, shape=matrix.shape)
         anew.check_format(full_check=True)
         return anew
-    if matrix.format == "dia":  # SciPy writes outside of memory for others
+    if matrix.format == "dia":  # SciPy writes out of bounds for offsets outside the shape
         (rows, columns), offsets = matrix.shape, _integers(matrix.offsets)
         if not all(-rows < offset < columns for offset in offsets):
             raise ValueError("offsets must be of diagonals that lie within the shape")
@@ -287,7 +291,7 @@ def _symmetrised(name: str, csr: sp.csr_array) -> sp.csr_array:
         return csr
     difference = (csr - transposed).tocoo()
     largest = float(np.abs(csr.data).max())
-    gap = float(np.abs(difference.data).max(initial=0.0))  # zeros that are stored on one side only
+    gap = float(np.abs(difference.data).max(initial=0.0))  # none if one side only stores zeros
     if gap > PRINTED * largest:
         worst = int(np.argmax(np.abs(difference.data)))
         i, j = int(difference.row[worst]), int(difference.col[worst])

@@ -12,31 +12,32 @@ from .pencil import Pencil
 Solve = Callable[[FloatArray], FloatArray]
 Iterate = Callable[[FloatArray, float, float], tuple[FloatArray, int]]
 
-# ‖f - A x‖ / ‖f‖ of a rough solution, which is enough for the vectors of a subspace: the error of
-# the projected model is the square of theirs. At a node of a plate the receptance is off by 1e-8
-# with any number of vectors (with 1e-2, by 2e-7). Rough solutions take 0.4 of the iterations.
-# The vectors of a constrained body must be orthogonal to its static mode: otherwise displacements
-# and stresses elsewhere stagnate at 3e-4 and 7e-3 on a thick plate.
+# Tolerance of ‖f - A x‖ / ‖f‖ of rough solutions. It suffices for the vectors of a subspace, since
+# the projected model's error is the square of theirs: the receptance at a node of a plate is off by
+# 1e-8 with any number of vectors (2e-7 with 1e-2). Rough solutions take 0.4 of the iterations. The
+# vectors of a constrained body must be orthogonal to its static mode: otherwise the errors of
+# displacements and stresses elsewhere stagnate at 3e-4 and 7e-3 on a thick plate.
 ROUGH = 1e-3
 
 
 @dataclass(frozen=True)
 class Inverse:
-    """(K + s²M)⁻¹ as a method has set it up.
+    """(K + s²M)⁻¹ as set up by a method, direct or iterative.
 
     Attributes
     ----------
     solve : callable or None
-        f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f, of a method that does not iterate.
+        Of a direct method: f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f.
     iterate : callable or None
-        f, shape (n,) or (n, m), ‖f - A x‖ / ‖f‖ and the most iterations ↦ (K + s²M)⁻¹ f and the
-        residuals preconditioned, of a method that iterates. Raises ConvergenceError.
+        Of an iterative method: f, shape (n,) or (n, m), the tolerance of ‖f - A x‖ / ‖f‖ and the
+        maximum number of iterations ↦ (K + s²M)⁻¹ f and the number of preconditioned residuals.
+        Raises ConvergenceError.
     precondition : callable or None
-        About (K + s²M)⁻¹, of shape (n, m), symmetric and much cheaper, of a method that iterates.
+        Of an iterative method: r, shape (n, m), ↦ ≈ (K + s²M)⁻¹ r, symmetric and much cheaper.
     at : callable or None
-        s² ↦ the inverse at another shift, for less than setting up another one: at a smaller shift,
-        of a method that iterates, where both remain usable. Factors are for one shift at a time: do
-        not alternate.
+        s² ↦ the inverse at another shift, for less than a new set-up. An iterative method saves
+        this at smaller shifts only, and both inverses remain usable. Factors are held for one shift
+        at a time: do not alternate.
     """
 
     solve: Solve | None = None
@@ -55,7 +56,7 @@ class Cost(NamedTuple):
     step : float
         Time of a solution, or of an iteration, s.
     memory : float
-        Bytes that it needs besides K and M.
+        Memory needed besides K and M, bytes.
     steps : float
         Iterations of a solution.
     """
@@ -78,7 +79,7 @@ class Method(NamedTuple):
     cost : callable
         Pencil ↦ Cost.
     is_installed : callable
-        Whether its package is there.
+        Returns whether its package is installed.
     """
 
     name: str
@@ -93,14 +94,15 @@ class Method(NamedTuple):
 
 
 def of_factors(times: tuple[float, float, float], stored: float, copied: float) -> Any:
-    """Return the cost of factors, as of `Method`.
+    """Return the `cost` function of a direct `Method`.
 
     Parameters
     ----------
     times : tuple of float
-        Seconds per multiplication and per entry of L of the set-up; per entry of a solution.
+        Time of the set-up per multiplication and per entry of L, and time of a solution per entry
+        of L, s.
     stored, copied : float
-        Bytes per entry of L, and of K.
+        Memory per entry of L, and per entry of K, bytes.
     """
 
     def cost(pencil: Pencil) -> Cost:

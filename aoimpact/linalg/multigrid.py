@@ -1,8 +1,8 @@
 """Multigrid: conjugate gradients preconditioned by a V-cycle, for bodies too large for factors.
 
-Elements of second order are corrected by linear ones on their corners; below these, and for
-matrices that came without a mesh, smoothed aggregation takes over, with the rigid motions as the
-motions of no stiffness. The preconditioner works in single precision, the iteration in double.
+Below a mesh of second order, the first coarse level has the linear elements on its corners. All
+other coarse levels are by smoothed aggregation, with rigid motions as near-null-space vectors. The
+preconditioner works in single precision, the iteration in double.
 """
 
 from __future__ import annotations
@@ -34,38 +34,39 @@ from .superlu import factorize
 
 Single = npt.NDArray[np.float32]
 
-# λ_max of what is smoothed over λ_min of that: wider than isotropic elements need (8), for elements
-# three times as long as wide; and on the levels of aggregates.
+# λ_max/λ_min of the band of eigenvalues that is smoothed, on the finest level and on those of
+# aggregates. Isotropic elements need 8; the band is for elements three times as long as wide.
 _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 
-# The coarsest level is the first whose L has no more entries than the first of these, or than that
-# share of K's. Aggregates do not bend as beams and plates do: where L of K has fewer than so many
-# times n^(4/3) entries the share is larger, as long as that leaves the entries few. It has 26 to 56
-# times n^(4/3) in balls, cubes and plates of 6:6:1, 11 to 15 in sheets and bars.
+# Maximum entries of the coarsest level's factor L: _FEWEST_ENTRIES or _COARSEST_SHARE of K's. For
+# slender bodies, whose bending aggregates represent poorly, it is _SHARE_OF_FEW of K's, but at most
+# _FEW_ENTRIES. Slender are bodies of which L of K has fewer than _SLENDER n^(4/3) entries: balls,
+# cubes and plates of 6:6:1 have 26 to 56 n^(4/3), sheets and bars 11 to 15 n^(4/3). A level of at
+# most _DENSE dofs is the coarsest in any case.
 _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
 _DENSE = 300
 
-# A level that has not less than this share of the dofs above it is no progress: K does not couple.
+# Maximum dofs of an aggregated level over those of the level above: with more, K hardly couples.
 _SHRINKS = 0.7
 
-# Seconds per entry of K of the set-up and of an iteration.
+# Times of the set-up and of an iteration per entry of K, s.
 _SET_UP, _ITERATION = 4e-8, 1.5e-9
 
-# Bytes per entry of K that the set-up takes at most, beside K, M and the coarsest level's factors,
-# with a mesh of second order and without; of linear tetrahedra 42 were measured. Bytes per entry of
-# these factors.
+# Peak memory of the set-up besides K, M and the coarsest level's factors, bytes per entry of K:
+# with a mesh of second order, and without (linear tetrahedra took 42). Bytes per entry of the
+# factors.
 _BYTES_QUADRATIC, _BYTES, _BYTES_COARSEST = 20.0, 44.0, 30.0
 
-# Iterations of a solution: the first of these and the second times the square of the elements'
-# aspect ratio, since the smoother treats all directions alike. Measured: 13 with cubes of elements,
-# 43 with 2.5:2.5:1, 88 with 3:3:1, 189 with 5:5:1. Without coordinates of the nodes aggregates do
-# not turn.
+# Iterations of a solution: _ITERATIONS + _PER_ASPECT times the square of the elements' aspect
+# ratio, since the smoother treats all directions alike. Measured: 13 with cubic elements, 43 with
+# 2.5:2.5:1, 88 with 3:3:1, 189 with 5:5:1. Without coordinates of the nodes, aggregates lack
+# rotations and it takes _WITHOUT_NODES.
 _ITERATIONS, _PER_ASPECT, _WITHOUT_NODES = 5.0, 8.0, 200.0
 
 
 def _most_in_coarsest(pencil: Pencil) -> float:
-    """Entries that L of the coarsest level may have."""
+    """Return the maximum number of entries of the coarsest level's factor L."""
     stored, slender = float(pencil.K.nnz), pencil.fill.entries < _SLENDER * pencil.n ** (4 / 3)
     few = min(_FEW_ENTRIES, _SHARE_OF_FEW * stored) if slender else 0.0
     return max(_FEWEST_ENTRIES, _COARSEST_SHARE * stored, few)
@@ -76,18 +77,18 @@ class _Level:
     smoother: Smoother
     prolongation: Any
     restriction: Any
-    width: int  # of the vectors' rows: 3 where one weight serves all components of a node
+    width: int  # 3 if one weight serves all components of a node: vectors as (n, 3); else 1
 
     def moved(self, x: Single, by: Any) -> Single:
-        """Return `x` on the next level by the restriction, or on this one by the prolongation."""
+        """Return `by` x: x restricted to the next level, or prolonged from there to this one."""
         result: Single = by @ (x.reshape(-1, 3) if self.width == 3 else x)
         return result.reshape(-1)
 
 
 class Multigrid:
-    """(K + s²M)⁻¹ by conjugate gradients.
+    """(K + s²M)⁻¹ by conjugate gradients, preconditioned by a V-cycle.
 
-    Threads that share one wait for each other: it has one work space.
+    It has one work space, so that threads which share it take turns.
 
     Parameters
     ----------
@@ -108,18 +109,18 @@ class Multigrid:
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
             A, motions, places, self._place = finest_level(pencil)
             self._scale, self._length = pencil.scale, A.shape[0]
-            # One matrix in blocks is read in a sixth of the time that K and M take.
+            # A product with this one matrix takes a sixth of the time of those with K and M.
             self._blocks = Blocks(A, places)
             self._work = np.empty(self._blocks.work_length)
             self._coarsen(A, motions, places, progress)
 
     @property
     def inverse(self) -> Inverse:
-        """The inverse with its properties."""
+        """(K + s²M)⁻¹ in the form that `LinearSolver` takes."""
         return Inverse(None, self.iterate, by_columns(self.precondition), self._at)
 
     def _coarsen(self, A: Any, motions: FloatArray, places: Any, progress: Any) -> None:
-        """Make the levels from that of A on."""
+        """Build the levels from that of A down to the coarsest."""
         pencil, affordable = self.pencil, _most_in_coarsest(self.pencil)
         while True:
             first = not self._levels
@@ -148,17 +149,17 @@ class Multigrid:
             restriction = single.T.tocsr() if single.format == "csr" else single.T
             self._levels.append(_Level(smoother, single, restriction, width))
             A = in_order(congruent(A, P).tobsr((motions.shape[1],) * 2))
-            empty = A.diagonal() == 0.0  # where motions were dependent
+            empty = A.diagonal() == 0.0  # rows of linearly dependent motions
             if empty.any():
                 add_to_diagonal(A, np.where(empty, self._scale, 0.0))
             progress.update()
         self._coarsest = factorize(A / self._scale, what=pencil.what)
 
     def _at(self, s2: float) -> Inverse:
-        """Return (K + s²M)⁻¹ at another shift; a smaller one has this one's finest smoother.
+        """Return (K + s²M)⁻¹ at another shift; at a smaller one it shares this finest smoother.
 
-        It damps as well there. At a larger one, where its matrix is too small, it does not. The
-        two share the work space, and wait for each other.
+        The smoother damps as well at smaller shifts, but not at larger ones, whose matrix is larger
+        than its own. Both inverses share the work space, so that threads take turns.
         """
         if not self._levels or s2 > self._stored:
             return Multigrid(self.pencil.at(s2)).inverse
@@ -174,7 +175,7 @@ class Multigrid:
         return other.inverse
 
     def iterate(self, rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
-        """Return (K + s²M)⁻¹ `rhs`, each column with the bits that it has alone."""
+        """Return (K + s²M)⁻¹ `rhs`, each column bit for bit that solved alone; see `Inverse`."""
         operators = by_columns(self.product), by_columns(self.precondition)
         with self._in_use:
             what = self.pencil.what
@@ -200,7 +201,7 @@ class Multigrid:
         return x.astype(np.float64) * (size / self._scale)
 
     def _cycle(self, depth: int, r: Single) -> Single:
-        """Improve upon zero for the right-hand side `r`, which is written to."""
+        """Return a V-cycle's solution for `r` on the level of that depth; overwrites `r`."""
         if depth == len(self._levels):
             return self._coarsest.solve(r.astype(np.float64)).astype(np.float32)
         level = self._levels[depth]
@@ -218,9 +219,9 @@ class Multigrid:
         return x
 
     def _shift(self, x: Single, r: Single) -> None:
-        """Make `r`, the residual after `x` at the shift of the finest smoother, that at ours.
+        """Change `r`, the residual of `x` at the smoother's shift, to that at this inverse's shift.
 
-        Else corrections of slow motions, which s²M governs, are taken for far too large or small.
+        Otherwise corrections of slow motions, where s²M dominates, become far too large or small.
         """
         change = (self.pencil.s2 - self._stored) / self._scale
         if change:
@@ -229,7 +230,7 @@ class Multigrid:
 
 
 def _cost(pencil: Pencil) -> Cost:
-    """The cost, by entries of K in place of those of L."""
+    """Return the estimated cost, proportional to the entries of K."""
     stored, quadratic = float(pencil.K.nnz), pencil.mesh is not None and pencil.mesh.quadratic
     aspect = 1.0 if pencil.mesh is None else _aspect(pencil.mesh)
     each = _WITHOUT_NODES if pencil.nodes is None else _ITERATIONS + _PER_ASPECT * aspect**2
@@ -239,9 +240,9 @@ def _cost(pencil: Pencil) -> Cost:
 
 
 def _aspect(mesh: Mesh) -> float:
-    """The ratio of the longest and the shortest of the lengths of elements; median over the nodes.
+    """Return the elements' aspect ratio, longest over shortest extent: the median over the nodes.
 
-    Elements about a node count together: bricks cut into tetrahedra are as long as wide.
+    The extents are those of all elements about a node together: tetrahedra cut from cubes have 1.
     """
     about = np.zeros((mesh.n_nodes, 9))
     for block in mesh.blocks:

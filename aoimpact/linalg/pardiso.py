@@ -14,15 +14,15 @@ from .method import Inverse, Method, of_factors
 from .pencil import Pencil
 from .superlu import check_condition
 
-# PARDISO's iparm, counted from 0: nested dissection; two-level scheduling of the factorisation.
-# Rows of like patterns, as those of a node, are dissected as one where this percentage of their
-# block are entries. That takes a fifth to a half of the time of the analysis, on plates, balls and
-# shells of 14 000 to 224 000 dofs, and gives factors of the same size.
+# PARDISO's iparm, counted from 0. 1: nested dissection; 23: two-level scheduling of the
+# factorisation; 36: rows of like patterns, such as those of a node, are dissected as one if this
+# percentage of their block are entries. The analysis then takes a fifth to a half of the time, on
+# plates, balls and shells of 14 000 to 224 000 dofs, and the factors have the same size.
 _OPTIONS = {1: 2, 23: 1}
 _BLOCKS, _ALIKE = 36, 80
 
-# Rows of a block that are safe. More than 128, such as those of the nodes of a rigid mass,
-# overwrite PARDISO's stack and end the interpreter.
+# Maximum rows of such a block, with a margin: more than 128, such as those of the nodes of a rigid
+# mass, overwrite PARDISO's stack and crash the interpreter.
 _LARGEST = 100
 
 # See `of_factors`. PARDISO stores L by supernodes, and a copy of K.
@@ -30,16 +30,16 @@ _COST = of_factors((1e-11, 3e-8, 0.9e-9), 12.0, 30.0)
 
 
 def is_installed() -> bool:
-    """True if the package py-mkl-pardiso is there."""
+    """Return whether the package py-mkl-pardiso is installed."""
     return importlib.util.find_spec("pymklpardiso") is not None
 
 
 class _Factors:
     """Factors of K + s²M for one s² at a time, with one analysis of the pattern for all.
 
-    To replace the factors takes half of a factorisation from the beginning or less: models of thin
-    bodies, whose static mode needs factors of K besides, are made 1.31 … 1.37 times as fast
-    (benchmarks/reduction.py --constrained: two plates and a bar of tetrahedra).
+    Replacing the factors takes at most half the time of a first factorisation. Models of thin
+    bodies, which need factors of K as well for their static mode, are made 1.31 … 1.37 times as
+    fast (benchmarks/reduction.py --constrained: two plates and a bar of tetrahedra).
     """
 
     def __init__(self, pencil: Pencil) -> None:
@@ -51,7 +51,7 @@ class _Factors:
         self._factorise(pencil)
 
     def at(self, s2: float) -> Inverse:
-        """Return the inverse at a shift; factors are replaced when it solves."""
+        """Return the inverse at a shift; its solutions replace the factors of any other shift."""
         return Inverse(partial(self._solve, self._pencil.at(s2)), at=self.at)
 
     def _solve(self, pencil: Pencil, rhs: FloatArray) -> FloatArray:
@@ -63,7 +63,7 @@ class _Factors:
     def _factorise(self, pencil: Pencil) -> None:
         what, diagonal = pencil.what, pencil.diagonal
         without = np.flatnonzero(~(diagonal > 0.0))
-        if len(without):  # of a row without a diagonal PARDISO reads foreign memory
+        if len(without):  # PARDISO reads out of bounds in a row without a diagonal entry
             raise SingularError(
                 f"{what} is singular or not positive definite (its diagonal entry {without[0]}, "
                 f"counted from 0, is {diagonal[without[0]]:g})"
@@ -97,9 +97,9 @@ class _Factors:
 
 
 def _pardiso(what: str) -> Any:
-    """The package's compiled class.
+    """Return a solver of the package's compiled class.
 
-    Its Python class checks each row in turn, which takes as long as the rest on slender bodies.
+    The package's Python class checks row by row, which doubles the time on slender bodies.
     """
     try:
         from pymklpardiso import MTYPE_REAL_SYM_POSDEF

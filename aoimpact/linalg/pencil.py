@@ -1,4 +1,4 @@
-"""The matrix K + s²M of a body, which is never put together unless a solver needs it."""
+"""The matrix K + s²M of a body, which is formed only if a solver needs it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ALMOST_ZERO = 1e-300
 
 @record
 class Pencil:
-    """The matrix K + s²M of a body, and where its rows are, for solvers that make use of it.
+    """The matrix K + s²M of a body, and the coordinates of its rows for solvers that use them.
 
     Attributes
     ----------
@@ -28,12 +28,13 @@ class Pencil:
     s2 : float
         s², (rad/s)².
     nodes : ndarray, shape (n_nodes, 3), optional
+        Coordinates of the nodes, m.
     free : ndarray of int, shape (n,), optional
-        For each row its dof: 3·node + component, and 3·n_nodes more of rotations.
+        Dof of each row: 3·node + component, and 3·n_nodes more for rotations.
     mesh : Mesh, optional
     origin : Pencil, optional
-        The pencil of another shift from which this one was taken; what depends on no shift is
-        computed once, there.
+        Pencil of another shift from which this one was made; it computes and holds what does not
+        depend on the shift.
     """
 
     K: Any
@@ -45,12 +46,12 @@ class Pencil:
     origin: Pencil | None = None
 
     def at(self, s2: float) -> Pencil:
-        """Return that of another shift, with what is known of this one's parts."""
+        """Return the pencil of another shift, which shares what does not depend on the shift."""
         return replace(self, s2=s2, origin=self.origin or self)
 
     @cached_property
     def fill(self) -> Fill:
-        """Estimate of the factors."""
+        """Estimated size and cost of the factors."""
         return self.origin.fill if self.origin else fill(self.K, self.places)
 
     @cached_property
@@ -75,7 +76,7 @@ class Pencil:
 
     @property
     def rotates(self) -> bool:
-        """True of shells and beams, which have rotations of nodes beside displacements."""
+        """True if nodes have rotations besides displacements, as in shells and beams."""
         if self.nodes is None or self.free is None:
             return False
         return bool(self.free.max() >= 3 * len(self.nodes))
@@ -90,20 +91,20 @@ class Pencil:
         return "K + s²M" if self.s2 else "the stiffness matrix"
 
     def matrix(self) -> Any:
-        """Return K + s²M as one matrix; K itself where s is zero.
+        """Return K + s²M as one matrix; K itself if s is zero.
 
-        It has the pattern of K, and its arrays, if M couples no more: what is found out of one
-        serves the other.
+        It shares the index arrays of K if M has no other entries, so that a solver's analysis of
+        the pattern serves both.
         """
         for each in (self.K, self.M):
-            each.sum_duplicates()  # and sort them
+            each.sum_duplicates()  # which also sorts the indices
         if not self.s2:
             return self.K
         K, data = self.K, np.empty_like(self.K.data)
         cuts = np.linspace(0, self.n, 2 + K.nnz // ENTRIES_AT_ONCE, dtype=int).tolist()
         for first, last in pairwise(cuts):
             rows = rows_of(K, first, last)
-            # SciPy leaves sums out that are zero.
+            # SciPy drops entries that sum to zero.
             rows.data = np.where(rows.data == 0.0, _ALMOST_ZERO, rows.data)
             total = rows + self.s2 * rows_of(self.M, first, last)
             if total.nnz != rows.nnz:
@@ -119,5 +120,5 @@ class Pencil:
 
     @cached_property
     def scale(self) -> float:
-        """The largest entry of the diagonal: the norm of the matrix is at least that."""
+        """Largest entry of the diagonal, a lower bound of the norm of the matrix."""
         return float(self.diagonal.max())

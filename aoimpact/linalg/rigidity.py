@@ -13,13 +13,13 @@ from ..base import PRINTED, FloatArray, SingularError, sp
 def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> FloatArray:
     """Return an M-orthonormal basis of the part of `vectors` that `space` does not span.
 
-    Gram-Schmidt, twice: the first pass may leave little, and rounding is large beside that
-    (Giraud, Langou and Rozložník, Comput. Math. Appl. 50 (2005) 1069).
+    Gram-Schmidt runs twice, since rounding may dominate what little the first pass leaves (Giraud,
+    Langou and Rozložník, Comput. Math. Appl. 50 (2005) 1069).
 
     Parameters
     ----------
     space : ndarray, shape (n, r), or None
-        M-orthonormal; None if empty.
+        M-orthonormal basis of a space; None if it is empty.
     vectors : ndarray, shape (n, m)
     M : matrix, shape (n, n)
         Symmetric positive semidefinite; sparse or dense.
@@ -27,9 +27,9 @@ def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> Floa
     Returns
     -------
     basis : ndarray, shape (n, k), k ≤ m
-        Column by column, `space` and the first columns span what `space` and the first vectors do.
-        A vector has no column if the space and the vectors before it span it (to 1e-9 of its
-        length), or if it has no mass.
+        At each vector, `space` and the columns so far span what `space` and the vectors so far do.
+        A vector adds no column if it has no mass, or if `space` and the vectors before it span it
+        to 1e-9 of its length.
 
     Examples
     --------
@@ -63,8 +63,8 @@ def unresisted_motions(
 ) -> FloatArray:
     """Return an M-orthonormal basis of the rigid motions with K r = 0, shape (n, r).
 
-    Every combination of the motions is tested (a body hinged about any line turns about it),
-    for each part of the body that K does not connect with the rest.
+    All combinations of the motions are tested, such as the rotation of a body about a hinge along
+    any line, and each part of the body that K does not connect with the rest is tested alone.
 
     Parameters
     ----------
@@ -77,16 +77,16 @@ def unresisted_motions(
     Raises
     ------
     SingularError
-        If one of them has no mass.
+        If one of these motions has no mass.
     """
     forces = K @ motions
-    if springs is not None:  # apart from rounding of the forces in the body
+    if springs is not None:  # soft ones are lost in the rounding of the body's forces: set below
         forces -= springs[:, None] * motions
     stiffness = K.diagonal()[:, None]
     np.divide(forces, stiffness, out=forces, where=stiffness > 0.0)
     if springs is not None:
         forces = np.where(springs[:, None] > 0.0, motions, forces)
-    # K is symmetric, so that strong connection is connection; it needs no transpose.
+    # In a symmetric K strong and weak connection agree; strong needs no transpose.
     n_parts, part = sp.csgraph.connected_components(K, connection="strong")
     order = np.argsort(part, kind="stable")
     bounds = np.searchsorted(part[order], np.arange(n_parts + 1))
@@ -98,7 +98,7 @@ def unresisted_motions(
         combination = right[kept].T / size[kept]
         combination @= np.linalg.svd(forces[rows] @ combination, full_matrices=False)[2].T
         basis = motions[rows] @ combination
-        # A spring to the ground gives its share of the stiffness at its dof.
+        # The forces are relative to K_ii: a spring within K has its share of the dof's stiffness.
         residual = np.abs(forces[rows] @ combination).max(axis=0)
         free = residual <= PRINTED * np.abs(basis).max(axis=0)
         columns = np.zeros((len(motions), np.count_nonzero(free)))

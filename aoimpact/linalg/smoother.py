@@ -15,30 +15,30 @@ from .blocks import Blocks, diagonal_places, in_stages
 
 Single = npt.NDArray[np.float32]
 
-# Steps before and after each correction: one fewer takes half as many iterations again, one more
-# saves what it costs.
+# Chebyshev steps before and after each coarse-grid correction. With one fewer, iterations rise by
+# half; one more saves no more than it costs.
 _STEPS = 3
 
-# Lanczos steps for λ_max of D⁻¹A, which they find to some percent from below; hence the margin.
+# Lanczos steps for λ_max of D⁻¹A, which underestimate it by some percent, and the factor for that.
 _LANCZOS_STEPS = 12
 _MARGIN = 1.1
 
 
 class Smoother:
-    """Damps the upper eigenvalues of D⁻¹A, with D the diagonal blocks of A.
+    """Chebyshev smoother of the upper eigenvalues of D⁻¹A, with D the diagonal blocks of A.
 
     Parameters
     ----------
     blocks : Blocks
-        A as the core takes it.
+        A in the form that the core takes.
     A : scipy.sparse.bsr_array
         Symmetric positive definite.
     scale : float
-        What the matrix is divided by, so that single precision holds it.
+        Divisor of the matrix, which brings it into the range of single precision.
     band : float
-        The eigenvalues damped are λ_max / band … λ_max.
+        The damped eigenvalues are λ_max / band … λ_max.
     what : str
-        The matrix in messages.
+        Name of the matrix in messages.
 
     Attributes
     ----------
@@ -61,11 +61,11 @@ class Smoother:
         self._lowest = self.highest / band
 
     def subtract(self, x: Single, r: Single) -> None:
-        """Do r -= A x."""
+        """Subtract A x from `r` in place."""
         in_stages(2, self._parts, _core.blocks_subtract, self._matrix, x, r, self._work)
 
     def smooth(self, x: Single, r: Single, *, finish: bool) -> None:
-        """Improve `x` in place, r = f - A x; with `finish` that holds for `r` afterwards too."""
+        """Improve `x` in place, given r = f - A x; with `finish`, update `r` for the new `x`."""
         band = self._lowest, self.highest
         others = _STEPS, *band, finish, x, r, self._work
         in_stages(_STEPS + 1, self._parts, _core.blocks_smooth, self._matrix, *others)
@@ -80,7 +80,7 @@ class Smoother:
             z = np.matmul(inverse, w.reshape(-1, size, 1)).reshape(-1)  # D⁻¹ w
             square = inner(w, z)
             if square == 0.0:
-                break  # the space is used up: what was found is exact
+                break  # the Krylov space is exhausted, and λ_max exact
             length = math.sqrt(max(square, 0.0)) or math.nan
             v, momentum = z / length, w / length
             product = np.zeros(n, dtype=np.float32)

@@ -1,6 +1,6 @@
-"""Linear solvers of K + s²M behind one interface: chosen by size and by what is installed.
+"""Linear solvers of K + s²M behind one interface, chosen by size and by the installed packages.
 
-Every method's solutions are accepted by their residual. To add a solver, write a file with its
+The solutions of every method are checked by their residual. To add a solver, write a file with its
 `Method` beside the others and name it in `METHODS`.
 """
 
@@ -39,28 +39,28 @@ METHODS: dict[str, Method] = {method.name: method for method in (SUPERLU, PARDIS
 
 SOLVERS = ("auto", *METHODS)
 
-# ‖f - A x‖ / ‖f‖ of a solution, where rounding allows it, and how often one is refined.
+# Tolerance of ‖f - A x‖ / ‖f‖, where rounding allows it, and maximum number of refinements.
 _TOLERANCE = 1e-10
 _REFINEMENTS = 5
 
 # Largest ‖f - A x‖ / (max A_ii ‖x‖) due to rounding: some hundred roundings.
 _LEFT_BY_ROUNDING = 2e-14
 
-# Estimated seconds up to which factors are taken though iterations may be as quick: they serve any
+# Estimated time, s, up to which factors are preferred even to quicker iterations: they serve any
 # number of solutions, and cannot fail to converge.
 _PROMPT = 0.2
 
-# The default number of solutions: those of a model of some oscillators. Fewer are for a shift far
-# above the slow motions of the body, for which iterations converge.
+# Default number of solutions, that of a reduced model of a few oscillators. Callers give fewer for
+# a shift far above the body's slow motions, at which iterations converge.
 FEW_SOLUTIONS = 10
 
 
 @dataclass(eq=False)
 class LinearSolver:
-    """(K + s²M)⁻¹, by any method, with its residual checked at every solution.
+    """(K + s²M)⁻¹ by any method, with the residual of every solution checked.
 
-    Iterations that "auto" chose are given up for factors, for good, once all solutions together
-    have taken as long as factors would: both together take at most twice that.
+    If "auto" chose iterations, factors replace them for good once all solutions together have taken
+    as long as a factorisation would: the total is at most twice that.
 
     Attributes
     ----------
@@ -69,9 +69,9 @@ class LinearSolver:
     pencil : Pencil
     inverse : Inverse
     most : float
-        Iterations after which factors take over; infinite where they never do.
+        Iterations left before factors take over; infinite if they never do.
     rough : float
-        ‖f - A x‖ / ‖f‖ of rough solutions.
+        Tolerance of ‖f - A x‖ / ‖f‖ of rough solutions.
     """
 
     name: str
@@ -87,12 +87,12 @@ class LinearSolver:
 
     @property
     def precondition(self) -> Solve | None:
-        """About (K + s²M)⁻¹, symmetric and much cheaper, of a method that iterates."""
+        """Approximation of (K + s²M)⁻¹, symmetric and much cheaper; None of a direct method."""
         return self.inverse.precondition
 
     @property
     def at(self) -> Callable[[float], LinearSolver] | None:
-        """s² ↦ the solver at another shift for less than this one; see `Inverse.at`."""
+        """s² ↦ the solver at another shift, for less than a new set-up; see `Inverse.at`."""
         if (shift := self.inverse.at) is None:
             return None
         return lambda s2: LinearSolver(self.name, self.pencil.at(s2), shift(s2), self.most)
@@ -112,7 +112,7 @@ class LinearSolver:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return x, K x and M x for a subspace, with ‖f - A x‖ ≤ `tolerance` ‖f‖.
 
-        As `solve` does where the method does not iterate.
+        A direct method solves to the tolerance of `solve`.
 
         Raises
         ------
@@ -122,7 +122,7 @@ class LinearSolver:
         return self._solve(rhs, _TOLERANCE if self.inverse.iterate is None else tolerance)
 
     def factorise(self) -> None:
-        """Let factors take over for good. Raises ConvergenceError where none fit into memory."""
+        """Replace iterations by factors for good; ConvergenceError if none fit into memory."""
         method = _direct(self.pencil)
         if method is None:
             raise ConvergenceError(
@@ -144,7 +144,7 @@ class LinearSolver:
                 rounding = _LEFT_BY_ROUNDING * self.pencil.scale * np.linalg.norm(x, axis=0)
                 allowed = np.maximum(tolerance * np.linalg.norm(rhs, axis=0), rounding)
                 size = np.linalg.norm(residual, axis=0)
-                # The largest of all columns; nan where x is too large.
+                # Maximum over the columns; nan if x overflows.
                 excess = float(np.max(size / np.where(allowed > 0.0, allowed, 1.0)))
             if excess <= 1.0:
                 advance("solution", x.size // len(x))
@@ -172,7 +172,7 @@ class LinearSolver:
                 f"solver {self.name!r} returned nan or infinity for {self.pencil.what} "
                 f"({self.pencil.n} dofs); take another one by solver="
             )
-        return x.astype(np.float64, copy=False)  # refined, single precision does as well
+        return x.astype(np.float64, copy=False)  # refinement makes up for single precision
 
     def _iterated(self, rhs: FloatArray, tolerance: float) -> FloatArray:
         """Solve by iterations while there are any left, and by factors from then on."""
@@ -191,7 +191,7 @@ class LinearSolver:
 
 
 def checked_solver(solver: Solver, *, name: str = "solver") -> Solver:
-    """Refuse what is neither the name of a solver nor a function, before any work is done."""
+    """Return `solver`, a solver's name or a function; refuse others before any work is done."""
     return solver if callable(solver) else choice(name, solver, SOLVERS)
 
 
@@ -205,12 +205,12 @@ def linear_solver(
     pencil : Pencil
     solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         "superlu" comes with SciPy; "pardiso", with ``pip install aoimpact[direct]``, is several
-        times faster and takes half the memory; "multigrid" goes on where factors grow too large, at
-        its best with the mesh, well with nodes, slowly without. "auto" takes what will be quickest
-        and fits into memory. A callable gets K + s²M (`scipy.sparse.csc_array`) and returns a
+        times faster and takes half the memory; "multigrid" is for bodies whose factors grow too
+        large, at its best with the mesh, well with nodes, slowly without. "auto" takes the quickest
+        that fits into memory. A callable gets K + s²M (`scipy.sparse.csc_array`) and returns a
         callable that solves for a right-hand side (n,), e.g. ``scipy.sparse.linalg.factorized``.
     solutions : int, optional
-        How many solutions it is to serve, roughly: "auto" factorises sooner for many.
+        Approximate number of solutions needed: for many, "auto" is more likely to factorise.
 
     Raises
     ------
@@ -219,7 +219,7 @@ def linear_solver(
     MemoryLimitError
         If there is not enough memory, by an estimate; nothing is computed then.
     InputError, InputTypeError
-        If the name is unknown, its package not installed, or the callable does not return one.
+        If the name is unknown, its package not installed, or the callable returns no callable.
     """
     if callable(solver):
         return _users_own(pencil, solver)
@@ -234,7 +234,7 @@ def linear_solver(
     cost, most = method.cost(pencil), np.inf
     require(cost.memory, what, cure)
     direct = _direct(pencil) if name == "auto" else None
-    if method is MULTIGRID and direct is not None:  # as long as factors would take
+    if method is MULTIGRID and direct is not None:  # iterations in the time of a factorisation
         most = direct.cost(pencil).set_up / cost.step
     with bar(f"{method.name}, {pencil.n} dofs"):
         try:
@@ -247,7 +247,7 @@ def linear_solver(
 
 
 def _quickest(pencil: Pencil, solutions: int) -> Method:
-    """The method that will be quickest of those that are installed and fit into memory."""
+    """Return the method estimated to be quickest that is installed and fits into memory."""
     direct = _direct(pencil)
     if pencil.rotates:  # multigrid is for blocks of three displacements
         return direct or SUPERLU
@@ -261,7 +261,7 @@ def _quickest(pencil: Pencil, solutions: int) -> Method:
 
 
 def _direct(pencil: Pencil) -> Method | None:
-    """The method that factorises quickest, of those that are installed and fit into memory."""
+    """Return the direct method with the quickest set-up, or None if none fits into memory."""
     free = available()
     fitting = [m for m in (SUPERLU, PARDISO) if m.is_installed() and m.cost(pencil).memory <= free]
     return min(fitting, key=lambda m: m.cost(pencil).set_up, default=None)
@@ -269,7 +269,7 @@ def _direct(pencil: Pencil) -> Method | None:
 
 def _users_own(pencil: Pencil, solver: Callable[[Any], Solve]) -> LinearSolver:
     name = getattr(solver, "__name__", type(solver).__name__)
-    inverse = solver(pencil.matrix().T)  # of a symmetric CSR matrix that is the CSC one, no copy
+    inverse = solver(pencil.matrix().T)  # the CSC form of a symmetric CSR matrix, without a copy
     if not callable(inverse):
         raise InputTypeError(
             f"solver {name!r} must return a function that takes a right-hand side and returns the "
@@ -279,6 +279,6 @@ def _users_own(pencil: Pencil, solver: Callable[[Any], Solve]) -> LinearSolver:
     def solve(rhs: FloatArray) -> FloatArray:
         if rhs.ndim == 2:
             return np.column_stack([solve(column) for column in rhs.T])
-        return np.array(inverse(rhs.copy()))  # it may overwrite what it gets, or what it gave
+        return np.array(inverse(rhs.copy()))  # it may overwrite its argument or an earlier result
 
     return LinearSolver(name, pencil, Inverse(solve))

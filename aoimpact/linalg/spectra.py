@@ -1,11 +1,11 @@
 """The lowest eigenpairs of K φ = ω² M φ, none missed: by LAPACK, or by Davidson's method.
 
-That takes in a block of approximate solutions at a time.
-With factors the approximation is exact, and the method that of a block of Lanczos vectors, which
-holds every member of a multiple eigenvalue. With V-cycles it is quicker than Lanczos' method with
-multigrid solutions: 16 modes of balls of 20 000 and 45 000 dofs take 1.2 and 3.0 s of the processor
-against 6.8 and 17.5 s, of a plate of 55 000 dofs 10.7 s against 30 s. Factors by PARDISO take 3.8,
-11.8 and 7.2 s. SciPy's `lobpcg` with the same V-cycles takes 1.2 to 2.2 times as long.
+Davidson's method adds a block of preconditioned residuals to its basis at each step. With factors
+as preconditioner it is a block Lanczos method, which finds every member of a multiple eigenvalue.
+With V-cycles it is quicker than Lanczos' method with multigrid solutions: 16 modes of balls of
+20 000 and 45 000 dofs take 1.2 and 3.0 s of processor time instead of 6.8 and 17.5 s, those of a
+plate of 55 000 dofs 10.7 s instead of 30 s. Factors by PARDISO take 3.8, 11.8 and 7.2 s. SciPy's
+`lobpcg` with the same V-cycles takes 1.2 to 2.2 times as long.
 """
 
 from __future__ import annotations
@@ -23,60 +23,62 @@ from .pencil import Pencil
 from .rigidity import m_orthonormal
 from .solvers import LinearSolver, linear_solver
 
-# Up to here LAPACK on the whole pencil is quicker than setting up an iteration.
+# Dofs up to which LAPACK on dense matrices is quicker than setting up an iteration.
 DENSE_DOFS = 500
 
-# Eigenvalues closer than this, relative, are one multiple eigenvalue.
+# Relative difference below which eigenvalues count as one multiple eigenvalue.
 EQUAL = 1e-9
 
-# Dofs up to which dense matrices serve where iterations do not converge: where the eigenvalues lie
-# close together, as if K and M had changed places.
+# Dofs up to which LAPACK replaces iterations that do not converge, as for the closely spaced
+# eigenvalues of K and M given in exchanged places.
 _DENSE_AT_WORST = 2000
 
-# Least elastic eigenvalue over the first guess of s²: below it is rounding.
+# Smallest elastic eigenvalue over the first guess of s²; smaller ones are rounding.
 _LEAST_SHIFT = 1e-30
 
-# The first guess of s², as a share of the mean of K_ii over that of M_ii, which is near the highest
-# ω²: K + s²M is definite to rounding, and the lowest ω² are still distinct.
+# First guess of s² over ΣK_ii/ΣM_ii, which is near the highest ω²: K + s²M is definite beyond
+# rounding, and the lowest ω² remain distinct.
 _FIRST_SHIFT = 1e-4
 
-# ω²/s² of the first elastic mode where s² is kept. Below, K would be lost beside s²M; above, s²M
-# beside K. It is found anew so often at most: once, but for the slenderest of bodies.
+# Range of ω²/s² of the first elastic mode in which s² is kept: below it K is lost in the rounding
+# of s²M, above it s²M in that of K. Maximum number of corrections of s²: one is enough but for the
+# slenderest bodies.
 _SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
 
-# Steps of inverse iteration that give ω² its order of magnitude from a random vector, where it is
-# not below s² by far. If it is, they give some s²/200 (of strips 1 m long and 0.5 to 3 mm thick),
-# and the next s² is a hundredth of that.
+# Steps of inverse iteration from a random vector that find the order of magnitude of the first
+# elastic ω², unless it is far below s². Then they give some s²/200 (of strips 1 m long and 0.5 to
+# 3 mm thick), and the next s² is that times _FURTHER.
 _INVERSE_STEPS, _FURTHER = 8, 0.01
 
-# Largest eps |φ|ᵀ|K||φ| over φᵀKφ of a mode that K's digits hold. The first ω of bars and plates
-# 1 000 to 10 000 times as long as thick is off by 1 % and more above, by 0.3 % at most below.
+# Largest eps |φ|ᵀ|K||φ| / φᵀKφ, the relative rounding of a mode's stiffness, without a warning. The
+# first ω of bars and plates 1 000 to 10 000 times as long as thick is off by 1 % or more above it,
+# by at most 0.3 % below it.
 _DROWNED = 0.2
 
-# s² over the first guess, and passes, by which strain is taken out of rigid modes.
+# s² over the first guess, and number of passes, for removing elastic strain from rigid modes.
 _STRAIN_SHIFT, _STRAIN_PASSES = 1e-6, 3
 
-# Smallest pivot of M, relative to its diagonal, with which the reduction by M⁻¹ keeps the digits of
+# Smallest pivot of M over its diagonal entry at which LAPACK's reduction by M⁻¹ keeps the digits of
 # low ω².
 _LIGHT = 1e-6
 
-# r·T r / ω² of a pair that has converged: the relative error of its ω², with T about (K + s²M)⁻¹;
-# that of the mode is the root of it. Rounding of K φ is up to ε √m Σ K_ii φ_i² along any mode, with
-# m entries in a row, and leaves its square over the lowest ω² + s².
+# Tolerance of r·T r / ω², with the residual r and T ≈ (K + s²M)⁻¹: it is the relative error of ω²,
+# and its square root that of the mode. Rounding of K φ is up to ε √m Σ K_ii φ_i² along any mode,
+# with m entries in a row, and leaves r·T r at its square over the lowest ω² + s².
 _TOLERANCE, _EPSILON = 1e-14, float(np.finfo(float).eps)
 
-# Relative change of a converged ω² above which the pair is open again: a lower one has appeared.
+# Relative change of a converged ω² above which its pair is iterated on: a lower ω² has appeared.
 _MOVED = 1e-9
 
-# Extra vectors in a block, at least and as a share of the modes wanted. They speed up the last of
-# these, and each random vector finds one member of a multiple eigenvalue.
+# Extra vectors in a block: their minimum number, and their share of the modes wanted. They speed up
+# the last of the modes, and each random vector finds one member of a multiple eigenvalue.
 _SPARE, _SPARE_SHARE = 4, 0.25
 
 # Maximum basis size, in blocks, before a restart from twice the block.
 _MOST_BLOCKS = 12
 
-# Cubes and beams take 13 to 21 steps for 4 and 16 modes; a sheet 150 times as long as thick takes
-# 98 for 16, and more for 4.
+# Maximum number of steps. Cubes and beams take 13 to 21 for 4 and 16 modes; a sheet 150 times as
+# long as thick takes 98 for 16 modes, and more for 4.
 _MOST_STEPS = 100
 
 
@@ -104,8 +106,8 @@ def dense_modes(stiffness: FloatArray, mass: FloatArray, n: int | None = None) -
         if not failed and (np.diagonal(factor) ** 2 >= _LIGHT * np.diagonal(mass)).all():
             omega2, modes = solved(stiffness, mass)
             return omega2, modes
-        # A motion may have next to no mass, as where elements integrate it at few points: it has
-        # θ = 0 in M φ = θ (K + s²M) φ, θ = 1/(ω² + s²).
+        # For motions with almost no mass, as of elements that integrate it at few points, solve
+        # M φ = θ (K + s²M) φ with θ = 1/(ω² + s²), in which they have θ = 0.
         if whole <= 0.0:
             raise scipy.linalg.LinAlgError("mass is not positive semidefinite")
         s2 = _FIRST_SHIFT * float(np.trace(stiffness)) / whole
@@ -129,10 +131,10 @@ def shifted(
     solver_at: Callable[[float], LinearSolver],
     first: LinearSolver | None = None,
 ) -> LinearSolver:
-    """Return the solver of K + s²M with s² beside the lowest elastic eigenvalue.
+    """Return the solver of K + s²M with s² near the lowest elastic eigenvalue.
 
-    A free K has no factors; K + s²M always has. s² far below the first elastic eigenvalue costs
-    digits, far above it iterations, so it is put right once the eigenvalue is known roughly.
+    K of a free body is singular, and K + s²M is not. s² far below the first elastic eigenvalue
+    costs digits, far above it iterations, so it is corrected once that is known roughly.
 
     Parameters
     ----------
@@ -151,35 +153,35 @@ def shifted(
             x = m_orthonormal(modes, current.solve(M @ x), M)
             modes = np.column_stack([modes, x])
         basis = modes[:, rigid.shape[1] :]
-        # An upper bound of the first elastic ω², by Lanczos. A motion that was missed among the
-        # rigid ones has no elastic eigenvalue at all.
+        # Upper bound of the first elastic ω², by Lanczos. If `rigid` misses a rigid motion, the
+        # bound is rounding.
         elastic = float(np.linalg.eigvalsh(basis.T @ (K @ basis))[0])
         elastic = max(elastic, _LEAST_SHIFT * _first_shift(K, M))
         if _SHIFT_BELOW * current.s2 <= elastic <= _SHIFT_ABOVE * current.s2:
             break
         try:
             current = solver_at(elastic if elastic > current.s2 else _FURTHER * elastic)
-        except SingularError:  # what K's digits leave of a rigid motion may be below zero
+        except SingularError:  # rounding of K may leave a rigid motion a negative stiffness
             break
     return current
 
 
 def _first_shift(K: Any, M: Any) -> float:
-    """A guess of s², (rad/s)², large enough for K + s²M to be definite, small beside K."""
+    """Return a guess of s², (rad/s)²: K + s²M is definite beyond rounding, s²M small beside K."""
     return _FIRST_SHIFT * float(K.diagonal().sum() / M.diagonal().sum())
 
 
 def null_space(K: Any, M: Any, soft: float | None = None) -> FloatArray:
     """Return the M-orthonormal modes of zero stiffness, shape (n, r), from the matrices alone.
 
-    A mode counts as rigid if ‖Kφ‖ ≤ 1e-12 ‖|K||φ|‖: its elastic forces are rounding. That gives
-    some 1e-15, the slenderest of meshes that double precision can still carry 1e-9.
+    A mode counts as rigid if ‖Kφ‖ ≤ 1e-12 ‖|K||φ|‖, its elastic forces being rounding. Rigid modes
+    have some 1e-15; elastic modes of the slenderest meshes that doubles can represent have 1e-9.
 
     Parameters
     ----------
     K, M : scipy.sparse matrices, shape (n, n)
     soft : float, optional
-        Modes with ω² up to this are wanted in place of those.
+        Return instead the modes with ω² up to this value, (rad/s)².
     """
     n = K.shape[0]
     wanted = min(n, 8)
@@ -256,14 +258,14 @@ def _iterated(
     known: FloatArray | None,
     invert: Callable[[float], LinearSolver] | None,
 ) -> ArrayPair:
-    """Eigenpairs by V-cycles where the solver has them and factors are no quicker, or solutions."""
+    """Return eigenpairs by Davidson's method with the solver's V-cycles, or else its solutions."""
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
     near = None
     if known is not None and not known.shape[1]:
-        with suppress(SingularError):  # by rounding
+        with suppress(SingularError):  # K may be singular to rounding
             near = solver_at(0.0)
     near = near or solver_at(_first_shift(K, M))
-    if known is None:  # of an unknown null space the first guess stays
+    if known is None:  # correcting the first guess of s² takes the null space
         return davidson(K, M, near.solve, n, s2=near.s2)
     if (cycle := near.precondition) is not None:
         try:
@@ -288,8 +290,8 @@ def davidson(
 ) -> ArrayPair:
     """Return the `n` lowest eigenpairs of K φ = ω² M φ.
 
-    The basis takes in T r_j for the residual r_j of each pair that has not converged, and every
-    pair is the best that it holds (Rayleigh-Ritz): Morgan and Scott, SIAM J. Sci. Stat. Comput. 7
+    Each step adds T r_j to the basis, for the residual r_j of each pair that has not converged, and
+    takes the Rayleigh-Ritz pairs of the basis: Morgan and Scott, SIAM J. Sci. Stat. Comput. 7
     (1986), in blocks.
 
     Parameters
@@ -297,14 +299,14 @@ def davidson(
     K, M : scipy.sparse matrices, shape (dofs, dofs)
         Symmetric, positive semidefinite.
     precondition : callable
-        T, f ↦ about (K + s²M)⁻¹ f, shape (dofs, any), with s² beside the lowest eigenvalues.
+        T, f ↦ ≈ (K + s²M)⁻¹ f, f of shape (dofs, any), with s² near the lowest eigenvalues.
     n : int
     away_from : ndarray, shape (dofs, r), optional
         M-orthonormal eigenvectors to keep out of the result.
     s2 : float, optional
-        s².
+        s² of the preconditioner, (rad/s)².
     most : float, optional
-        Preconditionings after which to give up.
+        Maximum number of preconditioned vectors.
 
     Returns
     -------
@@ -314,7 +316,7 @@ def davidson(
     Raises
     ------
     ConvergenceError
-        If it takes more than 100 steps, or `most` preconditionings.
+        If it takes more than 100 steps, or more than `most` preconditioned vectors.
     """
     width = n + max(_SPARE, int(_SPARE_SHARE * n))
     start = np.random.default_rng(5).standard_normal((M.shape[0], width))
@@ -326,7 +328,7 @@ def davidson(
         for _ in range(_MOST_STEPS):
             known = basis if away_from is None else np.column_stack([away_from, basis])
             new = m_orthonormal(known, block, M)
-            if basis.shape[1] + new.shape[1] < n:  # all lean towards far lower modes
+            if basis.shape[1] + new.shape[1] < n:  # all vectors lie near far lower modes
                 new = m_orthonormal(known, np.column_stack([block, start]), M)
                 n = min(n, basis.shape[1] + new.shape[1])
                 open_pairs, before = open_pairs[:n], before[:n]
@@ -363,9 +365,9 @@ def davidson(
 
 
 def warn_of_rounding(K: Any, modes: FloatArray, what: str) -> None:
-    """Warn where the rounding of K is as large as the stiffness of modes, shape (dofs, n).
+    """Warn if the rounding of K is as large as the stiffness of some `modes`, shape (dofs, n).
 
-    `what` is what else hangs on them, in the warning.
+    `what` names in the warning what depends on the modes.
     """
     sizes = np.abs(modes)
     rounding = np.finfo(float).eps * (sizes * (abs(K) @ sizes)).sum(axis=0)

@@ -12,8 +12,8 @@ from ..base import FloatArray, IntArray, MemoryLimitError, SingularError, sp
 from .method import Inverse, Method, of_factors
 from .pencil import Pencil
 
-# 1/condition below which a factorised matrix is taken for singular: the rounding of its entries
-# alone could have made it so.
+# 1/condition below which a factorised matrix counts as singular: rounding of its entries alone
+# could have hidden that it is.
 _SINGULAR = 2e-15
 
 # Safety factor (times √n) for estimating 1/condition by one inverse iteration from a random vector.
@@ -23,7 +23,7 @@ _UNLUCKY = 100.0
 CHECKED_DOFS = 10_000
 
 # See `of_factors`. The check of the factors takes four solutions; U is stored beside L, both with
-# indices. These give 0.8 to 1.4 times the time and the memory measured (benchmarks/linear.py
+# indices. The estimates are 0.8 to 1.4 times the time and memory measured (benchmarks/linear.py
 # --direct) on 18 balls, blocks, plates, sheets and bars of 10 000 to 213 000 dofs.
 _COST = of_factors((9.5e-11, 3.5e-8, 1.5e-9), 30.0, 0.0)
 
@@ -32,14 +32,14 @@ _COST = of_factors((9.5e-11, 3.5e-8, 1.5e-9), 30.0, 0.0)
 class Factorization:
     """Factors of a sparse symmetric positive definite matrix.
 
-    SciPy returns SuperLU's memory only where the thread that factorised drops the factors.
+    SciPy frees SuperLU's memory only if the thread that factorised releases the factors.
 
     Attributes
     ----------
     matrix : scipy.sparse.csc_matrix, shape (n, n)
         The matrix that was factorised.
     order : ndarray of int, shape (n,), or None
-        The order of its rows and columns in which SuperLU got it, if another one.
+        Order in which SuperLU got its rows and columns; None if it is theirs.
     """
 
     matrix: Any
@@ -53,7 +53,7 @@ class Factorization:
         return solution
 
     def of_bytes(self, rhs: bytes) -> FloatArray:
-        """Return A⁻¹ `rhs` as the core asks for it."""
+        """Return A⁻¹ `rhs` for the core, which passes `rhs` as the bytes of its doubles."""
         return self.solve(np.frombuffer(rhs))
 
 
@@ -65,7 +65,7 @@ def factorize(
 ) -> Factorization:
     """Factorise a sparse symmetric positive definite matrix with SuperLU.
 
-    Without pivoting SuperLU computes L D Lᵀ (as L U).
+    Without pivoting SuperLU's L U is L D Lᵀ.
 
     Parameters
     ----------
@@ -73,12 +73,12 @@ def factorize(
     what : str
         Its name in error messages.
     order : ndarray of int, shape (n,), optional
-        Rows in the order of elimination; that of minimum degree of A + Aᵀ if left out.
+        Rows in the order of elimination; by minimum degree of A + Aᵀ if left out.
 
     Raises
     ------
     SingularError
-        If the matrix is singular, also if it is so to rounding, or (up to 10 000 dofs) has negative
+        If the matrix is singular, exactly or to rounding, or (up to 10 000 dofs) has negative
         eigenvalues.
     """
     csc = sp.csc_matrix(matrix)
@@ -111,12 +111,12 @@ def check_condition(
     *,
     diagonal: FloatArray | None = None,
 ) -> None:
-    """Refuse a matrix whose factors are those of a singular one but for rounding.
+    """Refuse a factorised matrix that is singular to rounding.
 
     Parameters
     ----------
     matrix : scipy.sparse.csr_array or csc_array, shape (n, n)
-        Symmetric, with no entry beyond the diagonal's: A_ij² ≤ A_ii A_jj.
+        Symmetric, with A_ij² ≤ A_ii A_jj.
     solve : callable
         f ↦ A⁻¹ f by the factors.
     what : str, optional
@@ -127,19 +127,20 @@ def check_condition(
     Raises
     ------
     SingularError
-        If λ_min / λ_max, by inverse iterations (three, or one where that leaves no doubt) and the
-        largest row sum, is below 2e-15.
+        If λ_min / λ_max is below 2e-15: λ_min by inverse iterations (three, or one if that leaves
+        no doubt), λ_max by its bound, the largest row sum.
     """
-    # Scaled by its diagonal, so that elements of very different size do not count as singular.
+    # Scaled to a unit diagonal, so that elements of very different size do not count as singular.
     scale = np.sqrt(np.abs(matrix.diagonal() if diagonal is None else diagonal))
     if (scale > 0.0).all():
         parts = np.abs(matrix.data), matrix.indices, matrix.indptr
         sizes = type(matrix)(parts, shape=matrix.shape)
         largest = float((sizes @ (1.0 / scale) / scale).max())
         x = np.random.default_rng(0).standard_normal(len(scale))
-        # The first iteration may fall short, the second decides nothing, the third is right.
+        # After one iteration the norm may still be too small: safety factor. The second is not
+        # judged, and the third is exact enough.
         for short in (_UNLUCKY * len(scale) ** 0.5, np.inf, 1.0):
-            with np.errstate(invalid="ignore"):  # of an infinite one, which is refused
+            with np.errstate(invalid="ignore"):  # of an infinite x, which is refused
                 x /= np.linalg.norm(x)
             x = scale * solve(scale * x)
             if short * float(np.linalg.norm(x)) * largest < 1.0 / _SINGULAR:
@@ -148,7 +149,7 @@ def check_condition(
 
 
 def _set_up(pencil: Pencil) -> Inverse:
-    # Without coordinates minimum degree leaves fewer entries.
+    # Without coordinates pencil.order is None, and SuperLU orders by minimum degree.
     return Inverse(factorize(pencil.matrix(), what=pencil.what, order=pencil.order).solve)
 
 

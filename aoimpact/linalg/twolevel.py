@@ -1,4 +1,4 @@
-"""Solution of an enriched system by that of the system which was enriched."""
+"""Solver of an enriched system, preconditioned by the solver of the system before enrichment."""
 
 from __future__ import annotations
 
@@ -13,35 +13,35 @@ from .method import Inverse
 from .pencil import Pencil
 from .solvers import LinearSolver
 
-# ‖f - A x‖ / ‖f‖ of a rough solution. On 99 impacts on 15 bodies numbers with 0.1 and 0.03 differ
-# by 0.4 % at most, on tetrahedra of first order, whose median errors are 0.7 to 1.2 %; on elements
-# of second order by 0.05 %.
+# Tolerance of ‖f - A x‖ / ‖f‖ of rough solutions. In 99 impacts on 15 bodies, results with 0.1 and
+# 0.03 differ by at most 0.4 % on tetrahedra of first order, whose median errors are 0.7 to 1.2 %,
+# and by at most 0.05 % on elements of second order.
 _ROUGH = 0.1
 
-# Columns that are solved for at once, of which a few vectors each are held. With 16 factors take a
-# fifth of the time for each that one alone takes.
+# Columns solved together, each with a few vectors in memory. Factors then take a fifth of the time
+# per column that a single column takes.
 _AT_ONCE = 16
 
 
 def two_level(pencil: Pencil, first: LinearSolver) -> LinearSolver:
-    """Return the solver of a matrix whose first block has one.
+    """Return the solver of an enriched matrix, given that of its first block.
 
-    Conjugate gradients are preconditioned by the inverse of the first block and those of the 3 x 3
-    blocks of the other functions. These are local and zero at the nodes of the first, so that the
-    number of iterations hardly depends on the size of the elements (H. Yserentant, Numer. Math. 49,
-    379, 1986).
+    The preconditioner of conjugate gradients is the inverse of the first block, and of the 3 x 3
+    blocks of the added functions. These functions are local and zero at the nodes of the first
+    block, so that the number of iterations hardly depends on the size of the elements (H.
+    Yserentant, Numer. Math. 49, 379, 1986).
 
     Parameters
     ----------
     pencil : Pencil
-        K + s²M of the whole system, with `free`: three dofs of a function stand together there.
+        K + s²M of the enriched system. Its `free` has 3·function + component of the added dofs.
     first : LinearSolver
         The solver of the first block, at the same shift.
 
     Returns
     -------
     LinearSolver
-        It takes right-hand sides of shape (n,) or (n, m), and solves for several at once.
+        Of right-hand sides of shape (n,) or (n, m), several columns at a time.
     """
     n = first.pencil.n
     A = pencil.matrix()
@@ -68,5 +68,5 @@ def two_level(pencil: Pencil, first: LinearSolver) -> LinearSolver:
         given = name, pencil.what, lambda x: A @ x, precondition
         return conjugate_gradients(*given, rhs, tolerance, most, _AT_ONCE)
 
-    # Where elements are so flat that iterations do not converge, factors take over.
+    # Factors take over if elements are so flat that iterations do not converge.
     return LinearSolver(name, pencil, Inverse(None, iterate, precondition), sys.maxsize, _ROUGH)
