@@ -1,17 +1,18 @@
-/* The one nonlinear equation of a step. Everything else in a step is linear, so Newton-Raphson of
- * the paper's section 3.1 reduces to it whatever the number of degrees of freedom. */
+/* The contact equation of a step. All else in a step is linear, so the Newton-Raphson iteration of the
+ * paper's section 3.1 reduces to this one equation, whatever the number of degrees of freedom. */
 #include "law/equation.h"
 #include "law/law.h"
 
 #include <float.h>
 #include <math.h>
 
-/* A few from a near guess; far above the root of a steep law, Newton only takes off a share 1/n. Tried: 17
- * for 50 changes 1 run by Newmark's rule, by 2e-12, and 150 none. */
+/* Iterations after which a residual within rounding suffices, and the limit. Newton's method takes
+ * a few from a near guess; far above the root of a law of power n, each takes off a share 1/n only.
+ * Tried: FEW_ITERATIONS = 17 changes 1 run by Newmark's rule, by 2e-12, and 150 none. */
 enum { FEW_ITERATIONS = 50, MOST_ITERATIONS = 2000 };
 
-/* By how much the terms of a force are larger than it where digits are lost. Tried: 12 runs by Newmark's rule change,
- * by 7e-13. */
+/* Digits of a force are lost where its terms exceed it by this factor. Tried: 12 runs by Newmark's
+ * rule change, by 7e-13. */
 static const double CANCELS = 16.0;
 
 typedef struct search {
@@ -27,7 +28,7 @@ static double rate_at(const search *s, double x)
     return e->rate_free + s->rate_per_indentation * (x - e->indentation_free);
 }
 
-/* By how much an indentation is too deep for the force that it makes. */
+/* Residual of the contact equation at indentation x; positive where x is too deep. */
 static double excess_at(const search *s, double x, aoi_law_value *value)
 {
     const aoi_contact_equation *e = s->equation;
@@ -35,8 +36,8 @@ static double excess_at(const search *s, double x, aoi_law_value *value)
     return x - e->indentation_free + e->compliance * value->force;
 }
 
-/* What rounding may leave of that: of an indentation far below the free one, and of a rate that a damper
- * has all but stopped, the last digits are not known. */
+/* Rounding of that residual. The last digits are lost where x is far below the free indentation, or
+ * where a damper has almost stopped the rate. */
 static double rounding_at(const search *s, const aoi_law_value *value)
 {
     const aoi_contact_equation *e = s->equation;
@@ -44,15 +45,15 @@ static double rounding_at(const search *s, const aoi_law_value *value)
     return 4.0 * DBL_EPSILON * (fabs(e->indentation_free) + fabs(stopped));
 }
 
-/* The force there, where its derivatives are of no use. */
+/* The force at indentation x, without its derivatives. */
 static double force_at(const search *s, double x)
 {
     return aoi_law_push_only(s->law, s->memory, x, rate_at(s, x));
 }
 
-/* A force that depends on the rate may be there at once when the bodies touch, and be more than the
- * bodies need to be kept from moving in: then the indentation is rest, and the force what they need.
- * Returns 1 where that, or no contact at all, is the solution. */
+/* A force that depends on the rate may jump at the touch to more than keeps the bodies from moving
+ * in. The solution is then indentation = rest, with the force that keeps them there. Returns 1 if
+ * this, or no contact, is the solution. */
 static int ends_at_rest(const search *s, double *force, double *indentation)
 {
     const aoi_contact_equation *e = s->equation;
@@ -68,7 +69,7 @@ static int ends_at_rest(const search *s, double *force, double *indentation)
     return 1;
 }
 
-/* An indentation that is not below the solution. Only a force that pulls leads beyond the free one. */
+/* Upper bound of the solution: the free indentation, or a larger one for a law that pulls. */
 static double upper_end(const search *s)
 {
     const aoi_contact_equation *e = s->equation;
@@ -83,8 +84,8 @@ static double upper_end(const search *s)
     return high;
 }
 
-/* The force at the solution x. One that is a small difference of large terms, of which one goes with the
- * rate, loses more digits to the rounding of x than the equation does. */
+/* The force at the solution x. If it is a small difference of large terms, one of which depends on the
+ * rate, the law loses more digits to the rounding of x than the contact equation solved for it. */
 static double force_found(const search *s, double x)
 {
     const aoi_contact_equation *e = s->equation;
@@ -111,7 +112,7 @@ static int find_root(const search *s, double low, double high, double *force, do
         const double excess = excess_at(s, x, &value);
         const double slope = 1.0 + e->compliance * (value.stiffness +
                                                     value.damping * s->rate_per_indentation);
-        if (isnan(excess)) { /* infinite is merely too deep */
+        if (isnan(excess)) { /* an infinite residual only means that x is too deep */
             return isnan(value.force) ? AOI_ERROR_LAW : AOI_ERROR_NOT_FINITE;
         }
         if (excess > 0.0) {
@@ -119,7 +120,7 @@ static int find_root(const search *s, double low, double high, double *force, do
         } else {
             low = x;
         }
-        /* An infinite slope would make any guess the root: then by bisection. */
+        /* An infinite slope would make any guess the root: bisect instead. */
         const double newton = isinf(slope) && excess != 0.0 ? HUGE_VAL : excess / slope;
         const double enough = 4.0 * DBL_EPSILON * x;
         double next = x - newton;

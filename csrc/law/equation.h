@@ -4,21 +4,21 @@
 
 #include "aoimpact.h"
 
-/* What linear bodies leave to be solved at the end of a step: indentation = indentation_free -
- * compliance F and rate = rate_free - rate_compliance F, with F the law's force of the two. guess:
- * where to look for the indentation first (any value); for a law that pulls, above rest where the
- * bodies have been in contact so far. */
+/* The contact equation at the end of a step, with the linear bodies eliminated: indentation =
+ * indentation_free - compliance F, rate = rate_free - rate_compliance F and F = law(indentation,
+ * rate). guess: initial indentation of the search, any value; for a law that pulls, above rest if
+ * the bodies have been in contact so far. */
 typedef struct aoi_contact_equation {
     double indentation_free, compliance;
     double rate_free, rate_compliance;
     double guess;
 } aoi_contact_equation;
 
-/* Solves it: Newton on the indentation, kept inside the bracket (rest, indentation_free] by
- * bisection, to rounding; force 0 where indentation_free <= rest (for a law that pulls: where it
- * would no longer hold). The law may jump at rest. If the force just above rest
- * already exceeds what the balance needs, the solution is indentation = rest with the force taken from
- * the balance. memory: the contact's, as everywhere. AOI_ERROR_LAW where the law gives NaN. */
+/* Solves the contact equation to rounding, by Newton's method on the indentation, with bisection
+ * inside (rest, indentation_free]. The force is 0 if indentation_free <= rest, or, for a law that
+ * pulls, where it can no longer hold the bodies. The law may jump at rest: if its force just above
+ * rest exceeds what balances the bodies, the solution is indentation = rest, with the force of
+ * balance. memory: the contact's AOI_LAW_MEMORY doubles. AOI_ERROR_LAW if the law gives NaN. */
 int aoi_contact_solve(const aoi_law *law, const double *memory,
                       const aoi_contact_equation *equation, double *force, double *indentation);
 

@@ -1,15 +1,15 @@
-/* Friction of a contact: springs that stick or slip, as stretches over their depth.
+/* Friction of a contact: stretches, over depth, of springs that stick or slip.
  *
  * The spring of depth x has the bound r = mu/ratio (d - x) on its stretch s. On a straight path the indentation d and
- * the slide grow evenly, and so does r. A spring follows the slide while |s| <= r. Once it slips it goes on to do so,
- * with s = r n, and its direction n turns towards that of the slide: dn/dt = (I - n n) u/r for the rate u of the slide,
- * so that the angle between the two has tan(angle/2) = tan(angle_0/2) exp(-integral of |u|/r dt).
+ * the slide grow evenly, and so does r. A spring follows the slide while |s| <= r. Once it slips, it slips to the
+ * path's end, with s = r n. Its direction n turns towards that of the slide: dn/dt = (I - n n) u/r for the rate u of the
+ * slide, so that the angle between the two has tan(angle/2) = tan(angle_0/2) exp(-integral of |u|/r dt).
  *
- * If s runs straight over x between knots, so does it after straight motion along one line: springs slip outside one
- * depth (Cattaneo 1938, Mindlin and Deresiewicz 1953), where s = r n. With K = dF/dd and s(d) = 0,
+ * If s is piecewise linear in x, it remains so after straight motion along one line: springs slip beyond one depth
+ * (Cattaneo 1938, Mindlin and Deresiewicz 1953), where s = r n. With K = dF/dd and s(d) = 0,
  *     force = ratio * integral of s dK = -ratio * sum of (change of s / change of x) * (change of F),
- * which is the superposition of normal forces of Jaeger (1993) and Ciavarella (1998), for any elastic law. Of a law with
- * a rate F is its force at rest, and the bound is larger by the share of the whole force in that. */
+ * which is the superposition of normal forces of Jaeger (1993) and Ciavarella (1998), for any elastic law. For a law
+ * with a rate, F is its force at rate 0, and the bound is multiplied by the ratio of the whole force to F. */
 #include "aoimpact.h"
 
 #include <float.h>
@@ -18,30 +18,32 @@
 
 #define NONE {0.0, 0.0, 0.0, 0.0}
 
-/* How often neighbours are parted at most in one step: into 64. */
+/* Most halvings of an interval between springs in one step, into 64 parts. */
 enum { MOST_PARTINGS = 6 };
 
-/* The width, as a share of the depth, at which the difference of two forces over it and the mean of two stiffnesses are
- * wrong by as much: the root of order three of the rounding. */
+/* Width of an interval, as a share of its depth, below which the mean of the stiffnesses at its
+ * ends is more accurate than the difference of the forces over the width: the cube root of the
+ * rounding. */
 static const double NARROW = 6e-6;
 
-/* Squares above it keep their digits. */
+/* Squares above this are far enough from underflow to keep their digits. */
 static const double LEAST_SQUARE = 1e-280;
 
-/* Largest mu/ratio, whose square is a number. */
+/* Largest mu/ratio; its square does not overflow. */
 static const double STEEPEST = 1e140;
 
-/* Tangents beyond this are of an angle of 180 degrees; its square is still a number. */
+/* Limit of tan(angle/2), for angles of 180 degrees; its square does not overflow. */
 static const double STRAIGHT_BACK = 1e150;
 
-/* hypot, without its care where that is not needed. */
+/* hypot, but faster where squares neither overflow nor underflow. */
 static double length_of(double x, double y)
 {
     const double square = x * x + y * y;
     return square > LEAST_SQUARE && square < HUGE_VAL ? sqrt(square) : hypot(x, y);
 }
 
-/* A knot of the curve that a path leads to, and its derivatives by the slide (two), the indentation and the share. */
+/* A knot of the curve of stretches at the end of a path. by, s_by: derivatives of its depth and of
+ * its stretch by the slide (two), the indentation and the share. */
 typedef struct knot {
     aoi_stretch at;
     double by[4], s_by[2][4];
@@ -50,14 +52,14 @@ typedef struct knot {
 
 /* A straight path, and the state that it starts from. */
 typedef struct path {
-    int derive; /* 1: knots with their derivatives */
+    int derive; /* 1: the knots' derivatives are computed */
     const aoi_friction *friction;
     const aoi_stretch *spring;
-    aoi_stretch touch; /* the first spring, where the path begins apart */
+    aoi_stretch touch; /* the spring of depth 0, if the path begins without contact */
     size_t count;
     double from, to, slide[2];
-    double length, along[2]; /* of the slide: its length, and its direction where it has one */
-    double first, slope; /* of the bound at both ends: mu/ratio times the share of the normal force */
+    double length, along[2]; /* length and direction of the slide; (0, 0) without length */
+    double first, slope; /* slopes of the bound at start and end: mu/ratio times share */
 } path;
 
 int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision)
@@ -85,7 +87,7 @@ static aoi_law_value normal(const aoi_friction *friction, double depth)
     return value;
 }
 
-/* The path on which the springs touch: all of it, or what is left after the first touch. */
+/* The part of a path that is in contact: all of it, or what is left after the first touch. */
 static path path_of(const aoi_friction *friction, const aoi_friction_state *state, double indentation, double share,
                     const double slide[2])
 {
@@ -123,7 +125,8 @@ static aoi_stretch between(const path *p, size_t i, double depth)
     return found;
 }
 
-/* How a spring comes to slip: when, as a share of the path; in axes along the slide and across it. */
+/* Onset of a spring's slip: the share of the path before it, the bound, and the stretch along the
+ * slide (x) and across it (y). */
 typedef struct entry {
     double share, radius, x, y;
 } entry;
@@ -138,7 +141,7 @@ static entry entry_of(double x, double y, double u, double r, double r_by)
     return found;
 }
 
-/* A spring that slips at the end of the path, where its bound is r1 > 0. */
+/* Sets k to a spring that slips at the end of the path, where its bound is r1 > 0. */
 static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
 {
     const double r0 = fmax(p->first * (p->from - spring->depth), 0.0);
@@ -147,7 +150,7 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
     const double along = spring->along[0] * e[0] + spring->along[1] * e[1];
     const double across = spring->along[1] * e[0] - spring->along[0] * e[1];
     const entry in = entry_of(along, across, u, r0, r1 - r0);
-    /* Without a stretch to begin with it goes with the slide. */
+    /* A spring that is first touched on the path (r0 = 0) is stretched along the slide. */
     const double grown = r0 > 0.0 ? (r1 - in.radius) / in.radius : 0.0;
     const double mean = fabs(grown) > DBL_EPSILON ? log1p(grown) / grown : 1.0;
     const double rate = r0 > 0.0 ? (1.0 - in.share) / in.radius * mean : 0.0;
@@ -162,8 +165,8 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
     if (!p->derive) {
         return;
     }
-    /* By how much the direction turns with a change of the slide: (I) of the entry, (II) of the slide's own direction,
-     * (III) of its length. */
+    /* Derivatives of the direction of slip by the slide: through the onset of slip (by_entry), the
+     * slide's direction (by_direction) and its length (rate). */
     double by_entry = 0.0, by_direction = u > 0.0 ? 1.0 / u : 0.0, cosine0 = 1.0, sine0 = 0.0;
     if (r0 > 0.0) {
         const double norm0 = 1.0 + f0 * f0;
@@ -185,7 +188,7 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
 
 static double bound_of(const path *p, const aoi_stretch *at) { return p->slope * (p->to - at->depth); }
 
-/* A spring at the end of the path, if it sticks; and 1 if it does not. */
+/* Stretch of a spring at the end of the path if it sticks; slips_at then tells if it slips instead. */
 static aoi_stretch stuck_at(const path *p, const aoi_stretch *spring)
 {
     aoi_stretch at = *spring;
@@ -199,7 +202,7 @@ static int slips_at(const path *p, const aoi_stretch *at)
     return length_of(at->along[0], at->along[1]) > bound_of(p, at) * (1.0 + 2.0 * DBL_EPSILON);
 }
 
-/* A spring at the end of the path. */
+/* Sets k to a spring at the end of the path, whether it sticks or slips. */
 static void move_to(const path *p, const aoi_stretch *spring, knot *k)
 {
     k->at = stuck_at(p, spring);
@@ -217,8 +220,9 @@ static void move_to(const path *p, const aoi_stretch *spring, knot *k)
     }
 }
 
-/* The curve between two springs, straight before the path: at a distance z inside the rim its stretch is e - z g, and
- * the bound slope z. Springs slip where square(z) = a z^2 - 2 b z + c > 0. */
+/* The curve of stretches between two springs, which is straight before the path. If all of these
+ * stick, the stretch at a distance z inside the rim is e - z g, and the bound slope z: springs slip
+ * where a z^2 - 2 b z + c > 0. */
 typedef struct piece {
     double depth, least, most, g[2], e[2], a, b, c, root;
 } piece;
@@ -237,13 +241,14 @@ static piece piece_of(const path *p, const aoi_stretch *inner, const aoi_stretch
     return q;
 }
 
-/* 1 if both springs slip and some between them stick, as where the bound has fallen with the rate. */
+/* 1 if some springs between two that slip stick, as where the bound has fallen with the rate. */
 static int dips(const piece *q)
 {
     return q->a > 0.0 && q->root > 0.0 && q->b > q->least * q->a && q->b < q->most * q->a;
 }
 
-/* Where slip begins, or ends, going outward: a root that keeps its digits where all of the slip is next to the rim. */
+/* Knot at which slip begins, or ends, going outward. Its root is computed so as to keep its digits
+ * where all of the slip is next to the rim. */
 static knot front(const path *p, const piece *q, int begins)
 {
     const double *e = q->e, *g = q->g;
@@ -265,18 +270,18 @@ static knot front(const path *p, const piece *q, int begins)
     return k;
 }
 
-/* The knots that a path leads to, one after the other: the springs, a front between two of them, and the rim. */
+/* Iterator over the knots at the end of a path: the springs, fronts of slip between two, and the rim. */
 typedef struct walk {
     const path *p;
-    size_t next;    /* of the springs                                */
-    aoi_stretch last; /* the spring before, as the path finds it       */
-    int sticks, slips; /* it does; neither before the first          */
-    int pending;    /* so many of the knots after a front are to be given: the last ones */
+    size_t next;    /* index of the next spring                      */
+    aoi_stretch last; /* the last spring, at the path's start          */
+    int sticks, slips; /* of that spring; both 0 before the first    */
+    int pending;    /* number of knots in `after` still to be returned, its last ones */
     int done;
     knot after[2];
 } walk;
 
-/* The rim, where springs have just been touched or are about to be left. */
+/* Knot at the rim of the contact, whose springs are not stretched. */
 static knot rim_of(const path *p, int slips)
 {
     const aoi_law_value law = normal(p->friction, p->to);
@@ -284,14 +289,15 @@ static knot rim_of(const path *p, int slips)
     return rim;
 }
 
-/* 1 if the law is a straight line between two depths, so that no spring in between is touched. */
+/* 1 if the law is a straight line between two depths: springs in between have no stiffness. */
 static int is_line(const aoi_stretch *a, const aoi_stretch *b)
 {
     const double risen = a->force + b->stiffness * (b->depth - a->depth);
     return a->stiffness == b->stiffness && fabs(b->force - risen) <= 4.0 * DBL_EPSILON * b->force;
 }
 
-/* 1 if the law goes on straight from the spring before one to where the path leads, so that this one is not touched. */
+/* 1 if the law is a straight line from the spring before to the end of the path, so that spring i
+ * has no stiffness. */
 static int is_untouched(const path *p, const aoi_stretch *before, size_t i)
 {
     if (!(i < p->count && spring_of(p, i).depth < p->to && spring_of(p, i).stiffness == before->stiffness)) {
@@ -301,7 +307,8 @@ static int is_untouched(const path *p, const aoi_stretch *before, size_t i)
     return is_line(before, &rim.at);
 }
 
-/* Gives the next knot; 0 where there is none. Of springs that are touched together all slip or none. */
+/* Sets k to the next knot; returns 0 after the last. There is no front between springs where the
+ * law is a straight line. */
 static int step(walk *w, knot *k)
 {
     const path *p = w->p;
@@ -347,8 +354,8 @@ static int step(walk *w, knot *k)
     return 1;
 }
 
-/* Adds the force of the springs between two stretches at which some are touched. Gives the mean stiffness: of a narrow rim
- * the difference of forces has lost its digits. */
+/* Adds the force of the springs between two depths. Returns their mean stiffness, in a narrow
+ * interval that of its ends, since the difference of the forces has lost its digits. */
 static double pull(double ratio, const aoi_stretch *a, const aoi_stretch *b, aoi_friction_value *value)
 {
     const double width = b->depth - a->depth;
@@ -362,7 +369,7 @@ static double pull(double ratio, const aoi_stretch *a, const aoi_stretch *b, aoi
     return mean;
 }
 
-/* Adds the springs between two knots. */
+/* Adds the force of the springs between two knots, and its derivatives. */
 static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *value)
 {
     const double width = b->at.depth - a->at.depth;
@@ -384,7 +391,8 @@ static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *
     }
 }
 
-/* How many springs stick from the first on, as far as the law bends between them: the path only shifts these. */
+/* Number of springs from the first on that stick, up to where the law is a straight line. The path
+ * only shifts their stretches. */
 static size_t sticking(const path *p)
 {
     size_t i = 0;
@@ -397,7 +405,7 @@ static size_t sticking(const path *p)
     return i;
 }
 
-/* A walk that goes on behind the springs before one, if any, and its first knot. */
+/* Starts a walk at spring next - 1, which sticks, or at the first one if next is 0. k: its knot. */
 static walk walk_from(const path *p, size_t next, knot *k)
 {
     walk w = {.p = p, .next = next, .sticks = next > 0};
@@ -437,7 +445,8 @@ void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *st
         slips = slips || slide_both;
     }
     value->stuck = slips ? value->stuck : indentation;
-    /* Bounds are differences of depths, and stretches sums of many slides; a bound beyond all stretches is not reached. */
+    /* Rounding: bounds are differences of depths, stretches sums of many slides. Only bounds that a
+     * stretch can reach count. */
     const double stretches = friction->ratio * reach * a->at.stiffness;
     value->terms += fmin(friction->mu * share * a->at.force, stretches) + stretches;
 }
@@ -450,16 +459,17 @@ static void swap(aoi_friction_state *state, size_t count)
     state->count = count;
 }
 
-/* How near a curve must be to the stretches: to a share of the largest there have been, and of the largest there can be. A
- * slide leaves or finds a stretch of half of it, where all is not slipping. */
+/* Tolerance of the curve of stretches, m: `precision` times the largest stretch since the touch, or
+ * times the largest possible one if that is smaller. A slide starts or ends with a stretch of at
+ * least half its length, unless all springs slip. */
 static double enough_of(const path *p, const aoi_friction_state *state)
 {
     const double reach = fmax(state->count > 0 ? state->reach : 0.0, 0.5 * p->length);
     return p->friction->precision * fmin(reach, p->slope * p->to);
 }
 
-/* Copies the state's springs to its spare ones, with one between each two that the path turns apart; their count, 0 without
- * room for them. */
+/* Copies the state's springs to its spare array, with one more in the middle of each two where the
+ * path bends the curve; returns their count, or 0 if there is no room. */
 static size_t parted(const aoi_friction_state *state, const path *p)
 {
     const double enough = enough_of(p, state);
@@ -505,10 +515,10 @@ int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state,
     return AOI_OK;
 }
 
-/* 1 if a spring may be left out: the curve is as good as straight there, or the law is, so that no spring is touched
- * there. A change of slope times the width is four to eight times the distance of the curve from its chord, however
- * closely it was drawn before. Of two that are close the change of slope may be rounding of their depths; slope: the
- * bound's. */
+/* 1 if spring b between a and c may be left out: the curve is nearly straight there, or the law is
+ * straight, so that springs have no stiffness. (Change of slope) x width is four to eight times the
+ * distance of the curve from its chord, however closely it was drawn. Between close springs a
+ * change of slope may be rounding of their depths. slope: that of the bound. */
 static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough, double slope)
 {
     if (is_line(a, b) && is_line(b, c)) {
@@ -525,8 +535,8 @@ static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretc
     return 1;
 }
 
-/* Draws the state's spare springs on by one; 0 where there is no room. The later of two at one depth counts: the rim is in
- * its place. */
+/* Appends a spring to the spare array, and leaves out the one before if it is not needed; returns 0
+ * if there is no room. Of two at one depth the later stays: the rim replaces a spring. */
 static int draw(aoi_friction_state *state, const path *p, double enough, const aoi_stretch *here, size_t *count)
 {
     aoi_stretch *spring = state->spare;

@@ -1,4 +1,4 @@
-/* Private to law/: what the files of contact laws hand to law.c, their kinds in tables. */
+/* Private to law/: the kinds of contact laws, in tables from which law.c makes them by name. */
 #ifndef AOI_LAW_KINDS_H
 #define AOI_LAW_KINDS_H
 
@@ -10,7 +10,7 @@
 /* A lower bound that stands for "greater than zero". The least positive number would not do: it may be flushed to zero. */
 #define AOI_POSITIVE (-1.0)
 
-/* A law by its name; each of its count parameters must be finite and from least to most. */
+/* A kind of law. Each of its `count` parameters must be finite and from least to most. */
 typedef struct aoi_law_kind {
     const char *name;
     size_t count;
@@ -28,8 +28,7 @@ extern const aoi_law_kind aoi_law_yang_sun;
 /* Potential of laws whose elastic force is k d^(3/2); k is the first parameter. */
 double aoi_law_three_halves_energy(const aoi_law *law, const double *memory, double indentation);
 
-/* d^(n-1) for d > 0. The exponents that people use cost a square root at most: pow is ten times
- * dearer. */
+/* d^(n-1) for d > 0. The usual exponents take a square root at most: pow is ten times slower. */
 static inline double aoi_law_power(double d, double n)
 {
     if (n == 1.5) {

@@ -3,8 +3,8 @@
  *   loading    F = k d^(3/2), to the deepest point d*, F*
  *   unloading  F = F1 ((d - d_p) / (d1 - d_p))^(5/2) from the point d1, F1 at which it begins
  *   reloading  F = F* ((d - d_p) / (d* - d_p))^(3/2) once the bodies have parted
- * d_p = 0 up to d* = d_c, then d* (1 - (d_c/d*)^(2/5)), or beta (d* - d_c) where beta is not 0. Of a contact that
- * is loaded again before it has parted they say nothing: it goes back to d1 as it came, so that it gains nothing. */
+ * d_p = 0 up to d* = d_c, then d* (1 - (d_c/d*)^(2/5)), or beta (d* - d_c) where beta is not 0. The papers do
+ * not treat reloading before the bodies have parted: here it follows the unloading curve back to d1, without gain. */
 #include "law/kinds.h"
 
 #include <math.h>
@@ -34,7 +34,7 @@ static void yang_sun_force(const aoi_law *law, const double *memory, int piece, 
 {
     const double k = law->parameter[STIFFNESS], deepest = memory[DEEPEST];
     const double reach = recovered(law, deepest), top = k * deepest * sqrt(deepest);
-    /* From d_p, which is exactly 0 up to the critical indentation. */
+    /* d_p is exactly 0 up to the critical indentation. */
     const double rest = deepest - reach, d = indentation > 0.0 ? indentation : 0.0;
     const double share = (d - rest) / reach;
     (void)rate;

@@ -1,5 +1,5 @@
-/* What holds for every contact law: it is made by name, taken on the piece that the motion is on, a
- * patch's own compliance is taken out of it, and it does not pull unless that is meant. */
+/* What all contact laws have in common: creation by name, the choice of a smooth piece, the removal
+ * of a patch's compliance, and the cut of negative forces. */
 #include "law/kinds.h"
 #include "law/law.h"
 #include "linear/vector.h"
@@ -8,15 +8,16 @@
 #include <math.h>
 #include <string.h>
 
-/* Halley's method takes a few iterations; what it has not found by then is left to bisection. Tried: from 13 to
- * 120 no run changes. */
+/* Limits of Halley's iterations, which are few, and with bisection after these. Tried: HALLEYS from
+ * 13 to 120 changes no run. */
 enum { HALLEYS = 40, MOST_ITERATIONS = 200 };
 
-/* User laws may be accurate to only six digits; residuals below this are accepted. Tried: no run changes. */
+/* Relative residual that is accepted, since user laws may be accurate to only six digits. Tried: no
+ * run changes. */
 static const double LAW_NOISE = 1e-6;
 
-/* With its compliance taken out, a law grows stiffer by 1/(1 - c dF/dd). Beyond this share the law
- * goes on as a straight line: its own slope would soon be infinite. */
+/* Limit of c dF/dd. Taking a compliance c out of a law divides its stiffness by 1 - c dF/dd. Beyond
+ * the limit, as the stiffness grows to infinity, the law is continued as a straight line. */
 static const double MOST_SHARE = 0.95;
 
 static int create(aoi_law *law, const aoi_law_kind *kind, size_t count, const double *parameter)
@@ -65,7 +66,7 @@ int aoi_law_check(const aoi_law *law)
     return usable ? AOI_OK : AOI_ERROR_ARGUMENT;
 }
 
-/* A NaN is noted with the state that gave it. */
+/* Notes a NaN, and the state that gave it. */
 static void note_nan(const aoi_law *law, double indentation, double rate,
                      const aoi_law_value *value)
 {
@@ -84,7 +85,7 @@ static void own_force(const aoi_law *law, const double *memory, int piece, doubl
     note_nan(law, indentation, rate, value);
 }
 
-/* From the law's value at its own indentation d to that over the total one, d - c F. */
+/* Converts derivatives by the law's own indentation d to those by the total one, d - c F. */
 static void stiffen(double compliance, aoi_law_value *value)
 {
     const double share = compliance * value->stiffness;
@@ -93,7 +94,7 @@ static void stiffen(double compliance, aoi_law_value *value)
     value->damping *= stiffer;
 }
 
-/* d at which c dF/dd is MOST_SHARE, between one where it is less and one where it is not. */
+/* Bisection for d with c dF/dd = MOST_SHARE. At `low` it is less, at `high` it is not. */
 static double steepest(const aoi_law *law, const double *memory, int piece, double rate, double low,
                        double high, aoi_law_value *value)
 {
@@ -119,10 +120,10 @@ typedef struct search {
     double low, high;
 } search;
 
-/* Below the root, where c dF/dd has reached MOST_SHARE at d. If the law is steep only at its start
- * (d^(1/4)), d goes past that; if the root lies nearer than where the share is reached, the bracket
- * closes. Else there is no root to be trusted: the line through the place of that share is the law;
- * 1 is returned, and as d the one of the same force. */
+/* Decides how to go on from d below the root where c dF/dd has reached MOST_SHARE. Past the start
+ * of a law that is steep only there (d^(1/4)), d is increased. If the root is below the indentation
+ * of MOST_SHARE, the bracket is reduced. Both return 0. Else the law is continued as a straight
+ * line from MOST_SHARE on: returns 1, with the force on this line, and d = indentation + c F. */
 static int too_steep(search *s, double *d, aoi_law_value *value)
 {
     const double c = s->law->compliance, further = s->indentation + c * value->force;
@@ -144,7 +145,8 @@ static int too_steep(search *s, double *d, aoi_law_value *value)
     return 1;
 }
 
-/* Halley's step from d, Newton's where the law is no power: n = d F'/F, F'' = (n - 1) F'/d. */
+/* Halley's step from d, with the curvature of a power law: n = d F'/F, F'' = (n - 1) F'/d. Newton's
+ * step where the law is unlike a power. */
 static double step_of(double c, double missing, double d, const aoi_law_value *value)
 {
     const double slope = value->stiffness, force = value->force;
@@ -157,7 +159,8 @@ static double step_of(double c, double missing, double d, const aoi_law_value *v
     return missing / (give - (bend < 0.5 * give ? bend : 0.5 * give));
 }
 
-/* Where to look after d, from which `missing` is missing: inside the bracket, once there is one. */
+/* Next iterate after d, whose total indentation is too small by `missing`; inside the bracket once
+ * both its ends are known. */
 static double next_of(const search *s, double missing, double d, int iteration,
                       const aoi_law_value *value)
 {
@@ -168,10 +171,9 @@ static double next_of(const search *s, double missing, double d, int iteration,
 }
 
 /* Solves d - c F(d) = indentation for the law's own indentation d; value: the law there. Halley's
- * method, with the curvature of the power of d that the law is like here, from d = indentation; the
- * bracket holds it where the law is not like one. AOI_ERROR_PATCH where a line has been drawn on for
- * the law; AOI_ERROR_LAW_JUMPS where there is no such d, since the force falls from one value to
- * another. NaN goes through. */
+ * method from d = indentation, with the curvature of a power law; a bracket keeps it safe for
+ * others. AOI_ERROR_PATCH if the law was continued as a straight line; AOI_ERROR_LAW_JUMPS if no
+ * such d exists, since the force drops. NaN is passed on with AOI_OK. */
 static int own_indentation(const aoi_law *law, const double *memory, int piece,
                            double indentation, double rate, double *own, aoi_law_value *value)
 {
@@ -194,12 +196,13 @@ static int own_indentation(const aoi_law *law, const double *memory, int piece,
             continue;
         }
         if (fabs(missing) <= 2.0 * DBL_EPSILON * fmax(fabs(*d), fabs(indentation))) {
-            return AOI_OK; /* the rounding of its terms: one that pulls has the least d */
+            /* rounding of the larger term: d is the smaller one under a force that pulls */
+            return AOI_OK;
         }
         *(missing > 0.0 ? &s.low : &s.high) = *d;
         const double next = next_of(&s, missing, *d, i, value);
         if (next == *d || next == s.low || next == s.high) {
-            break; /* nothing between */
+            break; /* no number in between */
         }
         *d = next;
     }
@@ -207,7 +210,7 @@ static int own_indentation(const aoi_law *law, const double *memory, int piece,
                                                                            : AOI_ERROR_LAW_JUMPS;
 }
 
-/* A law without a force there: NaN, at which the integrators stop. */
+/* Sets and notes NaN, at which the integrators stop, where a law has no force. */
 static void no_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
 {
     *value = (aoi_law_value){(double)NAN, (double)NAN, (double)NAN};
@@ -227,7 +230,7 @@ void aoi_law_force(const aoi_law *law, const double *memory, int piece, double i
     } else if (own_indentation(law, memory, piece, indentation, rate, &own, value) == AOI_ERROR_LAW_JUMPS) {
         no_force(law, indentation, rate, value);
     } else if (law->compliance < 0.0 && own < aoi_law_rest(law, memory)) {
-        /* The law begins with a force larger than the spring has yet: it does not yield before. */
+        /* The law begins with a jump that the spring's force has not reached: only the spring deforms. */
         const double rest = aoi_law_rest(law, memory);
         *value = (aoi_law_value){(rest - indentation) / law->compliance, -1.0 / law->compliance, 0.0};
     } else {
@@ -239,7 +242,7 @@ void aoi_law_forces(const aoi_law *law, const double *memory, int piece, const d
                     const double *rate, aoi_law_values *values)
 {
     if (law->together && law->compliance == 0.0) {
-        law->together(law, indentation, rate, values); /* numbers, whatever the indentation */
+        law->together(law, indentation, rate, values); /* never NaN: nothing to note */
         return;
     }
     for (size_t k = 0; k < AOI_NODES; k++) {
@@ -256,9 +259,9 @@ double aoi_law_rest(const aoi_law *law, const double *memory)
     return law->rest ? law->rest(law, memory) : 0.0;
 }
 
-/* The end of a piece, given by the law's own indentation there, as total indentation. Where c dF/dd is too much there, the
- * piece reaches without end upwards, if that is asked: the law's limit comes before, and the total indentation may even
- * fall from there on. */
+/* Converts the end of a piece from the law's own indentation to the total one. If c dF/dd is too
+ * large there and `upwards` is set, the piece has no end: the law's limit is below it, and the
+ * total indentation may even fall beyond. */
 static double total_at(const aoi_law *law, const double *memory, int piece, double end, int upwards)
 {
     aoi_law_value value;
@@ -269,8 +272,8 @@ static double total_at(const aoi_law *law, const double *memory, int piece, doub
     return upwards && !(law->compliance * value.stiffness < MOST_SHARE) ? HUGE_VAL : end - law->compliance * value.force;
 }
 
-/* With a compliance below zero d < indentation: goes down from a piece to one that begins as low. At an
- * end, to rounding, only a falling motion goes on to the next. */
+/* For a negative compliance, d < indentation: goes down from a piece to the one that contains the
+ * total indentation. Within rounding of its end, only a falling motion goes on to the next. */
 static int lower_piece(const aoi_law *law, const double *memory, double indentation, int rising,
                        int piece, double *low, double *high)
 {
@@ -304,8 +307,8 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
     if (law->compliance < 0.0) {
         return lower_piece(law, memory, indentation, rising, piece, low, high);
     }
-    /* With a compliance d > indentation: go up from piece to piece until one reaches as far. At an
-     * end, to rounding, only a rising motion goes on to the next. */
+    /* With a positive compliance, d > indentation: go up to the piece that contains the total
+     * indentation. Within rounding of its end, only a rising motion goes on to the next. */
     double end = total_at(law, memory, piece, *high, 1);
     const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
     while (end <= indentation + rounding && *high < HUGE_VAL) {
@@ -338,7 +341,7 @@ void aoi_law_remember(const aoi_law *law, double indentation, double rate, doubl
     if (law->compliance != 0.0 && indentation > aoi_law_rest(law, memory)) {
         aoi_law_value value;
         if (own_at(law, memory, indentation, rate, &indentation, &value) == AOI_ERROR_LAW_JUMPS) {
-            return; /* as the force there, which stops the run */
+            return; /* the force is NaN there, which stops the run */
         }
     }
     law->remember(law, indentation, rate, memory);
@@ -388,7 +391,7 @@ int aoi_law_stands(const aoi_law *law, const double *memory, double indentation,
     return own_at(law, memory, indentation, rate, &own, &value) != AOI_ERROR_PATCH;
 }
 
-/* That of a law with a compliance, up to its limit. */
+/* Potential of a law with a compliance, up to its limit. */
 static double inner_potential(const aoi_law *law, const double *memory, double indentation)
 {
     aoi_law_value value;

@@ -8,19 +8,20 @@
 
 enum { MOST_ITERATIONS = 100, MOST_HALVINGS = 30 };
 
-/* Rounding of the sum of the equation's terms, as a share of these. */
+/* Rounding error of the sum of an equation's terms, relative to these. */
 static const double ROUNDING = 16.0 * DBL_EPSILON;
 
-/* Where springs that slip turn at once, a slide however small takes the front of slip across many of them, and friction
- * jumps by what its straight pieces leave out: seen, by up to 1e-4 of its bound, whatever the step. A residual within
- * that share of the bound, where no step makes it smaller, is that of a jump. The next step begins with its sum. */
+/* Residual, as a share of Coulomb's bound, that is accepted as a jump of friction if no step
+ * reduces it. Where slipping springs turn at once, the smallest slide takes the front of slip
+ * across many of them, and friction jumps by the error of its straight pieces: up to 1e-4 of its
+ * bound was seen, whatever the step. */
 static const double JUMP = 1e-3;
 
 typedef struct point {
     double place[3], force[3], residual[3];
-    double by[3][3], slope[3][3]; /* of the force and of the residual by the place */
-    double by_rate[3];            /* of the force by the rate                      */
-    double size; /* of what of the residual is more than rounding */
+    double by[3][3], slope[3][3]; /* derivatives of force and residual by place */
+    double by_rate[3];            /* derivative of the force by the rate           */
+    double size; /* norm of the residual beyond rounding */
     double stuck, share, rate;
 } point;
 
@@ -50,7 +51,7 @@ static void times(const double x[3], const double *matrix, double product[3])
     }
 }
 
-/* The forces at a place, and their derivatives. terms: what their rounding is relative to. */
+/* Forces at a place, and their derivatives. terms: magnitudes that their rounding is relative to, N. */
 static void find_forces(const aoi_friction *friction, const aoi_friction_state *state, const aoi_oblique_equation *e,
                         const double rate_by[3], point *p, double terms[3])
 {
@@ -100,7 +101,8 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
     p->size = 0.0;
     for (int i = 0; i < 3; i++) {
         double sum = 0.0, all = fabs(p->place[i]) + fabs(e->free[i]);
-        all += i == 0 ? fmax(state->indentation, 0.0) : 0.0; /* where a contact ends free may be 0 */
+        /* at the end of a contact free may be 0 */
+        all += i == 0 ? fmax(state->indentation, 0.0) : 0.0;
         for (int j = 0; j < 3; j++) {
             const double c = e->compliance[i][j];
             sum += c * p->force[j];
@@ -111,20 +113,20 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
             }
         }
         p->residual[i] = p->place[i] - e->free[i] + sum;
-        /* Each to its own digits: slides may be much smaller than the indentation. */
+        /* Each by its own terms: slides may be much smaller than the indentation. */
         const double beyond = fabs(p->residual[i]) - ROUNDING * all; /* NaN stays NaN */
         p->size += beyond <= 0.0 ? 0.0 : beyond * beyond;
     }
     p->size = sqrt(p->size);
 }
 
-/* The residual of a jump of friction. */
+/* Residual that is accepted as a jump of friction, m. */
 static double jump_of(const aoi_friction *friction, const aoi_oblique_equation *e, const point *p)
 {
     return JUMP * friction->mu * p->force[0] * fmax(fabs(e->compliance[1][1]), fabs(e->compliance[2][2]));
 }
 
-/* by_free = by slope^-1; by_rate likewise, of a force at a given place. */
+/* Fills in the solution: by_free = by slope^-1; by_rate from the derivative at a given place. */
 static void give(const aoi_oblique_equation *e, const point *p, aoi_oblique_solution *solution)
 {
     double inverse[9], moved[3];
@@ -147,7 +149,8 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
                       const aoi_oblique_equation *equation, aoi_oblique_solution *solution)
 {
     point now;
-    double inverse[9], rate_by[3] = {0.0, 0.0, 0.0}; /* the rate goes with the place as forces of the equation say */
+    /* of the rate by the place, with the forces eliminated */
+    double inverse[9], rate_by[3] = {0.0, 0.0, 0.0};
     if (friction->law.depends_on_rate && equation->rate_compliance[0] > 0.0) {
         invert(equation->compliance[0], inverse);
         times(equation->rate_compliance, inverse, rate_by);

@@ -4,10 +4,11 @@
 
 #include "aoimpact.h"
 
-/* What linear bodies leave to be solved at the end of a step, in the normal direction and along two tangents:
- * place = free - compliance force, where place is the indentation and the slide since the state, and force the law's
- * and that of friction. A compliance that has been taken out of the law is taken out of this one. guess: where to look
- * first. The rate of the indentation is rate_free - rate_compliance force. */
+/* The contact equation with friction at the end of a step, with the linear bodies eliminated: place
+ * = free - compliance force, in the normal direction and along two tangents. place: the indentation
+ * and the slide since the state; force: the law's and that of friction; compliance: less the part
+ * that has been taken out of the law; guess: initial place of the search. The rate of the
+ * indentation is rate_free - rate_compliance force. */
 typedef struct aoi_oblique_equation {
     double free[3], compliance[3][3];
     double guess[3];
@@ -18,7 +19,7 @@ typedef struct aoi_oblique_solution {
     double force[3], place[3];
     double by_free[3][3], by_rate[3]; /* d force / d free, / d rate_free */
     double stuck;         /* as in aoi_friction_value */
-    double share, rate;   /* of the normal force, as of aoi_friction_try; of the indentation */
+    double share, rate;   /* share as in aoi_friction_try; rate of the indentation, m/s */
 } aoi_oblique_solution;
 
 /* A contact's friction, and the compliance that has been taken out of its law and springs. */
@@ -27,15 +28,17 @@ typedef struct aoi_rub {
     double compliance[3][3];
 } aoi_rub;
 
-/* Of a contact with friction. */
+/* Makes the aoi_rub of a contact with friction. */
 aoi_rub aoi_rub_of(const aoi_contact *contact);
 
-/* aoi_oblique_solve for bodies whose own compliance the equation has: what has been taken out is subtracted here. */
+/* As aoi_oblique_solve, for an equation with the whole compliance of the bodies, from which this
+ * function subtracts the part that has been taken out. */
 int aoi_rub_solve(const aoi_rub *rub, const aoi_friction_state *state, aoi_oblique_equation *bodies,
                   aoi_oblique_solution *solution);
 
-/* Solves it by Newton's method, with shorter steps where the residual would grow. The state is only read.
- * AOI_ERROR_NOT_FINITE, AOI_ERROR_NO_CONVERGENCE, AOI_ERROR_LAW where the law gives NaN. */
+/* Solves the equation by Newton's method, with shorter steps where the residual would grow. The
+ * state is only read. AOI_ERROR_NOT_FINITE, AOI_ERROR_NO_CONVERGENCE, AOI_ERROR_LAW where the law
+ * gives NaN. */
 int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *state,
                       const aoi_oblique_equation *equation, aoi_oblique_solution *solution);
 

@@ -1,5 +1,5 @@
-/* Contacts that yield: Hertz's law up to the yield force; then what the law says, up to a straight line;
- * unloading and reloading from the deepest point d*, F* as Hertz on the radius that has been flattened,
+/* Elastic-plastic contacts: Hertz's law up to the yield force; then each law's own curve, which ends in a straight line;
+ * from the deepest point d*, F* unloading and reloading by Hertz's law of a flattened sphere,
  *   F = F* ((d - d_p) / (d* - d_p))^(3/2).
  *
  * thornton: k, yield force. C. Thornton, J. Appl. Mech. 64 (1997) 383-386. The line starts at yield with
@@ -17,17 +17,18 @@
 
 #include <math.h>
 
-/* Parameters; of indentation: YIELD, and FULL, from where the law is a line; of the cubic: SQUARE, CUBIC;
- * d_r: FITTED. */
+/* Parameters. YIELD: indentation of yield; FULL, FULL_FORCE: where the straight line begins;
+ * SQUARE, CUBIC: of the cubic; FITTED: d_r. */
 enum { STIFFNESS, YIELD_FORCE, SLOPE, YIELD, FULL, FULL_FORCE, SQUARE, CUBIC, FITTED };
 enum { DEEPEST, REACH };                    /* memory, REACH: d* - d_p; both zero while all was elastic */
 enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces */
 
-/* FULL over YIELD, at least: where the hardness is less than about 1.25 times the pressure of yield, the
+/* Least FULL/YIELD. Where the hardness is less than about 1.25 times the pressure of yield, the
  * recovery at d_f is above 5/6 of d_f, and unloading would give back more than loading takes. */
 static const double LEAST_FULL = 3.5;
 
-/* d* - d_p over d*, by Etsion, Kligerman and Kadin; *power: that of d* with which d* - d_p goes there. */
+/* (d* - d_p)/d* by Etsion, Kligerman and Kadin. w: d* over the indentation of yield; *power:
+ * exponent m of d* - d_p ~ d*^m there. */
 static double fitted(double w, double *power)
 {
     const double first = pow(w, -0.28), second = pow(w, -0.69), own = first + second - first * second;
@@ -58,14 +59,14 @@ static void elastic_plastic_prepare(aoi_law *law)
     p[SQUARE] = (3.0 * rise - 2.0 * start - slope) / length;
     p[CUBIC] = (start + slope - 2.0 * rise) / (length * length);
     p[FITTED] = p[FULL];
-    for (int i = 0; i < 30; i++) { /* the power hardly changes: each adds a digit */
+    for (int i = 0; i < 30; i++) { /* each iteration adds a digit, since the power hardly changes */
         double power;
         fitted(p[FITTED] / p[YIELD], &power);
         p[FITTED] = p[FULL] * power / (2.0 * power - 1.0);
     }
 }
 
-/* The way in. */
+/* Force and stiffness of loading. */
 static void load(const aoi_law *law, int piece, double d, aoi_law_value *value)
 {
     const double *p = law->parameter;
@@ -113,7 +114,8 @@ static void plastic_force(const aoi_law *law, const double *memory, int piece, d
         load(law, piece, indentation, value);
         return;
     }
-    /* From the deepest point, which is exact: after an impact far past yield almost all remains. */
+    /* Measured from the deepest point: after an impact far past yield, d - d_p is a small
+     * difference. */
     const double reach = memory[REACH];
     const double past = reach - (memory[DEEPEST] - (indentation > 0.0 ? indentation : 0.0));
     const double share = past > 0.0 ? past / reach : 0.0, root = sqrt(share);

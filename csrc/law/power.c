@@ -1,4 +1,4 @@
-/* Laws whose force is a power of the indentation, without loss or with one that goes with the rate. */
+/* Laws with powers of the indentation, elastic or damped by the rate. */
 #include "law/kinds.h"
 #include "law/law.h"
 
@@ -47,7 +47,8 @@ static double linear_energy(const aoi_law *law, const double *memory, double ind
 }
 
 /* hunt_crossley: k, chi, n. F = k d^n (1 + chi rate): K. H. Hunt, F. R. E. Crossley, J. Appl. Mech.
- * 42 (1975) 440-445. Not cut: it comes out negative where the bodies part faster than 1/chi. power: k, n, without chi. */
+ * 42 (1975) 440-445. Not cut at zero: the force is negative where the bodies part faster than
+ * 1/chi. power: k, n, without chi. */
 static void hunt_crossley_force(const aoi_law *law, const double *memory, int piece,
                                 double indentation, double rate, aoi_law_value *value)
 {
@@ -58,7 +59,7 @@ static void hunt_crossley_force(const aoi_law *law, const double *memory, int pi
     (void)piece;
     value->force = slope * d * factor;
     value->stiffness = n * slope * factor;
-    value->damping = chi > 0.0 ? slope * d * chi : 0.0; /* of an infinite force, too */
+    value->damping = chi > 0.0 ? slope * d * chi : 0.0; /* also if the force is infinite */
 }
 
 static double hunt_crossley_potential(const aoi_law *law, const double *memory, double indentation)

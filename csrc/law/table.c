@@ -5,7 +5,7 @@
 #include <float.h>
 #include <math.h>
 
-/* What energies may differ by from the integral, as a share of them. */
+/* Relative tolerance of the given energies, compared with the integral. */
 static const double ENERGY_ROUNDING = 1e-6;
 
 /* The rows of the table. */
@@ -14,8 +14,8 @@ static const double *forces(const aoi_law *law) { return law->table + law->table
 static const double *slopes(const aoi_law *law) { return law->table + 2 * law->table_count; }
 static const double *energies(const aoi_law *law) { return law->table + 3 * law->table_count; }
 
-/* The knot at which the piece begins that holds an indentation; from a knot itself, a rising motion
- * goes on in the piece above it. */
+/* Returns the number of the knot at which the piece of an indentation begins. At a knot, a rising
+ * motion is on the piece above. */
 static int table_piece(const aoi_law *law, const double *memory, double indentation, int rising,
                        double *low, double *high)
 {
@@ -52,8 +52,8 @@ static cubic cubic_of(const aoi_law *law, size_t i)
                    (s[i] + s[i + 1] - 2.0 * rise) / (length * length)};
 }
 
-/* Beyond its ends a piece goes on as a straight line: the cubic would turn, and a contact without mass
- * be in balance there, too. */
+/* Beyond its ends a piece is continued as a straight line: the cubic would turn, and give a
+ * massless contact more than one equilibrium. */
 static void table_force(const aoi_law *law, const double *memory, int piece, double indentation,
                         double rate, aoi_law_value *value)
 {

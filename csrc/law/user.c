@@ -1,12 +1,11 @@
-/* The caller's own law: its functions, and what stands in for those that are not given. */
+/* The caller's own law: its functions, and differences or quadrature for those that are not given. */
 #include "aoimpact.h"
 
 #include <math.h>
 
-/* Differences to one side, for the price of one more call each: in the indentation with a step of
- * eps^(1/2), so right to eight digits; in the rate, over which laws are straight or nearly so, with a
- * longer one, and of no less than that share of a millimetre per second, so that there is one at
- * rest. */
+/* Relative steps of one-sided differences, which cost one more call each. In the indentation it is
+ * eps^(1/2), for eight digits; in the rate it is longer, since laws are nearly linear in it, and
+ * that of LEAST_RATE, m/s, at lower rates, since it must not be 0 at rest. */
 static const double INDENTATION_STEP = 1.5e-8, RATE_STEP = 6e-6, LEAST_RATE = 1e-3;
 
 static double ask(const aoi_law *law, int which, double indentation, double rate)

@@ -1,8 +1,8 @@
 /* The contact equations of a scene, coupled through the bodies that contacts share.
  *
- * With the other contacts' forces given, each contact has a scalar equation: z = free - sum of the other contacts' C F
- * is its indentation without its own force (w its rate likewise), and equation.c finds its force F(z, w), for laws with
- * kinks and jumps, too. The remaining equations,
+ * With the other contacts' forces given, each contact has a scalar equation: its indentation without its own force is
+ * z = free - sum of the other contacts' C F (its rate w likewise), and equation.c finds its force F(z, w), also for laws
+ * with kinks and jumps. The remaining equations,
  *   z_i = free_i - sum_(j not i) C_ij F_j(z_j, w_j),
  * are solved by Newton's method for all contacts at once. Their functions are Lipschitz continuous: F rises with z by
  * no more than 1/C_ii, however steep the law. With the stiffness k and the damping c of the laws,
@@ -10,8 +10,8 @@
  * and a = 1/C_ii, b = 0 where a jump holds the bodies at rest. (1 + a C' + b Cr') dF = -(a R + b S),
  * C' and Cr' without their diagonals, needs no pivoting. A step is shortened until the residual decreases. Where it
  * does not, contacts are solved in turn (Gauss-Seidel), which always decreases it, if slowly. Where that is too slow,
- * a few whole steps are taken: of contacts that keep each other open, one of two rigid ones on a place, they find out
- * which, though the residual rises on the way.
+ * a few steps are taken at full length: if only one of two rigid contacts at a place can be closed, these find out which,
+ * although the residual rises on the way.
  *
  * A contact with friction has three equations z, R, F, which oblique.c solves together, and a 3 x 3 matrix a = dF/dz. */
 #include "model/coupled.h"
@@ -24,17 +24,20 @@
 #include <math.h>
 #include <string.h>
 
-/* Newton's steps at first, and where that fails; halvings of a step; sweeps over the contacts where that fails, too.
- * Tried: 5 runs by Newmark's rule change, by 2e-12; of MOST_STEPS none. */
+/* Limits: Newton's steps of the first attempt, and of later ones; halvings of a step; sweeps over
+ * the contacts where no halving helps. Tried: 5 runs by Newmark's rule change, by 2e-12; of
+ * MOST_STEPS none. */
 enum { FIRST_STEPS = 20, MOST_STEPS = 500, MOST_HALVINGS = 6, SWEEPS = 4 };
 
-/* A tolerance for equations whose rounding errors are amplified (dashpots too stiff for the step). Without it one of
- * 400 scenes by Newmark's rule, of 2 000 steps, finds no solution. */
+/* Relative tolerance of the last attempt, for equations that amplify rounding errors (dashpots too
+ * stiff for the step). Without it one of 400 scenes by Newmark's rule, of 2 000 steps, finds no
+ * solution. */
 static const double ROUGH = 1e-9;
 
-/* Dashpots that are all but rigid have slopes 1/C, and the matrix of two on one place is singular: slopes are taken so
- * much lower. Measured, on 400 scenes with a dashpot and a contact across a gap on a place under a
- * sudden load: 1e-8 and 1e-6 below 1 solve all, 1e-4 leaves 15 unsolved, 1e-2 and none 64. */
+/* Factor on the slopes in the second attempt. Dashpots that are almost rigid have slopes 1/C, and
+ * the matrix of two at one place would be singular. Measured, on 400 scenes with a dashpot and a
+ * contact across a gap at one place under a sudden load: 1e-8 and 1e-6 below 1 solve all, 1e-4
+ * leaves 15 unsolved, 1e-2 and none 64. */
 static const double YIELD = 1.0 - 1e-6;
 
 /* Indentations are found relative to at least this share of the largest one. Tried: 2 runs change, by 1e-14. */
@@ -57,14 +60,14 @@ typedef struct newton {
     const aoi_coupled *e;
     const aoi_contact_state *contact;
     size_t width;
-    double deepest; /* without forces */
+    double deepest; /* largest indentation, of find_deepest */
     double ended;    /* adhesive contacts whose last indentation is at most this have separated */
     double rounding; /* relative error at which an equation counts as solved */
-    size_t failed;   /* the last equation asked */
+    size_t failed;   /* the equation solved last */
     double yield;    /* factor on the slopes in the matrix; below 1, steps are not shortened */
     iterate now, trial;
     double *size, *rate_size;
-    double *matrix, *change; /* of the forces */
+    double *matrix, *change; /* Newton's matrix, and its change of the forces */
     double *move, *rate_move;
 } newton;
 
@@ -105,7 +108,7 @@ static const double *row_of(const aoi_coupled *e, const double *matrix, size_t i
     return matrix + (i * (2 * e->band + 1) + e->band) - i; /* to be indexed by the column */
 }
 
-/* The equations of the contact that has equation i. */
+/* First equation of the contact that equation i belongs to. */
 static size_t begin_of(const aoi_contact_state *contact, size_t i) { return i - contact[i].axis; }
 
 static size_t size_of(const aoi_contact_state *contact) { return contact->rubbing ? 3 : 1; }
@@ -169,7 +172,8 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
     at->of_rate[i] = isfinite(whole) ? value.damping / whole : 0.0;
 }
 
-/* Solves the three equations of a contact with friction from i on, for the free places and from the guess. */
+/* Solves the equations i to i + 2 of a contact with friction. free: its place without its own
+ * force; place: a guess on entry, the solution on return. */
 static int solve_three(const aoi_coupled *e, aoi_rubbing *rubbing, size_t i, const double free[3], double rate_free,
                        double place[3], double force[3])
 {

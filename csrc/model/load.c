@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* How many of the times are not after a time: the next bend's number. By halving: loads have many points,
- * and every step asks. */
+/* Number of the load's times up to a time, which is the index of its next bend. By bisection: loads
+ * may have many points, and every step asks. */
 static size_t bends_until(const aoi_load *load, double time)
 {
     size_t low = 0, high = load->count; /* times before low are not after time, from high on they are */

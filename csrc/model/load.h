@@ -4,16 +4,17 @@
 
 #include "aoimpact.h"
 
-/* The two times of a load between which a time lies, and their forces: the same where the load is constant. */
+/* Interval of a load that contains a time: forces on the ports at its start and end (the same where
+ * the load is constant), time since its start and its length, s. */
 typedef struct aoi_load_span {
     const double *here, *next;
     double into, length;
 } aoi_load_span;
 
-/* The span of a load on so many ports, with count > 0; just after the time where the load jumps. */
+/* Span of a load with count > 0 at a time; at a jump of the load, the span after it. ports: number. */
 aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
 
-/* The time after another at which it bends for the next time but so many; infinite where there is none. */
+/* Time of the load's next bend after `time`, if `skipped` of them are left out; HUGE_VAL: none. */
 double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped);
 
 /* True if times ascend (equal neighbours may be) and all numbers are finite. */

@@ -1,4 +1,4 @@
-/* Adaptive runs of scenes, and their dense output, for Python. */
+/* Python binding of adaptive runs, with the peaks and intervals of their contacts. */
 #include "python/binding.h"
 #include "aoimpact.h"
 
@@ -10,7 +10,7 @@
 
 static const size_t MOST_BYTES = (size_t)1 << 30;
 
-/* Rows of a piece between looks at the clock. */
+/* Rows of the track that one piece of a run adds; the clock is read after each piece. */
 enum { ROWS = 48 };
 
 /* A run under way, up to about most_steps steps, rejected ones included. */
@@ -44,7 +44,8 @@ static int few_rows(void *data)
     return of->status == AOI_OK;
 }
 
-/* The start: bodies that move as a whole (moving: their rates at unit velocity). v: the rates, set here. */
+/* Sets the initial rates v of all bodies. A body that moves as a whole has its velocity times its
+ * rates at unit velocity (moving). */
 static void take_moving(call *of, PyObject *moving, PyObject *velocities, aoi_system *system, double *v)
 {
     for (size_t b = 0; b < system->body_count && of->status == AOI_OK; b++) {
@@ -59,7 +60,7 @@ static void take_moving(call *of, PyObject *moving, PyObject *velocities, aoi_sy
     }
 }
 
-/* Appends a pair that is given away. */
+/* Appends an object, taking over its reference, to a list; returns 0 with an error set on failure. */
 static int append(PyObject *list, PyObject *pair)
 {
     const int fine = pair && PyList_Append(list, pair) == 0;
@@ -67,8 +68,8 @@ static int append(PyObject *list, PyObject *pair)
     return fine;
 }
 
-/* (peak force, its time, impulse, [(start, end)], [(impulse, pace)]) of a contact. One of several that part at once has
- * no interval: no force acted in it. */
+/* Builds (peak force, its time, impulse, [(start, end)], [(impulse, pace)]) of contact c. With
+ * several contacts, an interval without impulse is left out: no force acted in it. */
 static PyObject *one_contact(const aoi_adaptive *run, size_t c, int several, size_t count, const aoi_interval *interval)
 {
     const aoi_peak of = aoi_adaptive_peak(run, c);
@@ -109,7 +110,7 @@ static PyObject *contacts_of(const aoi_adaptive *run, kept_track *kept, double e
     return result;
 }
 
-/* (track, contacts, steps, rejected); the track is given away. */
+/* Builds (track, contacts, steps, rejected); the track's capsule takes over *kept. */
 static PyObject *adaptive_result(const aoi_adaptive *run, kept_track **kept, double end)
 {
     const aoi_progress at = aoi_adaptive_progress(run);
@@ -117,7 +118,8 @@ static PyObject *adaptive_result(const aoi_adaptive *run, kept_track **kept, dou
     return Py_BuildValue("NNnn", track, contacts, (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
 }
 
-/* (bodies, contacts, rtol, end, x, moving, velocities, most steps); x: modes at the start, None where they are zero. */
+/* args: (bodies, contacts, rtol, end, x, moving, velocities, most steps). x: initial modal
+ * coordinates of all bodies; None: zero. */
 PyObject *adaptive(PyObject *args)
 {
     call of = {.status = AOI_OK};

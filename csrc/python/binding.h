@@ -23,10 +23,10 @@ typedef struct buffer_block {
     struct buffer_block *next;
 } buffer_block;
 
-/* A call's first failure, after which nothing more is taken, and the buffers that it holds. Made as
- * {.status = AOI_OK}, it is empty. */
+/* State of one call from Python: the status of its first failure, after which no more arguments are
+ * taken, and the buffers that it holds. {.status = AOI_OK} is an empty one. */
 typedef struct call {
-    int status; /* or CALL_RAISED: an error is set; CALL_NO_MEMORY: finish() sets it */
+    int status; /* aoi_status, CALL_RAISED (a Python error is set) or CALL_NO_MEMORY */
     buffer_block block;
 } call;
 
@@ -35,9 +35,14 @@ enum { CALL_RAISED = -1, CALL_NO_MEMORY = -2 };
 void call_fail(call *of, int status);
 void call_release(call *of);
 
-/* One item of a tuple, and where it goes. kind: 'd', 'f', 'i' for the memory of a buffer of float64, float32, int32;
- * 'D', 'F', 'I' for one to write; 'o' for float64 or None (NULL); 'x' a double, 'n' a size_t, 'p' an int, whether true;
- * 't' a tuple, 'O' any PyObject. An array holds *count * *each + more values; where *count is ANY_LENGTH, it is found. */
+/* One item of a tuple of arguments, and the variable that receives it.
+ *   name               in error messages
+ *   kind               'd', 'f', 'i': data of a float64, float32 or int32 buffer; 'D', 'F', 'I': the
+ *                      same, writable; 'o': of a float64 buffer, or NULL for None; 'x': a double;
+ *                      'n': a size_t; 'p': an int, the truth value; 't': a tuple; 'O': any PyObject
+ *   to                 address of the variable
+ *   count, each, more  an array must hold *count * *each + more values; if *count is ANY_LENGTH, it
+ *                      is set from the array's length */
 typedef struct argument {
     const char *name;
     char kind;
@@ -51,24 +56,30 @@ typedef struct argument {
 #define LONGER(kind, to, count, more) {#to, kind, (void *)&(to), &(count), NULL, more}
 #define MATRIX(kind, to, count, each) {#to, kind, (void *)&(to), &(count), &(each), 0}
 
-/* Takes a tuple by a table of its items; or those from the first on of a tuple of so many. */
+/* TAKE reads all items of a tuple by a table of arguments. TAKE_SOME reads those from item `first`
+ * on, of a tuple that must have `size` items. */
 #define ROWS(...) sizeof((argument[]){__VA_ARGS__}) / sizeof(argument), (argument[]){__VA_ARGS__}
 #define TAKE(of, tuple, ...)                                                                       \
     call_take(of, tuple, 0, sizeof((argument[]){__VA_ARGS__}) / sizeof(argument), ROWS(__VA_ARGS__))
 #define TAKE_SOME(of, tuple, first, size, ...) call_take(of, tuple, first, size, ROWS(__VA_ARGS__))
 void call_take(call *of, PyObject *tuple, size_t first, size_t size, size_t count, const argument *table);
 
-/* Item i of a tuple of so many. */
+/* Returns item i, borrowed, of a tuple that must have `size` items; else the call fails. */
 PyObject *tuple_item(call *of, PyObject *tuple, size_t i, size_t size);
 
-/* Raises what a function of aoimpact.base.errors returns for the arguments, a tuple, which it takes over. */
+/* Raises the exception that the function `maker` of aoimpact.base.errors returns for a tuple of
+ * arguments, whose reference it takes over. */
 void raise_made(const char *maker, PyObject *arguments);
 
-/* Raises the error for a status: the table of the core's codes is in aoimpact.base.errors. With the state in which a
- * law gave NaN, and the contact that failed, or -1. */
+/* Raises the exception for a status, by aoimpact.base.errors.core_error.
+ *   what               the computation that failed
+ *   time               reached, s; negative: unknown
+ *   indentation, rate  at which a law gave NaN, m and m/s; NaN: none did
+ *   contact            the one that failed; -1: unknown */
 void raise_at(int status, const char *what, double time, double indentation, double rate, Py_ssize_t contact);
 
-/* Releases the buffers; what Py_BuildValue makes of the rest, or NULL with an error raised. */
+/* Ends a call: releases its buffers and returns Py_BuildValue(format, ...), or NULL with an error
+ * raised for its status. what: the computation, for the message. */
 PyObject *finish(call *of, const char *what, const char *format, ...);
 
 /* ------------------------------------------------------------------ pause.c: signals */
@@ -76,71 +87,82 @@ PyObject *finish(call *of, const char *what, const char *format, ...);
 /* Seconds of a monotonic clock. */
 double seconds_now(void);
 
-/* Checks for signals during one call. pause is for the core, and checks every SIGNAL_INTERVAL seconds, with the GIL or,
- * between release and regain, without it. An error is set once it has ended the call. */
+/* Check for signals, such as Ctrl-C, every SIGNAL_INTERVAL seconds of one call. `pause` is passed
+ * to the core. Between release and regain the GIL is released, but for the checks themselves. A
+ * check that ends the call leaves an error set. */
 #define SIGNAL_INTERVAL 0.02
 typedef struct signal_check {
     aoi_pause pause;
-    double next;
-    PyThreadState *thread; /* while the GIL is released */
+    double next;           /* time of the next check, s    */
+    PyThreadState *thread; /* while the GIL is released   */
 } signal_check;
 
 void signal_check_open(signal_check *signals);
 void signal_check_release(signal_check *signals);
 void signal_check_regain(signal_check *signals);
 
-/* Calls piece, some microseconds of a job each, without the GIL until it returns 0, or a signal has set an error. */
+/* Calls piece(job), which takes some microseconds, without the GIL until it returns 0 or a signal
+ * has set an error. */
 void run_pieces(signal_check *signals, int (*piece)(void *job), void *job);
 
 /* ------------------------------------------------------------------ tuples to structs */
 
-/* (name, parameters, compliance, limit, note, data), made by ContactLaw.for_core and read only here. */
+/* Reads a law from the tuple (name, parameters, compliance, limit, note, data) of
+ * ContactLaw.for_core. */
 void take_law(call *of, PyObject *tuple, aoi_law *law);
 
-/* (first body, its port, second body, its port, gap, law), made by Contact.for_core; law is what it refers to. */
+/* Reads a contact from the tuple (first body, its port, second body, its port, gap, law) of
+ * Contact.for_core, with friction as a seventh item, into *contact, and what it points to into *law
+ * and *friction. */
 void take_contact(call *of, PyObject *tuple, aoi_contact *contact, aoi_law *law, aoi_friction *friction);
 
-/* Raises the error of a run's status, if it has one; of count laws any may have stopped it; what a law written in
- * Python has raised stays as it is. contact: which failed. The buffers must still be held. */
+/* Raises the error for the status of a run, unless an error, such as that of a law written in
+ * Python, is set already.
+ *   what, time  the computation, and the time reached, s
+ *   law, count  the run's laws; the first one that gave NaN is reported, from its note
+ *   contact     the one that failed
+ * The buffers that hold the notes must not be released yet. */
 void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, size_t count, size_t contact);
 
-/* Entries of the tuple of a body, in this order; None where the body has none. Python takes the names from
+/* Items of the tuple of a body, in this order; None: the body has none. Python takes the names from
  * _core.MODES. */
 #define MODES_PARTS(X)                                                                             \
     X(centre) X(shape) X(push) X(omega) X(decay) X(residual) X(gravity) X(inertia)                 \
     X(centre_residual) X(load_time) X(load_force) X(full)
 
-/* The matrices of a body of n coordinates, and a callable that gives the solution for a right-hand side in bytes. */
+/* Matrices of a body of n coordinates, and a Python callable that takes a right-hand side as bytes
+ * and returns the solution. */
 typedef struct taken_full {
     aoi_full full;
     PyObject *solve;
     size_t n;
 } taken_full;
 
-/* A system and all that it is made of. */
+/* A system and the arrays that it points to. */
 typedef struct taken_system {
     aoi_system system;
     aoi_modes *body;
-    taken_full *full; /* one a body */
+    taken_full *full; /* one per body */
     aoi_contact *contact;
-    aoi_law *law; /* one a contact */
+    aoi_law *law; /* one per contact */
     aoi_friction *friction;
     void *links;
     signal_check signals;
 } taken_system;
 
-/* full: room for matrices, or NULL where a body with matrices is refused. */
+/* Reads a body from its tuple. full: for its matrices; NULL: a body with matrices is refused. */
 void take_body(call *of, PyObject *tuple, aoi_modes *body, taken_full *full, signal_check *signals);
 
-/* Bodies and contacts of two tuples, linked; made is empty before, and stays where it is. */
+/* Reads and links a system, from the tuples of its bodies and contacts. *made must be zero before,
+ * and must not be moved afterwards: its parts point to each other. */
 void take_system(call *of, PyObject *bodies, PyObject *contacts, taken_system *made);
 void free_system(taken_system *made);
 
-/* malloc, zeroed, of count + 1; the call fails where there is no memory. */
+/* Allocates count + 1 zeroed elements. Without memory it returns NULL, and the call fails. */
 void *call_room(call *of, size_t count, size_t size);
 
-/* A track, and all that it takes to read it: what Python holds as a capsule. Only read once a run has written it, so that
- * threads may share it. */
+/* A track and its system: the content of the capsule that Python holds. Threads may share it, since
+ * nothing changes it after the run. */
 typedef struct kept_track {
     call of; /* holds the buffers */
     taken_system made;
@@ -148,10 +170,12 @@ typedef struct kept_track {
     PyObject *bodies, *contacts;
 } kept_track;
 
-/* One without rows; NULL with an error set, or one whose call may have failed. */
+/* Makes a kept_track without rows, whose call may have failed; returns NULL with an error set if
+ * there is no memory. */
 kept_track *track_new(PyObject *bodies, PyObject *contacts);
 
-/* The capsule, which takes it over and leaves NULL; NULL with an error raised. */
+/* Makes the capsule, which takes over *kept and sets it to NULL; returns NULL with an error raised
+ * on failure. */
 PyObject *track_capsule(kept_track **kept);
 
 void track_free(kept_track *kept);

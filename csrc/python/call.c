@@ -1,4 +1,4 @@
-/* Arguments in, result or error out: what every function of the binding does. */
+/* Conversion of arguments, results and errors, for all functions of the binding. */
 #include "python/binding.h"
 
 #include "linear/work.h"
@@ -58,7 +58,7 @@ static buffer_block *with_room(call *of)
     return block;
 }
 
-/* Finds the length of an array, or checks it. */
+/* Checks the length of an array, or sets *count from it. */
 static void fit(call *of, const argument *row, size_t length)
 {
     const size_t each = row->each ? *row->each : 1;
@@ -73,7 +73,7 @@ static void fit(call *of, const argument *row, size_t length)
     }
 }
 
-/* The memory of a buffer of float64, float32 or int32. */
+/* Takes a buffer of float64, float32 or int32 and stores the address of its data. */
 static void take_buffer(call *of, PyObject *object, const argument *row)
 {
     static const char *const type[] = {"dDo", "fF", "iI"}, *const wanted[] = {"float64", "float32", "int32"};
@@ -109,7 +109,8 @@ static void take_one(call *of, PyObject *object, const argument *row)
     if (row->kind == 'x') {
         *(double *)row->to = PyFloat_AsDouble(object);
     } else if (row->kind == 'n') {
-        *(size_t *)row->to = (size_t)PyLong_AsSsize_t(object); /* below 0: too large for any use */
+        /* a negative one becomes too large for any use */
+        *(size_t *)row->to = (size_t)PyLong_AsSsize_t(object);
     } else if (row->kind == 'p') {
         *(int *)row->to = PyObject_IsTrue(object) != 0;
     } else if (row->kind == 'O' || row->kind == 't') {
@@ -136,7 +137,8 @@ PyObject *tuple_item(call *of, PyObject *tuple, size_t i, size_t size)
 void call_take(call *of, PyObject *tuple, size_t first, size_t size, size_t count, const argument *table)
 {
     uint32_t done = 0;
-    for (int last = 0; last < 2; last++) { /* matrices of an unknown number of columns when that is known */
+    /* a matrix whose number of columns another array sets is taken in the second pass */
+    for (int last = 0; last < 2; last++) {
         for (size_t i = 0; i < count && of->status == AOI_OK; i++) {
             const int waits = !last && table[i].each && *table[i].each == ANY_LENGTH;
             if (!waits && !(done >> i & 1)) {
@@ -174,7 +176,7 @@ void raise_at(int status, const char *what, double time, double indentation, dou
 PyObject *finish(call *of, const char *what, const char *format, ...)
 {
     call_release(of);
-    if (of->status == CALL_RAISED || PyErr_Occurred()) { /* a signal, or what was called back */
+    if (of->status == CALL_RAISED || PyErr_Occurred()) { /* by a signal or a callback */
         return NULL;
     }
     if (of->status == CALL_NO_MEMORY) {

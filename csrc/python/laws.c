@@ -1,10 +1,11 @@
-/* The contact laws, for Python. */
+/* Python binding of the contact laws. */
 #include "python/binding.h"
 #include "law/law.h"
 
 #include <math.h>
 
-/* The value returned by a function of a law written in Python: a number that a double holds, not an array or a text. */
+/* Converts the value returned by a law written in Python to a double. For an array, a text or a
+ * number out of range it raises an error and returns NaN. */
 static double number_of(PyObject *returned, double indentation, double rate)
 {
     if (PyFloat_Check(returned) || (PyNumber_Check(returned) && !PySequence_Check(returned) &&
@@ -20,8 +21,8 @@ static double number_of(PyObject *returned, double indentation, double rate)
     return (double)NAN;
 }
 
-/* aoi_user_law.call of a law in Python; data: the tuple of its functions. The run holds no GIL. What
- * the law raises stays set, and the law is not called again: NaN ends the run. */
+/* aoi_user_law.call of a law written in Python; data: the tuple of its functions. Called without
+ * the GIL. After an exception, which stays set, the law is not called again: NaN ends the run. */
 static double call_python(void *data, int which, double indentation, double rate)
 {
     const PyGILState_STATE state = PyGILState_Ensure();
@@ -38,8 +39,8 @@ static double call_python(void *data, int which, double indentation, double rate
     return answer;
 }
 
-/* data: (functions, depends_on_rate, pulls, what to hold on to), functions a tuple of AOI_USER_FUNCTIONS callables or
- * addresses, None where there is none. */
+/* data: (functions, depends_on_rate, pulls, object kept alive). functions: a tuple of
+ * AOI_USER_FUNCTIONS callables or addresses of C functions; None: not given. */
 static void take_user_law(call *of, PyObject *data, aoi_law *law)
 {
     aoi_user_law user = {.call = NULL};
@@ -110,7 +111,7 @@ void take_law(call *of, PyObject *tuple, aoi_law *law)
     }
 }
 
-/* (mu, ratio, precision, compliance or None). */
+/* tuple: (mu, ratio, precision, compliance of shape (3, 3) or None). */
 static void take_friction(call *of, PyObject *tuple, aoi_contact *contact, aoi_friction *friction)
 {
     double mu = 0.0, ratio = 0.0, precision = 0.0;
@@ -149,7 +150,7 @@ void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, 
     for (size_t i = 0; i < count && isnan(indentation) && law[i].note; i++) {
         indentation = law[i].note[0];
         rate = law[i].note[1];
-        /* A NaN that the run only met as its own trouble. */
+        /* The NaN caused the run's failure, such as a missed tolerance: report its reason. */
         if (!isnan(indentation) && of->status != AOI_ERROR_PATCH && of->status != AOI_ERROR_ARGUMENT) {
             why = (int)law[i].note[2];
         }
@@ -158,7 +159,7 @@ void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, 
     of->status = CALL_RAISED;
 }
 
-/* Checks signals in every 4096th call; 0 where one has raised. */
+/* Checks for signals at every 4096th i; returns 0 if one has raised an error. */
 static int no_signal(size_t i) { return i % 4096 != 0 || PyErr_CheckSignals() == 0; }
 
 static PyObject *finish_law(call *of, const aoi_law *law)
@@ -169,8 +170,8 @@ static PyObject *finish_law(call *of, const aoi_law *law)
     return finish(of, "contact law", "");
 }
 
-/* (law, indentation, rate, force, stiffness, damping, along); along: the indentations follow each other, and the law
- * remembers them. */
+/* args: (law, indentation, rate, force, stiffness, damping, along). along: the indentations are
+ * successive states of one contact, whose memory is kept up to date; else each is a first touch. */
 PyObject *law_force(PyObject *args)
 {
     call of = {.status = AOI_OK};
@@ -200,7 +201,7 @@ PyObject *law_force(PyObject *args)
     return finish_law(&of, &law);
 }
 
-/* (law, indentation, energy) */
+/* args: (law, indentation, energy). */
 PyObject *law_potential(PyObject *args)
 {
     call of = {.status = AOI_OK};

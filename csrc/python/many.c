@@ -1,18 +1,19 @@
-/* Many impacts in one call, without the GIL: of each only its numbers come back. */
+/* Python binding of many impacts in one call, without the GIL. Each returns an aoi_brief only. */
 #include "python/binding.h"
 #include "track/brief.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Columns of a case; its answer is the status and an aoi_brief. */
+/* Columns of the matrix of cases. The answer to a case is its status and an aoi_brief. */
 enum { CASE_VELOCITY = 0, CASE_GAP, CASE_DURATION, CASE_RTOL, CASE_COLUMNS };
 enum { ANSWER_COLUMNS = 1 + sizeof(aoi_brief) / sizeof(double) };
 
-/* A contact takes some hundred rows; what needs more is made elsewhere, with room that grows. */
+/* Capacity of a case's track. A contact takes some hundred rows. A case that needs more fails, and
+ * Python runs it alone, with a track that grows. */
 enum { MOST_ROWS = 1024 };
 
-/* Bodies, each with its velocities x' of unit speed, and laws: of these the cases are put together. */
+/* Bodies, their rates at unit velocity (moving), and laws, from which the cases are combined. */
 typedef struct cases {
     size_t body_count, law_count;
     aoi_modes *body;
@@ -20,7 +21,8 @@ typedef struct cases {
     aoi_law *law;
 } cases;
 
-/* One case at a time is made on it; memory, for the rates and the run, grows with the largest so far. */
+/* Workspace of one case at a time. `memory` holds the initial rates and the run; it grows to what
+ * the largest case so far needs. */
 typedef struct work {
     aoi_system system;
     aoi_modes pair[2];
@@ -48,7 +50,7 @@ static void take_cases(call *of, PyObject *bodies, PyObject *moving, PyObject *l
     }
 }
 
-/* AOI_ERROR_ARGUMENT where a case names what is not there. */
+/* Returns AOI_ERROR_ARGUMENT if a case refers to a body or law that does not exist. */
 static int check_cases(const cases *of, size_t count, const int32_t *which)
 {
     for (size_t i = 0; i < 3 * count; i++) {
@@ -60,7 +62,7 @@ static int check_cases(const cases *of, size_t count, const int32_t *which)
     return AOI_OK;
 }
 
-/* Runs a case. */
+/* Runs one case. which: first body, second body and law; numbers: its CASE_COLUMNS. */
 static int run_case(work *on, const cases *of, const int32_t *which, const double *numbers, aoi_brief *brief)
 {
     const double *moving = of->moving[which[0]];
@@ -91,7 +93,7 @@ static int run_case(work *on, const cases *of, const int32_t *which, const doubl
                          on->memory + rates, brief);
 }
 
-/* Cases under way. */
+/* All cases, of which `done` have been run. */
 typedef struct job {
     work on;
     const cases *of;
@@ -123,7 +125,7 @@ static int one_case(void *data)
     return 1;
 }
 
-/* (bodies, moving, laws, which (count, 3), numbers (count, 4), answers (count, 10)) */
+/* args: (bodies, moving, laws, which (count, 3), numbers (count, 4), answers (count, 10)). */
 PyObject *briefs(PyObject *args)
 {
     call of = {.status = AOI_OK};

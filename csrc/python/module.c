@@ -3,8 +3,8 @@
 
 #include <fenv.h>
 
-/* Other libraries leave threads that take subnormal numbers for zero or round another way: the core
- * computes as its tests do, and the thread gets back what it had. */
+/* Some libraries let a thread flush subnormal numbers to zero or round in another mode. The core
+ * runs in the default floating-point environment, as in its tests; the thread's own is restored. */
 static PyObject *call_as_tested(PyObject *called(PyObject *args), PyObject *args)
 {
     fenv_t before;

@@ -6,7 +6,8 @@
 
 static const char PATTERN[] = "aoimpact pattern of blocks";
 
-/* A matrix's pattern, checked once for all calls, each of which reads the matrix once. */
+/* Sparsity pattern of a block matrix. It is checked once, not in each call, which would take twice
+ * as long: a call reads the matrix only once. */
 typedef struct pattern {
     call of; /* holds the buffers */
     aoi_blocks matrix;
@@ -24,7 +25,7 @@ static void pattern_end(PyObject *capsule)
     pattern_free(PyCapsule_GetPointer(capsule, PATTERN));
 }
 
-/* (order, row starts, indices, size) */
+/* args: (order, row starts, indices, block size). */
 PyObject *blocks_pattern(PyObject *args)
 {
     PyObject *capsule = NULL;
@@ -49,16 +50,16 @@ PyObject *blocks_pattern(PyObject *args)
     return capsule;
 }
 
-/* A call on some rows. */
+/* Arguments shared by the calls that work on some of the rows. */
 typedef struct part_call {
     call of;
     aoi_blocks matrix;
     aoi_part part;
-    size_t stage, length, entries, works; /* a work array has n works numbers */
+    size_t stage, length, entries, works; /* works: numbers per row in a work array */
 } part_call;
 
-/* The first three of `size` items: a matrix, a tuple of so many parts that begins with a pattern, (begin, end) and the
- * stage, of those of a product or any. */
+/* Reads the first three of `size` arguments: the matrix, a tuple of `parts` items that begins with
+ * its pattern; the rows, (begin, end); and the stage, which is 0 or 1 for a product. */
 static void take_part(part_call *all, PyObject *args, size_t size, size_t parts, int product)
 {
     call *of = &all->of;
@@ -88,7 +89,7 @@ static void take_part(part_call *all, PyObject *args, size_t size, size_t parts,
     }
 }
 
-/* (matrix, part, stage, x, y, work) */
+/* args: (matrix, part, stage, x, y, work). */
 PyObject *blocks_multiply(PyObject *args)
 {
     part_call all = {.matrix.n = 0};
@@ -106,7 +107,7 @@ PyObject *blocks_multiply(PyObject *args)
     return finish(&all.of, "product of blocks", "");
 }
 
-/* (matrix, part, stage, x, r, work) */
+/* args: (matrix, part, stage, x, r, work). */
 PyObject *blocks_subtract(PyObject *args)
 {
     part_call all = {.matrix.n = 0};
@@ -123,7 +124,7 @@ PyObject *blocks_subtract(PyObject *args)
     return finish(&all.of, "product of blocks", "");
 }
 
-/* (matrix, part, stage, steps, low, high, finish, x, r, work) */
+/* args: (matrix, part, stage, steps, low, high, finish, x, r, work). */
 PyObject *blocks_smooth(PyObject *args)
 {
     part_call all = {.matrix.n = 0};
@@ -146,7 +147,7 @@ PyObject *blocks_smooth(PyObject *args)
     return finish(&all.of, "smoothing", "");
 }
 
-/* (row starts, indices, aggregates) */
+/* args: (row starts, indices, aggregates). */
 PyObject *graph_aggregate(PyObject *args)
 {
     call of = {.status = AOI_OK};

@@ -1,10 +1,10 @@
-/* Runs in fixed steps, for Python. */
+/* Python binding of runs in fixed steps. */
 #include "python/binding.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps between looks at the clock: of contacts without mass one may take some 100 us. */
+/* Steps between two readings of the clock; a step of massless contacts may take some 100 us. */
 enum { PIECE_STEPS = 64 };
 
 typedef struct job {
@@ -21,8 +21,8 @@ static int few_steps(void *data)
     return of->status == AOI_OK && of->done + 1 < of->columns;
 }
 
-/* (bodies, contacts, dt, beta, gamma, x, v, force, force rate, record, energies); x and v are those of all bodies at
- * the start, and at the end. */
+/* args: (bodies, contacts, dt, beta, gamma, x, v, force, force rate, record, energies). x, v:
+ * coordinates and rates of all bodies, the initial ones on entry, the final ones on return. */
 PyObject *newmark(PyObject *args)
 {
     call of = {.status = AOI_OK};

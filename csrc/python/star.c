@@ -1,4 +1,4 @@
-/* The star and its modes, for Python. */
+/* Python binding of AO models (stars) and their modes. */
 #include "python/binding.h"
 
 PyObject *star_from_constraint_modes(PyObject *args)

@@ -1,4 +1,4 @@
-/* Bodies, contacts and the system of them, from Python. */
+/* Conversion of bodies, contacts and systems from Python tuples. */
 #include "python/binding.h"
 
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #define PLACE_OF(part) part##_at,
 enum { MODES_PARTS(PLACE_OF) MODES_COUNT };
 
-/* (start, indices, values) of a matrix of n rows. */
+/* tuple: (start, indices, values) of a sparse matrix of n rows. */
 static void take_sparse(call *of, PyObject *tuple, size_t n, aoi_sparse *matrix)
 {
     size_t stored = ANY_LENGTH;
@@ -19,7 +19,7 @@ static void take_sparse(call *of, PyObject *tuple, size_t n, aoi_sparse *matrix)
     }
 }
 
-/* aoi_solver.solve by a callable. The run holds no GIL. What is raised stays set. */
+/* aoi_solver.solve that calls a Python callable, without the GIL at first; an exception stays set. */
 static int solve_by_python(void *data, double *x)
 {
     const taken_full *of = data;
@@ -41,7 +41,7 @@ static int solve_by_python(void *data, double *x)
     return failed;
 }
 
-/* (K, M, alpha, beta, callable). */
+/* tuple: (K, M, alpha, beta, callable). */
 static void take_full(call *of, PyObject *tuple, size_t n, taken_full *full, signal_check *signals)
 {
     PyObject *K = NULL, *M = NULL;

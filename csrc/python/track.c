@@ -1,4 +1,4 @@
-/* The track of an adaptive run, kept for Python with all that it takes to read it, and its dense output. */
+/* Python binding of the track of an adaptive run: its capsule, its bytes and its dense output. */
 #include "python/binding.h"
 #include "adaptive/row.h"
 
@@ -7,7 +7,7 @@
 
 static const char NAME[] = "aoimpact._core.track";
 
-/* Bytes copied between looks for signals: a hundredth of a second at most. */
+/* Bytes copied between two checks for signals, in a hundredth of a second at most. */
 #define CHUNK ((size_t)1 << 22)
 
 /* ------------------------------------------------------------------------------- the capsule */
@@ -42,7 +42,7 @@ static void destroy(PyObject *capsule) { track_free(PyCapsule_GetPointer(capsule
 
 PyObject *track_capsule(kept_track **kept)
 {
-    aoi_track *track = &(*kept)->track; /* without the room for more */
+    aoi_track *track = &(*kept)->track; /* shortened to what is used */
     double *values = realloc(track->values, track->used * sizeof *values + 1);
     size_t *row = realloc(track->row, track->rows * sizeof *row + 1);
     track->values = values ? values : track->values;
@@ -60,7 +60,8 @@ static void *copied(call *of, const char *bytes, Py_ssize_t size)
     return copy ? memcpy(copy, bytes, (size_t)size) : NULL;
 }
 
-/* (bodies, contacts, values, places): the track of track_bytes, checked. */
+/* args: (bodies, contacts, values, places). Makes and checks a track from the bytes of
+ * track_bytes. */
 PyObject *track_open(PyObject *args)
 {
     PyObject *bodies, *contacts, *capsule = NULL;
@@ -87,7 +88,7 @@ PyObject *track_open(PyObject *args)
     return capsule;
 }
 
-/* A record may fill GiB: signals are checked while it is copied. */
+/* Copies memory to a bytes object. Signals are checked on the way, since a record may fill GiB. */
 static PyObject *bytes_of(const void *record, size_t size)
 {
     PyObject *bytes = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)size);
@@ -102,7 +103,7 @@ static PyObject *bytes_of(const void *record, size_t size)
     return bytes;
 }
 
-/* The content of a capsule; NULL for another object. */
+/* Returns the content of a capsule, or NULL with an error raised for another object. */
 static const kept_track *held(call *of, PyObject *capsule)
 {
     const kept_track *kept = of->status == AOI_OK ? PyCapsule_GetPointer(capsule, NAME) : NULL;
@@ -121,7 +122,7 @@ PyObject *track_bytes(PyObject *args)
     return Py_BuildValue("NN", values, places);
 }
 
-/* Bytes of so many times three doubles, which are freed. */
+/* Returns 3 * count doubles as bytes, and frees them. */
 static PyObject *triples(call *of, double *made, size_t count)
 {
     PyObject *bytes = made ? bytes_of(made, 3 * count * sizeof *made) : finish(of, "dense output", "");
@@ -146,7 +147,7 @@ PyObject *track_rows(PyObject *args)
     return triples(&of, made, kept ? kept->track.rows : 0);
 }
 
-/* As aoi_track_slips has it, a contact, a time and 1 or 0 in a row, as bytes of doubles. */
+/* Returns the slips of aoi_track_slips as bytes of doubles: each contact, time (s), and 1 or 0. */
 PyObject *track_slips(PyObject *args)
 {
     call of = {.status = AOI_OK};
@@ -170,14 +171,14 @@ PyObject *track_slips(PyObject *args)
 
 /* ------------------------------------------------------------------------------ dense output */
 
-/* Values at each of many times: a column of the record, with energies or without them; contact forces; or the state of a
- * body. */
+/* A request for values at many times. what: columns of the record, with energies or without;
+ * contact forces; or states of a body. */
 enum { RECORD = 0, ENERGIES, FORCES, STATES, READINGS };
 typedef struct reading {
     aoi_sampler *sampler;
     const double *time;
     double *out;
-    size_t what, body, count, done, width; /* width: of a state */
+    size_t what, body, count, done, width; /* width: values per time */
 } reading;
 
 static int read_next(void *data)
@@ -197,7 +198,8 @@ static int read_next(void *data)
     return of->done < of->count;
 }
 
-/* (track, times, what, body, out): reads a track at ascending times; between looks for signals without the GIL. */
+/* args: (track, times, what, body, out). Reads a track at ascending times, without the GIL between
+ * checks for signals. */
 PyObject *track_read(PyObject *args)
 {
     call of = {.status = AOI_OK};

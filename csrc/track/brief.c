@@ -1,10 +1,10 @@
-/* An impact of two bodies in a few numbers, for those who make many: nothing of it is kept. */
+/* One impact of two bodies, reduced to a few numbers for studies of many; its track is not kept. */
 #include "track/brief.h"
 #include "linear/work.h"
 
 #include <math.h>
 
-/* What a run is made of: in one block of memory. */
+/* Parts of a run, in one block of memory. */
 typedef struct parts {
     aoi_adaptive *run;
     aoi_sampler *sampler;
@@ -68,7 +68,7 @@ int aoi_brief_run(const aoi_system *system, const aoi_start *start, double rtol,
     size_t size;
     parts of = lay_out(system, rows, memory, &size);
     const aoi_law *law = system->contact[0].law;
-    if (law->note) { /* not what it was for a run before, of the same law */
+    if (law->note) { /* an earlier run of the same law may have left a note */
         law->note[0] = (double)NAN;
     }
     int status = aoi_adaptive_start(of.run, system, start, rtol, end);

@@ -1,11 +1,11 @@
-/* True if a track that does not come from a run of this process can be read. */
+/* Check of a track that comes from elsewhere than a run of this process, before it is read. */
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
 #include "model/system.h"
 
 #include <math.h>
 
-/* A number of things in a track, below a limit. */
+/* Converts a value of a track to a number; false unless it is an integer from 0 to limit - 1. */
 static int number_below(double value, size_t limit, size_t *number)
 {
     *number = 0;
@@ -31,8 +31,8 @@ static int contact_is_sound(const aoi_system *system, const double *of)
     return number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
 }
 
-/* Where a row ends that begins at a place; 0 if it does not lie within the track, or names what is not in
- * the system. */
+/* Returns the index behind the row that begins at index `at`; 0 if the row does not lie within the
+ * track or refers to a body or contact that is not in the system. */
 static size_t end_of_row(const aoi_system *system, const aoi_track *track, size_t at)
 {
     const double *values = track->values, *row = values + at;

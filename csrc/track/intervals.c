@@ -1,4 +1,4 @@
-/* When contacts begin and end, from the rows of a track. */
+/* Contact intervals and phases of slip, from the rows of a track. */
 #include "linear/vector.h"
 #include "law/law.h"
 #include "motion/polynomial.h"
@@ -8,10 +8,11 @@
 
 #include <math.h>
 
-/* A contact that is in no row any more at this share of the record has ended before. */
+/* Share of the record's time: a contact whose last row ends later lasts to the end of the record. */
 static const double RECORD_END = 1.0 - 1e-14;
 
-/* What is found. Of each contact the interval under way, if it lasts; its end is where its last row ends. */
+/* The intervals found so far, and for each contact its open interval (lasts = 1), whose end is that
+ * of its last row so far. */
 typedef struct search {
     double end;
     aoi_interval *open;
@@ -41,8 +42,8 @@ static void begin_interval(const double *row, const double *of, aoi_interval *op
     open->lasts = 1;
 }
 
-/* When the indentation of a row that ends a contact comes to rest. The row ends within the tolerance of events below it,
- * which takes long where the bodies hardly move. */
+/* Time at which the indentation falls to the law's rest in the last row of a contact. That row ends
+ * below rest by up to the tolerance of events, which is much later where bodies part slowly. */
 static double time_of_rest(const aoi_system *system, const double *row, const double *of)
 {
     const aoi_law *law = system->contact[(size_t)of[AOI_TRACK_CONTACT]].law;
@@ -54,8 +55,8 @@ static double time_of_rest(const aoi_system *system, const double *row, const do
     return row[AOI_TRACK_START] + length - ago * length;
 }
 
-/* What a contact does in one row. One that is in no row any more, or has slackened at the very start of this
- * one, has ended where its last one did. */
+/* Updates the interval of a contact by one row. A contact that begins in this row or is slack in it
+ * has ended where its last row did. */
 static void follow_contact(search *found, const aoi_system *system, const double *row, const double *of)
 {
     aoi_interval *open = &found->open[(size_t)of[AOI_TRACK_CONTACT]];
@@ -75,7 +76,7 @@ static void follow_contact(search *found, const aoi_system *system, const double
     open->impulse += row[AOI_TRACK_LENGTH] *
                      aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[0], of + AOI_TRACK_FORCE);
     open->end = row[AOI_TRACK_START] + row[AOI_TRACK_LENGTH];
-    if (of[AOI_TRACK_ENDS] != 0.0) { /* of the force: bodies may overlap for longer */
+    if (of[AOI_TRACK_ENDS] != 0.0) { /* the force ends; bodies may overlap for longer */
         close_interval(found, open, time_of_rest(system, row, of), 0);
     }
 }

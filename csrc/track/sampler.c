@@ -1,5 +1,5 @@
-/* Dense output: the record of a track at any time. From the start of a row to the given time the bodies are advanced
- * exactly as in the run; in free motion at equally spaced times, from one of these to the next. */
+/* Dense output: the record of a track at any time. Bodies are advanced from the start of a row to that
+ * time exactly as in the run; in free motion at evenly spaced times, from one time to the next. */
 #include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
@@ -21,31 +21,35 @@
 struct aoi_sampler {
     const aoi_system *system;
     const double *track;
-    const size_t *index; /* rows */
+    const size_t *index; /* index of each row in track */
     size_t rows;
-    size_t *body_row, *body_at;       /* body_count each: the row that holds it, and where */
-    size_t *contact_row, *contact_at; /* contact_count each                                  */
+    /* for each body: the last row with it, and its index in track */
+    size_t *body_row, *body_at;
+    size_t *contact_row, *contact_at; /* for each contact: the same                          */
 
     size_t row, most_modes;
     int has_edge; /* a contact of the row was solved with an edge      */
-    double part;  /* part of the row that port_force covers, else 1    */
+    /* share of the row that port_force covers: 1, or up to the time asked if has_edge */
+    double part;
     double *port_force, *states;
-    double *ports; /* of all ports: forces, rates of these, displacements */
-    double *settled; /* work on each contact up to the end of its last row; NaN: not yet computed */
-    double *flown; /* bodies in free motion as they were at the last bend of their loads */
-    aoi_even *even; /* body_count: bodies without loads in free motion, from one time to the next */
+    double *ports; /* for all ports: forces, their rates, displacements */
+    /* for each contact: energy lost up to the end of its last row, J; NaN: not yet computed */
+    double *settled;
+    double *flown; /* for each body in free motion: its state at the last bend of its load */
+    aoi_even *even; /* for each body without a load: its free motion at evenly spaced times */
 };
 
-/* A body in free motion as it was when a load last bent: time, work and losses since its row; then x, v. */
+/* State of a body in free motion at the last bend of its load: time, work and loss since the body's
+ * row, then x and v. */
 enum { BEND_TIME, BEND_WORK, BEND_LOST, BEND_STATE };
 
-/* Doubles of all bodies' such. */
+/* Number of doubles in the bends of all bodies. */
 static size_t bends_size(const aoi_system *system)
 {
     return BEND_STATE * system->body_count + 2 * system->first[system->body_count];
 }
 
-/* Deals out memory behind the sampler itself, which is only counted where block is NULL. */
+/* Lays out the sampler's arrays behind it in block, or only counts their bytes if it is NULL. */
 static size_t lay_out(aoi_sampler *sampler, const aoi_system *system, void *block)
 {
     const size_t bodies = system->body_count, contacts = system->contact_count;
@@ -98,7 +102,8 @@ static void forces_on_part(const aoi_sampler *sampler, size_t c, double place, d
                    row_of(sampler, sampler->contact_row[c])[AOI_TRACK_LENGTH], place, force);
 }
 
-/* The forces on all ports, of a part of the present row; part: up to where. */
+/* Sets port_force to the forces on all ports, at the nodes of the present row from its start to the
+ * share `part`. */
 static void gather(aoi_sampler *sampler, double part)
 {
     const aoi_system *system = sampler->system;
@@ -178,7 +183,7 @@ int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_
     return AOI_OK;
 }
 
-/* Where in the present row a time lies; 1 after it. */
+/* Position of a time in the present row, as a share of its length; 1 after the row. */
 static double place_of(const aoi_sampler *sampler, double time)
 {
     const double *row = row_of(sampler, sampler->row);
@@ -186,7 +191,7 @@ static double place_of(const aoi_sampler *sampler, double time)
     return length > 0.0 ? fmin(1.0, into / length) : 1.0;
 }
 
-/* Goes on to the row of a time, and to the forces up to there. */
+/* Moves on to the row of a time, and gathers its forces. */
 static void advance(aoi_sampler *sampler, double time)
 {
     const size_t before = sampler->row;
@@ -201,8 +206,8 @@ static void advance(aoi_sampler *sampler, double time)
     }
 }
 
-/* Takes a body that moves freely to the last bend of its loads before a time, from the one where it was left last:
- * else each time would cost all bends since its row. */
+/* Advances a body in free motion to the last bend of its load before a time, from the bend last
+ * reached: from its row, each time would cost all bends since. */
 static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b)
 {
     const aoi_modes *body = &sampler->system->body[b];
@@ -230,7 +235,8 @@ static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b)
     return at;
 }
 
-/* x, v of a body at a time, into state (2n). Returns whether forces have acted on it since its row. */
+/* Writes x and v of a body at a time to state (2 n). Returns 1 if contact forces act on the body
+ * since its row, 0 in free motion. */
 static int state_at(const aoi_sampler *sampler, double time, size_t b, double *state)
 {
     const aoi_modes *body = &sampler->system->body[b];
@@ -263,7 +269,7 @@ void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *s
     (void)state_at(sampler, time, body, state);
 }
 
-/* Work on a contact over its row up to place: the quadrature of the run itself, on that part. */
+/* Work done on a contact from the start of its row to `place`, by the quadrature of the run, J. */
 static double contact_work(const aoi_sampler *sampler, size_t c, double place)
 {
     double force[3][AOI_NODES];
@@ -271,10 +277,10 @@ static double contact_work(const aoi_sampler *sampler, size_t c, double place)
     return aoi_collocation_work(sampler->track + sampler->contact_at[c] + AOI_TRACK_INDENTATION, force[0], place);
 }
 
-/* A law that gives back all it takes: what its work does not balance is the run's own error. */
+/* True of a law without losses. It is recorded with none: what its work lacks is the run's error. */
 static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law->remember; }
 
-/* The force at the start is known; the polynomial of the nodes would extrapolate to there. */
+/* Force at `place`. That at the start is stored: the nodes' polynomial would extrapolate. */
 static double force_at(const double *of, double place)
 {
     double legendre[AOI_NODES], slope;
@@ -283,7 +289,7 @@ static double force_at(const double *of, double place)
                        : of[AOI_TRACK_START_FORCE];
 }
 
-/* The rows of a contact that is closed; its force and the rate of that for the bodies. */
+/* Writes the rows of a closed contact; returns its force and sets the force's rate. */
 static double closed_contact(const aoi_sampler *sampler, size_t c, double place, int energies,
                              double *record, size_t stride, double *force_rate)
 {
@@ -298,7 +304,7 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
     if (piece != AOI_SLACK) {
         aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
         if (law->depends_on_rate && of[AOI_TRACK_EDGE] == AOI_EDGE_NONE) {
-            /* The slope over a very short step is noise, but not at an edge. */
+            /* In a very short step the slope is rounding noise, except at an edge. */
             value.force = force_at(of, place);
         }
         value.force = law->pulls || value.force > 0.0 ? value.force : 0.0;
@@ -317,7 +323,7 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
     return value.force;
 }
 
-/* The same of a contact with friction. */
+/* As closed_contact, for a contact with friction. */
 static double rubbing_contact(const aoi_sampler *sampler, size_t c, double place, int energies, double *record,
                               size_t stride)
 {
@@ -346,7 +352,7 @@ static double rubbing_contact(const aoi_sampler *sampler, size_t c, double place
     return force[0];
 }
 
-/* What an open contact has lost, at its end too; computed once after each row of it. */
+/* Energy lost by a contact that is open, its end included, J. Computed once after its last row. */
 static double lost_in(aoi_sampler *sampler, size_t c)
 {
     if (sampler->contact_row[c] == sampler->rows || is_elastic(sampler->system->contact[c].law)) {
@@ -360,7 +366,7 @@ static double lost_in(aoi_sampler *sampler, size_t c)
     return sampler->settled[c];
 }
 
-/* The rows of a contact that is open, from the displacements of its ports. */
+/* Writes the rows of an open contact, from the displacements of its ports. */
 static void open_contact(aoi_sampler *sampler, size_t c, const double *port_displacement,
                          int energies, double *record, size_t stride)
 {
@@ -408,7 +414,7 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
     *dissipated = stored[AOI_TRACK_BODY_LOST] + lost;
 }
 
-/* The rows of a body. force, force_rate: of all kinds on its ports. */
+/* Writes the rows of a body. force, force_rate: contact forces plus loads on its ports; their rates. */
 static void write_body(aoi_sampler *sampler, double time, size_t b, int energies, const double *force,
                        const double *force_rate, double *record, size_t stride,
                        double *port_displacement)
@@ -440,7 +446,8 @@ static void write_body(aoi_sampler *sampler, double time, size_t b, int energies
     }
 }
 
-/* The rows of the closed contacts; forces and their rates on all ports. */
+/* Writes the rows of the closed contacts; sets the forces, loads included, on all ports, and their
+ * rates. */
 static void closed_contacts(aoi_sampler *sampler, double time, int energies, double *record,
                             size_t stride, double *force, double *rate)
 {
