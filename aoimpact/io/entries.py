@@ -7,7 +7,6 @@ negative numbers.
 
 from __future__ import annotations
 
-import codecs
 import contextlib
 import os
 import re
@@ -41,11 +40,6 @@ def _is_entry(line: bytes, integers: int, between: bytes | None = None) -> bool:
         number(value.decode("ascii", "replace"))
         return len(labels) == integers and all(map(_INTEGER.fullmatch, labels))
     return False
-
-
-def is_market(head: bytes) -> bool:
-    """Return whether a file begins as Matrix Market's do."""
-    return head.removeprefix(codecs.BOM_UTF8)[:14].lower() == b"%%matrixmarket"
 
 
 def is_triples(head: bytes) -> bool:

@@ -31,10 +31,8 @@ from ..base import (
 )
 from ..fem import AnyMaterial, Damping, FEModel, OneMaterial, audited, checked_labels
 from ..linalg import factorize, sound_matrix
-from .abaqusdeck import looks_like_inp
-from .entries import is_market, is_nodal, is_triples, read_market, read_nodal, read_triples
-from .nastran import NastranDeck, is_dmig, read_dmig
-from .nastrandeck import is_nastran
+from .entries import is_nodal, is_triples, read_market, read_nodal, read_triples
+from .nastran import NastranDeck, read_dmig
 from .op4 import is_op4, read_op4
 from .raw import RawMatrix, at, codes, columns, naming, repeats, rows_of, spoilt
 from .read import existing, load, read_mesh
@@ -217,11 +215,11 @@ def _read_npz(file: Path) -> list[RawMatrix]:
 
 
 # Formats: their names, the tests of a file's first bytes, and the readers.
-FORMATS: dict[str, tuple[Callable[[bytes], bool], Callable[[Path], list[RawMatrix]]]] = {
-    "Matrix Market": (is_market, read_market),
-    "SciPy .npz": (lambda head: head.startswith(b"PK\x03\x04"), _read_npz),
+FORMATS: dict[str, tuple[Callable[[bytes], Any], Callable[[Path], list[RawMatrix]]]] = {
+    "Matrix Market": (re.compile(rb"(\xef\xbb\xbf)?%%MatrixMarket", re.I).match, read_market),
+    "SciPy .npz": (re.compile(rb"PK\x03\x04").match, _read_npz),
     "Nastran OP4": (is_op4, read_op4),
-    "Nastran DMIG": (is_dmig, read_dmig),
+    "Nastran DMIG": (re.compile(rb"^DMIG", re.M | re.I).search, read_dmig),
     "CalculiX .sti and .mas, Abaqus COORDINATE": (is_triples, read_triples),
     "Abaqus MATRIX INPUT": (is_nodal, read_nodal),
 }
@@ -495,21 +493,19 @@ def read_places(nodes: Any) -> Places:
             raise InputError(f"nodes must have 3 or 4 columns, got shape {array.shape}")
         return _labelled("nodes", array)
     file = file_path("nodes", nodes)
-    content = existing("mesh file", file)
-    head = content[:4096]
-    inp = looks_like_inp(head) or (file.suffix.lower() == ".inp" and head.lstrip()[:1] == b"*")
-    if inp or (b"\0" not in head and is_nastran(content)):
+    table = None if b"\0" in existing("mesh file", file)[:4096] else _lines(file)
+    if table is None:
         with held_warnings():  # of elements, which do not matter here
             raw = load(file)
+        if raw.deck is None:
+            mesh = read_mesh(file)
+            return np.arange(1, mesh.n_nodes + 1), mesh.nodes
         if isinstance(raw.deck, NastranDeck):
             raw.deck.grids.check_output(raw.nodes)
         if raw.node_labels is None or not len(raw.nodes):
             raise spoilt(file, "it has no nodes")
-        return _labelled(f"nodes {str(file)!r}", np.column_stack([raw.node_labels, raw.nodes]))
-    if b"\0" not in head and (table := _lines(file)) is not None:
-        return _labelled(f"nodes {str(file)!r}", table)
-    mesh = read_mesh(file)
-    return np.arange(1, mesh.n_nodes + 1), mesh.nodes
+        table = np.column_stack([raw.node_labels, raw.nodes])
+    return _labelled(f"nodes {str(file)!r}", table)
 
 
 def _labelled(where: str, table: FloatArray) -> Places:

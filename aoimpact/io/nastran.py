@@ -793,11 +793,6 @@ _SQUARE, _SYMMETRIC = 1, 6
 _REAL = 2
 
 
-def is_dmig(head: bytes) -> bool:
-    """Return whether a file has DMIG entries near its beginning."""
-    return re.search(rb"^DMIG", head, re.MULTILINE | re.IGNORECASE) is not None
-
-
 def read_dmig(file: Path) -> list[RawMatrix]:
     """Read all matrices of a file.
 

@@ -274,18 +274,13 @@ def group(mesh: Mesh, name: str, wanted: Any) -> IntArray:
 
 def taken(mesh: Mesh, cells: IntArray) -> Mesh:
     """Return the mesh of some elements, shape (n,), ascending, with their nodes alone."""
-    chosen = np.zeros(mesh.n_cells, dtype=bool)
-    chosen[cells] = True
-    own = [np.flatnonzero(chosen[block.numbers]) for block in mesh.blocks]
-    return gathered(
-        mesh,
-        [
-            (block.kind, block.cells[rows], block.first + rows)
-            for block, rows in zip(mesh.blocks, own, strict=True)
-            if len(rows)
-        ],
-        mesh.n_cells,
-    )
+    parts = np.split(cells, np.searchsorted(cells, [block.first for block in mesh.blocks[1:]]))
+    own = [
+        (block.kind, block.cells[numbers - block.first], numbers)
+        for block, numbers in zip(mesh.blocks, parts, strict=True)
+        if len(numbers)
+    ]
+    return gathered(mesh, own, mesh.n_cells)
 
 
 def gathered(of: Any, parts: Sequence[Solids], n_cells: int) -> Mesh:
@@ -293,9 +288,8 @@ def gathered(of: Any, parts: Sequence[Solids], n_cells: int) -> Mesh:
 
     Sets and groups keep their members in it.
     """
-    used = np.zeros(len(of.nodes), dtype=bool)
-    for _, cells, _ in parts:
-        used[cells] = True
+    members = np.concatenate([cells.ravel() for _, cells, _ in parts])
+    used = np.bincount(members, minlength=len(of.nodes)) > 0
     number = np.where(used, np.cumsum(used) - 1, -1)
     order = np.concatenate([numbers for *_, numbers in parts])
     place = np.full(n_cells, -1)
@@ -433,14 +427,14 @@ def _misshapen(corners: FloatArray) -> tuple[BoolArray, BoolArray]:
 def jacobian_range(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> ArrayPair:
     """Return the smallest and largest det J of each element over its size³, at Gauss points."""
     gradient = element.gradient(element.stiffness_rule.points)
-    lowest, highest = np.empty(len(cells)), np.empty(len(cells))
-    for start in range(0, len(cells), 4096):
-        part = slice(start, start + 4096)
-        corners = nodes[cells[part]]
+    found = []
+    for part in np.array_split(cells, len(cells) // 4096 + 1):
+        corners = nodes[part]
         size = np.ptp(corners, axis=1).max(axis=1)
         corners = corners / np.where(size > 0.0, size, 1.0)[:, None, None]
         det, _ = cofactors(jacobians(corners, gradient))
-        lowest[part], highest[part] = det.min(axis=1), det.max(axis=1)
+        found.append(np.stack([det.min(axis=1), det.max(axis=1)]))
+    lowest, highest = np.hstack(found)
     return lowest, highest
 
 

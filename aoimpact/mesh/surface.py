@@ -390,8 +390,7 @@ def boundary(mesh: Mesh) -> Surface:
 
 def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArray) -> None:
     """Refuse kinds that meet in sides with other nodes: displacements would gape there."""
-    count = np.array([len(face.nodes) for _, face in surface.sides])
-    apart = count[one] != count[other]
+    apart = surface._counts[one] != surface._counts[other]
     if apart.any():
         cells = surface.joined[np.flatnonzero(apart)[0]].tolist()
         which = f"{int(apart.sum())} pairs of elements, the first {cells[0]} and {cells[1]}"
