@@ -671,10 +671,6 @@ def _at_point(
     if surface is None:
         return _made(body, _on_beam(body, where, along), **how)
     where = to_nodes(body, where)
-    node, gap = _closest(body, where)
-    if along is not None and radius == 0.0 and gap == 0.0:
-        touch = _on_node(body, node, along)
-        return _made(body, replace(touch, normal=touched(surface, where, along, 0.0).normal))
     if not isinstance(radius, str) or surface.thin(surface.nearest(where).face)[0]:
         touch = touched(surface, where, along, 0.0 if isinstance(radius, str) else radius)
         return _made(body, touch, **how)
@@ -868,7 +864,7 @@ def _on_node(body: FEModel, node: int, along: Any) -> Touch:
 
 def _made(body: FEModel, touch: Touch, **how: Any) -> ContactPoint:
     """The contact point of a touch, its forces on the dofs that are free."""
-    b = body.on_dofs(touch.forces)
+    b = body.on_dofs(np.where(np.abs(touch.forces) > ROUNDING, touch.forces, 0.0))  # at a node
     if np.abs(b).max(initial=0.0) <= ROUNDING:
         raise InputError(
             f"point {plain(touch.point)} m with direction {plain(touch.direction)}: supports hold "
@@ -882,20 +878,13 @@ def _made(body: FEModel, touch: Touch, **how: Any) -> ContactPoint:
     )
 
 
-def _closest(body: FEModel, point: FloatArray) -> tuple[int, float]:
-    """The node next to a point, and how far off it is, m; 0 for a point that is the node."""
-    nodes: Any = body.nodes
-    distance = np.linalg.norm(nodes - point, axis=1)
-    node = int(np.argmin(distance))
-    at = distance[node] <= AT_NODE * np.linalg.norm(np.ptp(nodes, axis=0))
-    return node, 0.0 if at else float(distance[node])
-
-
 def _nearest_node(body: FEModel, point: FloatArray) -> int:
     """Return the node that is meant by a point of a body without faces."""
     nodes: Any = body.nodes
-    node, gap = _closest(body, point)
-    if gap == 0.0:
+    distance = np.linalg.norm(nodes - point, axis=1)
+    node = int(np.argmin(distance))
+    gap = float(distance[node])
+    if gap <= AT_NODE * np.linalg.norm(np.ptp(nodes, axis=0)):
         return node
     called = label_of(node, body.node_labels)
     around = np.linalg.norm(nodes - nodes[node], axis=1)

@@ -135,11 +135,14 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
             break
         # Turned no further about the normal than it must be, or the points would not settle.
         normal, across, before = mean, plane_of(mean, across[0]), turned
+    return Spread(_weights(surface, under.face, under.uv, share), normal, under, share)
+
+
+def _weights(surface: Surface, face: IntArray, uv: FloatArray, share: FloatArray) -> FloatArray:
+    """Shares of a force at the nodes, (n_nodes,), of its shares at places."""
     weights = np.zeros(surface.mesh.n_nodes)
-    np.add.at(
-        weights, surface.nodes[under.face], share[:, None] * surface.shape(under.face, under.uv)
-    )
-    return Spread(weights, normal, under, share)
+    np.add.at(weights, surface.nodes[face], share[:, None] * surface.shape(face, uv))
+    return weights
 
 
 def _disc_rule(radius: float) -> ArrayPair:
@@ -197,7 +200,7 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
         m; 0: no patch.
     """
     here = _place(surface, point)
-    normal = surface.smooth_normal(here)
+    normal: Any = surface.smooth_normal(here)
     # A shell is touched on the side that faces the force.
     behind = normal is not None and along is not None and float(along @ normal) > 0.0
     sign = -1.0 if behind and surface.thin(here.face)[0] else 1.0
@@ -205,28 +208,24 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
     if radius == 0.0:
         if normal is None and along is None:
             raise InputError(f"{sharp} a point inside a face, or give direction")
-        weights = np.zeros(surface.mesh.n_nodes)
-        shape = surface.shape(here.face[:1], here.uv[:1])
-        np.add.at(weights, surface.nodes[here.face[:1]], shape)
         normals = surface.normal(here.face, here.uv) if normal is None else normal[None]
-        direction = _pressing(point, along, normals)
-        facing = None if normal is None else sign * normal
-        couples = _couples(surface, here.face[:1], here.uv[:1], np.ones(1), direction)
-        forces = np.stack([np.outer(weights, direction), couples])
-        return Touch(here.x[0], direction, forces, facing)
-    if normal is None:
-        raise InputError(f"{sharp} a point farther from the edge, or radius=0 for the edge itself")
-    if radius >= (most := 0.5 * surface.mesh.size):
-        reason = f"the patch is larger than the body, which is {surface.mesh.size:.3g} m long"
-        raise RoomError(
-            f"radius={radius:g} m: {reason}; take a smaller radius (is it in metres?)", most, reason
-        )
-    on = spread(surface, here.x[0], normal, radius)
-    direction = _pressing(point, along, on.normal[None])
-    patch = Patch(radius, len(np.unique(on.under.face)))
-    couples = _couples(surface, on.under.face, on.under.uv, on.share, direction)
-    forces = np.stack([np.outer(on.weights, direction), couples])
-    return Touch(here.x[0], direction, forces, sign * on.normal, patch)
+        places, share, patch = (here.face[:1], here.uv[:1]), np.ones(1), None
+    else:
+        if normal is None:
+            cure = "a point farther from the edge, or radius=0 for the edge itself"
+            raise InputError(f"{sharp} {cure}")
+        if radius >= (most := 0.5 * surface.mesh.size):
+            reason = f"the patch is larger than the body, which is {surface.mesh.size:.3g} m long"
+            cure = "take a smaller radius (is it in metres?)"
+            raise RoomError(f"radius={radius:g} m: {reason}; {cure}", most, reason)
+        on = spread(surface, here.x[0], normal, radius)
+        places, share, normal = (on.under.face, on.under.uv), on.share, on.normal
+        normals, patch = normal[None], Patch(radius, len(np.unique(places[0])))
+    direction = _pressing(point, along, normals)
+    weights = _weights(surface, *places, share)
+    couples = _couples(surface, *places, share, direction)
+    forces = np.stack([np.outer(weights, direction), couples])
+    return Touch(here.x[0], direction, forces, None if normal is None else sign * normal, patch)
 
 
 def _couples(

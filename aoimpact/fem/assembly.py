@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import FloatArray, IntArray, at_once, bar, require, sp
-from ..linalg import ENTRIES_AT_ONCE
+from ..linalg import ENTRIES_AT_ONCE, with_int32
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, parted
 from .beams import Beam, beam_matrices
 from .composition import AnyMaterial, Piece, pieces
@@ -244,12 +244,3 @@ def kept_rows_columns(matrix: Any, kept: IntArray) -> sp.csr_array:
     np.cumsum(lengths[kept], out=indptr[1:])
     parts = matrix.data[:end], matrix.indices[:end], indptr
     return with_int32(sp.csr_array(parts, shape=(len(kept), len(kept))))
-
-
-def with_int32(matrix: Any) -> sp.csr_array:
-    """Return a CSR matrix without duplicates, indices ascending, in the form solvers take."""
-    if matrix.nnz < 2**31:
-        matrix.indices = matrix.indices.astype(np.int32, copy=False)
-        matrix.indptr = matrix.indptr.astype(np.int32, copy=False)
-    matrix.has_canonical_format = True
-    return matrix

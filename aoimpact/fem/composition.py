@@ -242,9 +242,7 @@ class Layout:
 
 def layout(mesh: Mesh, material: AnyMaterial) -> Layout:
     """Return the places of a mesh at which stress has one value."""
-    if not isinstance(material, Materials):
-        every = np.arange(mesh.cells.max() + 1)
-        return Layout(every, np.zeros_like(every), mesh.cells)
-    keys = material.index[:, None] * mesh.n_nodes + mesh.cells
+    index = material.index[:, None] if isinstance(material, Materials) else 0
+    keys = index * mesh.n_nodes + mesh.cells
     key, cells = np.unique(keys, return_inverse=True)
     return Layout(key % mesh.n_nodes, key // mesh.n_nodes, cells.reshape(keys.shape))

@@ -50,9 +50,10 @@ from ..linalg import (
     symmetric_pair,
     unresisted_motions,
     warn_of_rounding,
+    with_int32,
 )
 from ..mesh import Mesh, Surface, boundary, rigid_motions
-from .assembly import kept_rows_columns, stiffness_mass, with_int32
+from .assembly import kept_rows_columns, stiffness_mass
 from .composition import AnyMaterial, Materials, OneMaterial, materials_of, pieces, thin_groups
 from .damping import Damping, damping_or_none
 from .doubts import (

@@ -13,6 +13,7 @@ from .matrices import (
     core_rows,
     sound_matrix,
     symmetric_pair,
+    with_int32,
 )
 from .method import ROUGH
 from .pencil import Pencil

@@ -276,11 +276,16 @@ def _canonical(csr: sp.csr_array) -> sp.csr_array:
     if not csr.has_canonical_format:
         csr = csr.copy()
         csr.sum_duplicates()
-    if csr.indices.dtype != np.int32 and csr.nnz < 2**31:
-        parts = (csr.data, csr.indices.astype(np.int32), csr.indptr.astype(np.int32))
-        csr = sp.csr_array(parts, shape=csr.shape)
-        csr.has_canonical_format = True
-    return csr
+    return with_int32(csr)
+
+
+def with_int32(matrix: Any) -> sp.csr_array:
+    """Return a CSR matrix without duplicates, indices ascending, in the form solvers take."""
+    if matrix.nnz < 2**31:
+        matrix.indices = matrix.indices.astype(np.int32, copy=False)
+        matrix.indptr = matrix.indptr.astype(np.int32, copy=False)
+    matrix.has_canonical_format = True
+    return matrix
 
 
 def _symmetrised(name: str, csr: sp.csr_array) -> sp.csr_array:
