@@ -1,8 +1,8 @@
-"""The models that give a quantity of interest to a tolerance, and the errors of every number.
+"""Choice of reduced models for a tolerance of the quantity of interest, and error estimates.
 
-interest.py finds the quantity that is meant in the table of `results`; order.py the models,
-from hierarchy.py, that give it; leftout.py the errors by mesh and contact, and of histories. For
-what runs impacts and what reads their results: `impact`, `batch`, `scenefile`, `study`.
+interest.py looks up the quantity of interest, order.py and choice.py choose its models from those
+of hierarchy.py, and leftout.py estimates the errors from mesh and contact, and of histories. Used
+by `impact`, `batch`, `scenefile` and `study`.
 """
 
 from .choice import check_linear_solver, checked_rtol, choose_models

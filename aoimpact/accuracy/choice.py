@@ -1,4 +1,4 @@
-"""The choice of the model: a run with small models that give a quantity to a tolerance."""
+"""The choice of models: the smallest ones that give the quantities of interest to a tolerance."""
 
 from __future__ import annotations
 
@@ -18,38 +18,37 @@ from .hierarchy import fixed_model, only_models
 from .leftout import errors_left_out, finer_plan
 from .order import EASED, Search
 
-# The default tolerance, and the tightest: models agree to more digits only where they are the whole
+# Default and smallest relative tolerance. Models agree to more digits only if they are the whole
 # bodies.
 _RTOL, _TIGHTEST = 2e-3, 1e-8
 
-# Where no tolerance was given and the largest models miss the default, up to this error is taken
-# without a warning.
+# Largest error of the largest models that is accepted without a warning if no tolerance was given.
 _LOOSEST = 1e-2
 
-# The largest order where a tolerance was given; and where none was, with which the search ends with
-# the error that it has by then: a thin sheet that touches again and again would take hundreds of
-# vectors.
+# Largest order of the models, by whether a tolerance was given. If not, the search ends with the
+# error reached by then: a thin sheet that touches repeatedly would need hundreds of vectors.
 _MOST_ORDER = {True: 600, False: 80}
 
-# Shares of the tolerance of time integration, by the adaptive method and by fixed steps; the rest
-# is for the models. Over 148 impacts on nine bodies of up to 6171 dofs, to 1e-1 … 1e-3, the error
-# is at most .72 of the tolerance. A third or three times the first share changes .2 % of the
-# oscillators and nothing else. A third of the second takes 18 % more time on small bodies and 2 %
-# on those of 6171 dofs, of steps; three times as much takes 4 % less on small ones and 7 % more on
-# those of 6171 dofs, of oscillators, of which there are 1.8 times as many. With friction, whose
-# steps cost more, the first is ten times as much: over 40 impacts on four bodies to 1e-3 the error
+# Shares of the tolerance for time integration by the adaptive method, by fixed steps, and by the
+# adaptive method with friction; the rest is for the models. Over 148 impacts on nine bodies of up
+# to 6171 dofs, with tolerances of 1e-1 … 1e-3, the error is at most .72 of the tolerance. A first
+# share a third or three times as large changes the number of oscillators by .2 % and nothing else.
+# A third of the second share takes 18 % more time on small bodies and 2 % more on those of 6171
+# dofs, due to more steps. Three times the second share takes 4 % less time on small bodies and 7 %
+# more on those of 6171 dofs, due to 1.8 times as many oscillators. The third share is larger since
+# steps with friction cost more: over 40 impacts on four bodies with a tolerance of 1e-3 the error
 # was at most 2e-5 of the speed.
 _SHARE_OF_TIME, _SHARE_OF_STEPS, _SHARE_WITH_FRICTION = 0.005, 0.2, 0.05
 
 
 def check_linear_solver(solver: Solver, *, chosen: bool) -> None:
-    """Refuse what is no linear solver, and one where no models are chosen.
+    """Raise InputError if `solver` is no linear solver, or if no models are made with it.
 
     Parameters
     ----------
     solver : str or callable
     chosen : bool
-        Whether a quantity or a tolerance was given, for which models are made.
+        True if models are chosen in this call.
     """
     if not chosen:
         raise InputError(
@@ -60,12 +59,12 @@ def check_linear_solver(solver: Solver, *, chosen: bool) -> None:
 
 
 def checked_rtol(rtol: float | None) -> float:
-    """Return the checked tolerance, the default one if None.
+    """Return the checked relative tolerance; the default one if None.
 
     Raises
     ------
     InputError, InputTypeError
-        If it is out of range.
+        If `rtol` is out of range.
     """
     tolerance = positive("rtol", _RTOL if rtol is None else rtol)
     if not _TIGHTEST <= tolerance < 1.0:
@@ -86,28 +85,28 @@ def choose_models(
     record: RecordLength,
     linear_solver: Solver = "auto",
 ) -> Run:
-    """Run with models of small orders, and say in the run how they were chosen.
+    """Run a scene with models of the smallest order that meets the tolerance.
 
     Parameters
     ----------
     plan : Scenario
-        Of the bodies.
+        Scene of the bodies as given.
     interest : callable
         Returns the quantities of interest.
     rtol : float, optional
-        Relative.
+        Relative tolerance of each quantity of interest.
     solver : Adaptive or Newmark, optional
     truncated : bool
-        Whether AO models that were given are truncated, too; other models stay as they are.
+        True to truncate given AO models as well; other models stay as they are.
     record : RecordLength
-        How long the scene is recorded.
+        Duration of the record.
     linear_solver : str or callable, optional
         See `FEModel.inverse`.
 
     Returns
     -------
     Run
-        Run of the chosen models; `Run.chosen` has the quantities, and the errors by the models.
+        Run of the chosen models; `Run.chosen` has the quantities, and the errors of the models.
 
     Raises
     ------
@@ -119,7 +118,7 @@ def choose_models(
     tolerance, wanted = checked_rtol(rtol), interest()
     given = rtol is not None
     rule, in_time = time_rule(solver, tolerance, plan, given=given)
-    fixed = cache(fixed_model)  # like bodies share one
+    fixed = cache(fixed_model)  # equal bodies share one
     bodies = [
         body
         if body.reducible or (truncated and isinstance(body, Body) and body.ports == 1)
@@ -153,7 +152,7 @@ def choose_models(
         with_finer = finer_plan(run.plan, linear_solver, made=made)
         energies = plan.energies and with_finer is None
         whole = plan.of_models(search.models(), energies=energies)
-        if run.recorder.dense or not energies:  # steps record energies as they are made
+        if run.recorder.dense or not energies:  # fixed steps record energies during the run
             whole = replace(whole, duration=run.duration)
             run = replace(run, plan=whole, recorder=replace(run.recorder, plan=whole))
         else:
@@ -168,7 +167,7 @@ def choose_models(
         if isinstance(rule, Newmark) and rule.dt is not None:
             finer = rule.dt * min(0.5, math.sqrt(in_time / in_steps))
             cure = f"take dt={finer:.1g} or less, or Newmark() without dt"
-        elif rule.rtol <= in_time:  # as with friction, whose error has a least value
+        elif rule.rtol <= in_time:  # such as with friction, whose error has a lower bound
             cure = f"give rtol={EASED * (in_steps + error):.1e} or more"
         raise ConvergenceError(
             f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about "
@@ -201,22 +200,22 @@ def _warn_of_the_best(search: Search, error: float, tolerance: float) -> None:
 
 
 def time_rule(solver: Any, tolerance: float, plan: Scenario, *, given: bool) -> tuple[Any, float]:
-    """Return what integrates in time, and its share of the tolerance.
+    """Return the method of time integration, and its share of the tolerance.
 
     Parameters
     ----------
     solver : Adaptive, Newmark or None
-        As the caller gave it.
+        Method given by the caller.
     tolerance : float
     plan : Scenario
-        Of the bodies.
+        Scene of the bodies as given.
     given : bool
-        True if it was given, so that the solver must keep it.
+        True if the caller gave the tolerance, which the solver must then keep.
     """
     rubs = any(tip.tangents is not None for body in plan.bodies for tip in body.tips)
     share = _SHARE_WITH_FRICTION if rubs else _SHARE_OF_TIME
     if solver is None and plan.oblique and any(of.law.depends_on_rate for of in plan.contacts):
-        solver = Newmark()  # `solve` refuses the other one
+        solver = Newmark()  # `solve` refuses `Adaptive`
     if isinstance(solver, Newmark):
         share = _SHARE_OF_STEPS
     in_time = max(share * tolerance, TIGHTEST)

@@ -1,6 +1,6 @@
 """The model hierarchy of a body: reduced models of rising order, from rigid to the whole body.
 
-The bases are nested: every order up to the largest that was made costs no further linear solve.
+The bases are nested: models of orders below the largest one made need no further linear solve.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ..reduction import Body, BodyModel, FullModel, KrylovSpace, rigid
 
 Models = tuple[Body, ...]
 
-# Oscillators of the model by which a body is checked for modes slower than the contact.
+# Number of oscillators of the model that shows if a body has modes slower than the contact.
 _FEW = 6
 
 
@@ -31,7 +31,7 @@ _sharing: ContextVar[bool] = ContextVar("sharing", default=False)
 
 @contextmanager
 def shared_models() -> Iterator[None]:
-    """Let impacts that are alike share patches and models: see `alike`."""
+    """Let similar impacts within this context share patches and models; see `alike`."""
     token = _sharing.set(True)
     try:
         yield
@@ -40,23 +40,24 @@ def shared_models() -> Iterator[None]:
 
 
 def alike(scale: float, *, up: bool = False) -> float:
-    """Return a time or length that models are fitted to; among many impacts one near it.
+    """Return the time or length to fit models to; within `shared_models` rounded.
 
-    Among these it is a power of two, whatever the other impacts are. Patches up to five times as
-    wide as the contact give the same force to 0.1 %; a factor of two or three in the contact time
-    does not matter (`KrylovSpace`), and this one is 1.4.
+    It is rounded to a power of two, so that similar impacts share it and the result does not depend
+    on the other impacts. Patches up to five times as wide as the contact give the same force to
+    0.1 %. A factor of two or three in the contact time does not matter (`KrylovSpace`); the factor
+    here is at most 1.4.
 
     Parameters
     ----------
     scale : float
-        s, or m.
+        Time, s, or length, m.
     up : bool, optional
-        True for one that is not less.
+        True to round up.
 
     Returns
     -------
     float
-        In the same unit.
+        Time or length in the same unit.
     """
     if not _sharing.get() or not 0.0 < scale < math.inf:
         return scale
@@ -71,14 +72,14 @@ class Hierarchy:
     Attributes
     ----------
     first : int
-        The order of the model without oscillators: 0, of a constrained body 1.
+        Order of the model without oscillators: 0, for a constrained body 1.
     most : int
-        The largest order that there is, whose model has the body's exact response at its contact.
+        Largest order, whose model has the body's exact response at its contact.
     make : callable
-        Returns the model of an order.
+        Returns the model of a given order.
     space : callable or None
-        Returns the space that they are made from, made when it is first needed. Once all that the
-        ports excite is in it, there are no larger ones.
+        Returns the Krylov space of the models, made at the first call. When it contains all that
+        the ports excite, `most` is lowered to the order reached.
     """
 
     first: int
@@ -89,8 +90,8 @@ class Hierarchy:
     _lock: Any = field(init=False, default_factory=RLock)
 
     def model(self, order: int) -> Body:
-        """Return the model to run; it may hold vectors that others share."""
-        with self._lock:  # many impacts share it, in several threads
+        """Return the model of an order for a run; it may share vectors with other models."""
+        with self._lock:  # many impacts share the hierarchy, in several threads
             order = min(order, self.most)
             if order not in self._models:
                 self._models[order] = self.make(order)
@@ -99,12 +100,12 @@ class Hierarchy:
             return self._models[order]
 
     def finished(self, order: int) -> Body:
-        """Return the model for the caller."""
+        """Return the model of an order without vectors of other models, for the caller to keep."""
         return self.model(order).alone
 
     def release(self) -> None:
-        """Give back memory that only larger models need."""
-        with self._lock:  # another thread may be making one
+        """Free memory that only larger models need."""
+        with self._lock:  # another thread may be making a model
             if self._spanned:
                 self.space().release()
 
@@ -115,12 +116,12 @@ class Hierarchy:
 
 
 def fixed_model(given: Any) -> Hierarchy:
-    """Return the models of a body that has only one."""
+    """Return the hierarchy of a body that has only one model."""
     return Hierarchy(0, 0, lambda order: given)
 
 
 def truncations(given: Body) -> Hierarchy:
-    """Return the truncations of a body of one port, by its anti-oscillators."""
+    """Return the hierarchy of a one-port body's truncations in its number of anti-oscillators."""
     star, first = given.star, 1 if given.constrained else 0
 
     def make(order: int) -> Body:
@@ -138,11 +139,10 @@ def _of_elements(
     duration: float | None,
     solver: Solver,
 ) -> Hierarchy:
-    """The models of a finite-element body that are fitted to a scene, each made once.
+    """Hierarchy of a finite-element body, fitted to the time scales of a scene.
 
-    A body touched in one place has AO models. One
-    touched in several places has as many vectors for each as the order, at least one if it is
-    constrained.
+    A body with one contact point has AO models. With several, the models have as many vectors for
+    each contact point as the order, at least one if the body is constrained.
     """
     tip, body, single = tips[0], tips[0].body, len(tips) == 1
     dofs = body.n_dofs
@@ -153,7 +153,7 @@ def _of_elements(
         made = KrylovSpace(tips, contact_time=resolved, sharpened=True, solver=solver)
         if duration is not None:
             natural = made.of_vectors(_FEW).omega if single else np.zeros(0)
-            # A second factorisation, where the body has any mode slower than the contact.
+            # Modes slower than the contact cost a second factorisation.
             if not single or (natural[natural > 0.0] < made.shift).any():
                 made.include(duration)
         return made
@@ -173,7 +173,7 @@ def _of_elements(
 
 
 def _rigid(model: Body) -> Body:
-    """A model without oscillators as a rigid body: a wall, if it is constrained."""
+    """Rigid body for a model without oscillators: a wall, if the model is constrained."""
     gives = model.constrained and not model.wall
     return rigid(mass=math.inf, name=model.name).modal if gives else model
 
@@ -184,16 +184,16 @@ def model_hierarchy(
     duration: float | None,
     solver: Solver = "auto",
 ) -> Hierarchy:
-    """Return the models of what `simulate` or a scene takes for a body.
+    """Return the model hierarchy of a body.
 
     Parameters
     ----------
     body : Body, FullModel or Hierarchy
-        Models of several ports stay as they are.
+        A `Body` of several ports has only itself.
     contact_time : float
-        That the models are fitted to, s.
+        Duration of the contact that the models are fitted to, s.
     duration : float, optional
-        How long their motion must be right after that, s.
+        Duration of slower motion that the models must represent as well, s.
     solver : str or callable, optional
         The linear solver.
     """
@@ -206,14 +206,11 @@ def model_hierarchy(
 
 
 def only_models(bodies: Sequence[Any]) -> tuple[Body, ...] | None:
-    """Return the models of bodies that have only one each, such as rigid ones.
-
-    None where there is a choice, as for a contact point.
+    """Return the models of bodies if each has only one, such as rigid ones; else None.
 
     Parameters
     ----------
-    bodies : sequence
-        As of `model_hierarchy`.
+    bodies : sequence of Body, FullModel or Hierarchy
     """
     every = [model_hierarchy(body, math.nan, None) for body in bodies]
     return tuple(one.finished(0) for one in every) if all(one.most <= 0 for one in every) else None

@@ -1,4 +1,4 @@
-"""The meaning of ``quantity=`` and ``keep=``: names, bodies of a scene, points of a body."""
+"""The quantities that ``quantity=`` and ``keep=`` name: numbers, histories, points, sensors."""
 
 from __future__ import annotations
 
@@ -33,16 +33,15 @@ _DEFAULT = "force"
 
 
 def quantity_of(quantity: Any, bodies: Sequence[BodyModel], *, pair: bool) -> Quantity:
-    """Return the quantity of interest: by default the force, of a scene that of all contacts.
-
-    Handles are checked before.
+    """Return the quantity of interest; by default the contact force, in a scene of all contacts.
 
     Parameters
     ----------
-    quantity : str, Handle, ContactPoint or sensor
+    quantity : str, Handle, ContactPoint, sensor or None
+        Handles must have been checked.
     bodies : sequence of BodyModel
     pair : bool
-        True of an impact of two bodies, the projectile first.
+        True for an impact of two bodies, the projectile first.
 
     Raises
     ------
@@ -60,7 +59,7 @@ def quantity_of(quantity: Any, bodies: Sequence[BodyModel], *, pair: bool) -> Qu
         return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, choices)]
     meshed = {i: body.body for i, body in enumerate(bodies) if isinstance(body, FullModel)}
     if pair and quantity.body is None and 1 in meshed:
-        meshed.pop(0, None)  # by itself a point is on the target
+        meshed.pop(0, None)  # a point without a body is on the target
     on = [i for i, body in meshed.items() if quantity.body is None or body is quantity.body]
     if len(on) > 1 and quantity.body is None:
         raise InputError(f"quantity={quantity!r}: there are {len(on)} such bodies; give body= one")
@@ -89,7 +88,7 @@ def quantity_of(quantity: Any, bodies: Sequence[BodyModel], *, pair: bool) -> Qu
     return Quantity("displacement", "m", history=displacement, each="bodies", lasting=True)
 
 
-# Ends the name of a column that says which numbers of another were controlled.
+# Suffix of the columns that say if the models' error of a number is within the tolerance.
 CONTROLLED = "_controlled"
 
 _NAME = re.compile(r"[A-Za-z_]\w*(\.\w+)*")
@@ -97,18 +96,18 @@ _NAME = re.compile(r"[A-Za-z_]\w*(\.\w+)*")
 
 @dataclass(frozen=True)
 class Named:
-    """Keeps quantities by name: attributes, dotted, with numbers for places in lists.
+    """Reads numbers of a result by name: quantities, or dotted attributes and indices.
 
-    Of a scene a quantity is that of each contact or body; NaN where there is none.
+    In a scene, the name of a quantity means the numbers of all contacts or bodies; NaN without any.
     """
 
     names: tuple[str, ...]
 
     def __call__(self, result: Any) -> dict[str, float]:
-        """Return them; where models were chosen, with their errors and what was controlled.
+        """Return the numbers by name; where models were chosen, with two columns on their errors.
 
-        These are called name + "_error", which is `ErrorParts.total`, and name + "_controlled":
-        1 if the error by the models is below the tolerance, else 0.
+        These are name + "_error", which is `ErrorParts.total`, and name + "_controlled", which is
+        1 if the error of the models is within the tolerance, else 0.
         """
         kept = dict[str, float]()
         chosen = isinstance(result, Run) and result.chosen is not None
@@ -127,12 +126,12 @@ Keep = Named | Callable[[Any], Any]
 
 
 def keeper(keep: Any) -> Keep | None:
-    """Return what a caller's `keep` means; None keeps whole results.
+    """Return the function that reads what to keep of a result; None if whole results are kept.
 
     Raises
     ------
     InputError, InputTypeError
-        If it is neither a function nor names, or a name is misspelt.
+        If `keep` is neither a function nor names, or a name is misspelt.
     """
     if keep is None or callable(keep):
         return keep  # type: ignore[no-any-return]
@@ -162,6 +161,6 @@ def _public(thing: Any) -> list[str]:
     return [name for name in {*dir(thing), *fields} if not name.startswith("_")]
 
 
-# First parts of names that are not in the table of quantities.
+# Names that ``keep=`` accepts beyond the table of quantities: of sensors and of attributes.
 _SENSED = [of.named for of in (AccelerationAt, ReactionAt, StrainAt, StressAt)]
 _KNOWN = frozenset((*_public(Result), *_public(Run), *_SENSED))

@@ -1,17 +1,19 @@
-"""Errors of a run by its meshes, its contact laws, and of its histories by its models.
+"""Error estimates of a run from its meshes and contact laws, and of its histories from its models.
 
-A run is the answer of the finer bodies, and the change of any quantity from the bodies as they are
-meshed is its error by the mesh. What the contact laws may be off is put into the laws, and one more
-run for each cause gives the change: a compliance in series for what changes while the contact
-grows, a stiffer law by the error of the curvatures, and the law that is left whole on a shell.
+The run that is returned has finer elements. The error of any quantity from the mesh is its change
+from the bodies as the user meshed them.
 
-A law that is not like Hertz's is taken as it is at a node. The indentation of the mesh there is
-then part of the result: that of solids doubles where elements are halved. So the result has no
-limit to be compared with, and its error is not known.
+The error from the contact laws is the change in one more run, with laws altered by their
+uncertainty: a compliance in series for the part that varies as the contact grows, Hertz's stiffness
+by the error of the curvatures, and on a shell the compliance that may belong to the mesh.
 
-A model that gives the force need not vibrate as its body does afterwards. Its error in any history,
-of a displacement, a velocity, a sensor or what follows from these, is estimated by the same two
-runs. The finer models contain what others leave out first (reduction/finer.py).
+A law that is not like Hertz's is not corrected at a node of solid elements. The indentation of the
+mesh there is then part of the result. It doubles if elements are halved, so that the result does
+not converge and its error is not known.
+
+A model that gives the force accurately need not vibrate as its body does after the contact. The
+error of any history, such as a displacement, velocity or sensor, is estimated by the same two runs.
+The finer models contain what the given ones lack most (reduction/finer.py).
 """
 
 from __future__ import annotations
@@ -35,24 +37,23 @@ from ..results import LeftOut, Quantity, Run, TimeSolver, number_errors, outgrow
 from ..scene import Contact, Scenario, extraction_of
 from .hierarchy import model_hierarchy
 
-# Oscillators of a model that replaces the full body where errors of mesh and contact are estimated.
-# Its forces have errors of some percent, and so have the estimates.
+# Number of oscillators of the model that replaces a full body in the estimate of errors from mesh
+# and contact. Its forces, and so the estimates, have relative errors of some percent.
 _IN_PLACE_OF_ALL = 16
 
 
 def errors_left_out(
     run: Run, *, interest: Callable[[], Sequence[Quantity]], solver: TimeSolver | None
 ) -> LeftOut:
-    """Return the errors of a run by its meshes and laws; none where a body's are not known.
+    """Return the errors of a run from its meshes and laws; empty if those of a body are not known.
 
     Parameters
     ----------
     run : Run
     interest : callable
-        Returns new quantities of interest, so that what they store while runs are compared is
-        freed.
+        Returns new quantities of interest, whose cached responses are freed after the comparison.
     solver : Adaptive or Newmark, optional
-        As of the run.
+        Solver of the run.
     """
     meshed = run.beside or run
     full = [body.body for body in run.plan.bodies if isinstance(body, FullModel)]
@@ -63,9 +64,9 @@ def errors_left_out(
         solver = None
     bodies = [of.body for of in meshed.plan.bodies if of.tips]
     if any(of.mesh is not None and of.finer is None for of in bodies):
-        return LeftOut()  # of elements that cannot be made finer, or are so already
+        return LeftOut()  # elements cannot be refined, or have been refined already
     others = compared_runs(run, solver)
-    with held_warnings():  # the quantities have had their warnings
+    with held_warnings():  # `interest` has issued its warnings before
         wanted = interest()
     altered = _altered_laws(run)
     if altered is None:
@@ -73,13 +74,13 @@ def errors_left_out(
     softer = replace(run.plan, contacts=altered)
     changed = altered != tuple(run.plan.contacts)
     by_contact = _tried(lambda: softer, run, solver) if changed else []
-    # Where the bodies as meshed leave nothing of a law, they were run with all of it.
+    # If a law has less compliance than the meshes as given, they were run with the whole law.
     whole = meshed.plan.bounded != run.plan.bounded
     unknown = [math.inf] * (whole or any(outgrown(run)))
     mesh = _changes(wanted, run, [*others, *unknown])
     contact = _changes(wanted, run, by_contact)
     touched = [(of.law, tip) for of in run.plan.contacts for *_, tip in run.plan.touched(of)]
-    # Shells beside solids are not cut, so that nothing is known of them.
+    # Shells beside solids are not refined, so that their error is not known.
     mixed = any(of.mesh and len({b.element.thin for b in of.mesh.blocks}) > 1 for of in bodies)
     if mixed or any(_is_bare(*of) for of in touched):
         mesh = {}
@@ -89,7 +90,7 @@ def errors_left_out(
 def _changes(
     wanted: Sequence[Quantity], run: Run, others: Sequence[Run | float]
 ) -> Mapping[str, float]:
-    """Relative changes of the quantities, and of each number, to all other runs, by name."""
+    """Relative changes of the quantities and numbers to all other runs, added, by name."""
     runs = [of for of in others if isinstance(of, Run)]
     if len(runs) < len(others):
         return Found(lambda: run.numbers, lambda _: math.inf)
@@ -101,7 +102,7 @@ def _changes(
     known = {
         of.name: sum(of.difference(other, run) for other in runs)
         if of.is_history
-        # In a scene of each contact or body.
+        # In a scene the largest of all contacts or bodies.
         else max(map(change, of.names(run)), default=0.0)
         for of in wanted
     }
@@ -109,7 +110,7 @@ def _changes(
 
 
 def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float]) -> float | None:
-    """When a history changes most from a run to others, s; None of a number."""
+    """Time at which a history changes most between a run and others, s; None for a number."""
     runs = [of for of in others if isinstance(of, Run) and quantity.is_history]
     changes = [np.abs(quantity.deviation(of, run)) for of in runs]
     largest = max(changes, key=np.max, default=None)
@@ -117,9 +118,9 @@ def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float]) -> 
 
 
 def _with_models(run: Run) -> Run:
-    """The run with models in place of the full bodies, of which every run is expensive.
+    """The same run with reduced models: each further run for the estimate is cheap with them.
 
-    Errors of mesh and contact change the models' motion as they change the bodies'.
+    Errors of mesh and contact change the motion of models as they change that of full bodies.
     """
     times = [end - start for events in run.events for start, end in events.contacts]
     shortest = min((time for time in times if time > 0.0), default=run.duration)
@@ -134,10 +135,10 @@ def _with_models(run: Run) -> Run:
 
 
 def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
-    """Return the contacts with laws that are off by what is not known; None where that is not.
+    """Return the contacts with laws altered by their uncertainty; None where it is not known.
 
-    The compliance that changes with the width of the contact is taken out of the law, or that which
-    is left in it although it may belong to the mesh.
+    The law is altered by the compliance that varies with the width of the contact, or by one that
+    was left in the law although it may belong to the mesh.
     """
     plan = run.plan
     contacts = list[Contact]()
@@ -147,12 +148,12 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
         for body, port in contact.ports if events.peak_force else ():
             tip = plan.bodies[body].touched_at(port)
             if tip is None or _is_bare(law, tip):
-                continue  # numbers, or a law that does not contain the bodies' indentation
+                continue  # a body given by numbers, or a law without the bodies' indentation
             known = extraction_of(law, plan.bodies[body], port)
             if known is None:
-                return None  # a rigid model leaves out all, and a sharp edge is not known
+                return None  # not known for a rigid model or at a sharp edge
             if known.removed and not isinstance(contact.law, PatchLaw):
-                left += known.removed  # the errors of one that is left are within its two bounds
+                left += known.removed  # results with and without it are bounds of the true ones
             else:
                 varying += known.varying
         most = min(left, removable(law, run.deepest(number))) if left else -varying
@@ -161,15 +162,15 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
 
 
 def _is_bare(law: ContactLaw, tip: ContactPoint) -> bool:
-    """True if a solid mesh's indentation at a node stays in series with a law."""
+    """True if a solid mesh's indentation at a node remains in series with the law."""
     return not (tip.patch or tip.thin or isinstance(own_law(law), HertzianLaw))
 
 
 def _altered(law: ContactLaw, change: float, error: float = 0.0) -> ContactLaw:
-    """The law with more compliance, m/N, taken out, and Hertz's stiffness changed by its error.
+    """Law with a further compliance `change`, m/N, taken out, and k changed by a relative `error`.
 
-    Both in one sense, so that their changes add up. Beyond its limit a law goes on as a straight
-    line, which is enough to show a change.
+    Both changes make the law stiffer, or both softer, so that their effects add up. Above its limit
+    a law continues as a straight line, which is sufficient to show a change.
     """
     if not change and not error:
         return law
@@ -187,7 +188,7 @@ def finer_plan(
     made: Sequence[bool] = (),
     every: bool = False,
 ) -> Scenario | None:
-    """Return the plan with models of the bodies with finer elements; None where none has any.
+    """Return the plan with models of refined bodies; None if no body can be refined.
 
     Parameters
     ----------
@@ -195,9 +196,10 @@ def finer_plan(
     solver : str or callable, optional
         The linear solver; see `FEModel.inverse`.
     made : sequence of bool, optional
-        Whether the model of each body was made for the impact; given ones stay. All, if left out.
+        For each body, True if its model was made for the impact, and may be replaced; by default
+        all.
     every : bool, optional
-        True to return one as well where no body has finer elements; their models have more vectors.
+        True to return a plan even if no body can be refined; its models have more vectors.
     """
     make = partial(finer_model, linear=solver)
     models = compress(plan.bodies, made) if made else plan.bodies
@@ -215,7 +217,7 @@ def finer_plan(
         law = own_law(contact.law) if any(contact.removed) else contact.law
         known = contact._replace(law=law, removed=(0.0, 0.0))
         known = known.of_models(bodies, bounded=number in bounded)
-        more = 0.0  # a node's indentation, under a law that leaves it, is that of the mesh as given
+        more = 0.0  # keeps a node's indentation, if the law does not replace it, that of the mesh
         for body, port in known.ports:
             tip = plan.bodies[body].touched_at(port)
             if tip is not None and _is_bare(law, tip):
@@ -226,10 +228,10 @@ def finer_plan(
 
 
 def compared_runs(run: Run, solver: TimeSolver | None, *, every: bool = False) -> list[Run | float]:
-    """Return the runs to which changes add up to the error by the meshes.
+    """Return the runs for the error from the meshes, which is the sum of the differences to them.
 
-    The run with the bodies as they are meshed where this one has finer ones, and that of
-    `finer_plan`; infinite where one cannot be run.
+    They are the run with the bodies as the user meshed them, if this run has finer ones, and that
+    of `finer_plan`. Infinity stands for a run that fails.
     """
     beside = run.beside
     finer = _tried(partial(finer_plan, run.plan, every=every and beside is None), run, solver)
@@ -242,7 +244,7 @@ def compared_runs(run: Run, solver: TimeSolver | None, *, every: bool = False) -
 def _tried(
     plan: Callable[[], Scenario | None], run: Run, solver: TimeSolver | None
 ) -> list[Run | float]:
-    """The run of a plan, as long as another; infinite where it cannot be run, none of no plan."""
+    """Run of a plan for the duration of `run`; [inf] if it fails, empty if there is no plan."""
     try:
         with held_warnings():
             if (wanted := plan()) is None:
@@ -253,7 +255,7 @@ def _tried(
 
 
 def _finer(model: BodyModel, make: Callable[[Any], BodyModel]) -> BodyModel:
-    """The finer model of another, made once, and of one that was turned round by turning it."""
+    """Finer model of a model, cached; for a turned model it is that of the original, turned."""
     of, ports = model.kept.get("turned", (model, ()))
     if "finer" not in of.kept:
         of.kept["finer"] = make(of)

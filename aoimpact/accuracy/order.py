@@ -1,9 +1,9 @@
 """The number of anti-oscillators that a scene needs for a tolerance.
 
-The run of models of n oscillators is the answer. It is compared with those of n/1.5, n/1.5² and
-n/1.5³: if errors fall as a power of n, each difference of the quantity of interest tells them.
-The largest estimate counts, since one difference alone may be small by chance. The orders of all
-bodies are raised until it is within the tolerance.
+A run with models of n oscillators is compared with runs of n/1.5, n/1.5² and n/1.5³ oscillators. If
+errors fall as a power of n, each difference in the quantity of interest gives an estimate of the
+error. The largest estimate is taken, since one difference alone may be small by chance. The orders
+of the bodies are raised until it is within the tolerance.
 """
 
 from __future__ import annotations
@@ -31,41 +31,41 @@ from ..results import Quantity, RecordLength, Run, TimeSolver
 from ..scene import Scenario
 from .hierarchy import Hierarchy, Models, alike, model_hierarchy
 
-# Factor from one order to the next; and the error of a model over its difference to each of the
-# smaller ones that it is compared with, if errors fall as n^-1.25. Over 44 impacts on beams,
-# plates, sheets, blocks, rods and spheres to 1e-1 … 1e-3 the true errors of peak force and its
-# time, impulse, duration, rebound, displacement and the force itself are within the largest of the
-# three in 98 of 100 cases (99 with n^-1, 94 with n^-1.5). It is 2 … 7 times the error in the
+# Factor from one order to the next; and ratios of a model's error to its differences from the three
+# smaller models, if errors fall as n^-1.25. Over 44 impacts on beams, plates, sheets, blocks, rods
+# and spheres with tolerances of 1e-1 … 1e-3, the true errors of peak force and its time, impulse,
+# duration, rebound, displacement and force history are below the largest of the three estimates in
+# 98 of 100 cases (99 with n^-1, 94 with n^-1.5). The estimate is 2 … 7 times the error in the
 # median.
 _GROWTH = 1.5
 _SHARES = tuple(1.0 / (_GROWTH ** (1.25 * i) - 1.0) for i in (1, 2, 3))
 
-# First oscillators for each digit of the tolerance, of the smallest model.
+# Number of oscillators per digit of the tolerance, for the smallest model of the first comparison.
 _FIRST = 1.5
 
-# The tolerance named in a message is this factor above the error found.
+# Ratio of the tolerance that a message proposes to the error found.
 EASED = 1.1
 
-# Bases are fitted again where the contact time that they were fitted to and the one found differ by
-# more than this factor; and the largest number of fits.
+# Largest ratio of the contact time found to the one that the bases were fitted to, or its inverse,
+# without a new fit; and largest number of fits.
 _REFIT, _MOST_FITS = 2.0, 4
 
-# The order of each different hierarchy.
+# Order of each distinct hierarchy.
 _Orders = tuple[int, ...]
 
-# Where motion matters for longer than this many contact times, the bases hold slow motion as well.
+# Ratio of the duration of motion to the contact time above which bases include slow motion.
 _LONG = 4.0
 
 
 class TimeScales(NamedTuple):
-    """Times that models are fitted to, s: the contact's, and how long motion matters."""
+    """Times that models are fitted to, s: of the contact, and of the motion of interest."""
 
     contact_time: float
     span: float
 
     @property
     def slow(self) -> float | None:
-        """The duration of slow motion that matters, if any does, s."""
+        """Duration of the slow motion that bases must include, s; None if they need not."""
         return self.span if self.span > _LONG * self.contact_time else None
 
     def suit(self, others: TimeScales) -> bool:
@@ -78,7 +78,7 @@ class TimeScales(NamedTuple):
 def first_guess(
     bodies: Sequence[BodyModel], run: Callable[[Models], Run], wanted: Sequence[Quantity]
 ) -> TimeScales:
-    """Estimate the time scales of a scene by rigid bodies."""
+    """Return the time scales of a scene as estimated from a run with rigid bodies."""
     meshed = (body for body in bodies if isinstance(body, FullModel))
     own = [own_contact_time(point) for body in meshed for point in body.tips]
     otherwise = TimeScales(min((time for time in own if math.isfinite(time)), default=1.0), 0.0)
@@ -90,7 +90,7 @@ def first_guess(
 
 
 def _rigid(body: BodyModel, contact_time: float) -> Any:
-    """A body that deforms as little as any model of it."""
+    """Model of order 0 of a body."""
     make = partial(model_hierarchy(body, contact_time, None).model, 0)
     if not isinstance(body, FullModel):
         return make()
@@ -98,7 +98,7 @@ def _rigid(body: BodyModel, contact_time: float) -> Any:
 
 
 def _scales(wanted: Sequence[Quantity], run: Run, otherwise: TimeScales) -> TimeScales:
-    """The time scales of a run; the contact time of `otherwise` if no contact ends in it."""
+    """Time scales of a run, with the contact time of `otherwise` if there is no contact."""
     contact_time = wanted[0].contact_time(run) or otherwise.contact_time
     return TimeScales(contact_time, max(of.span(run) for of in wanted))
 
@@ -107,33 +107,34 @@ def _scales(wanted: Sequence[Quantity], run: Run, otherwise: TimeScales) -> Time
 class Search:
     """Models of rising order, fitted to the time scales of a scene, and their runs.
 
-    The caller reads the error of the models, and enlarges them until it is small enough. Every set
-    of models is run once.
+    The caller alternates `error` and `enlarge` until the error is small enough. Each set of models
+    is run once.
 
     Attributes
     ----------
     plan : Scenario
-        Of the bodies.
+        Scene of the bodies as given.
     bodies : sequence of Body, FullModel or Hierarchy
     wanted : sequence of Quantity
+        Quantities of interest.
     rtol : float
-        Relative error of each that is aimed at; the first orders follow from it.
+        Relative tolerance of each quantity, which determines the first orders.
     rule : Adaptive or Newmark
     record : RecordLength
-        How long runs are. The largest models determine it for those compared with them.
+        Duration of the runs. The largest models determine it for those compared with them.
     most : int
-        The order beyond which no larger ones are tried.
+        Order above which models are not enlarged.
     solver : str or callable
         The linear solver of the bodies; see `FEModel.inverse`.
     orders : tuple of int
-        Of each different body; 0 is rigid. Equal bodies with the same contact point, such as two
-        equal spheres, share a hierarchy.
+        Order of the model of each distinct body; 0 is rigid. Equal bodies with the same contact
+        point, such as two equal spheres, share a hierarchy.
     run : Run or None
-        With models of these orders; None where models that small cannot be run.
+        Run with models of these orders; None if such small models cannot be run.
     compared : list of (Run, float)
-        Runs with smaller models, and the error over the difference to each.
+        Runs with smaller models, and the ratio of the error to the difference from each.
     errors : ndarray
-        Relative error of each quantity by the models.
+        Relative error of each quantity from the models.
     """
 
     plan: Scenario
@@ -155,15 +156,15 @@ class Search:
         for _ in _SHARES:
             self._first = math.ceil(_GROWTH * self._first)
         self._fits = 0
-        # How long contacts last hardly depends on friction, which costs twenty times as much.
+        # The duration of contacts hardly depends on friction, with which runs cost 20 times more.
         smooth = [of._replace(friction=None) for of in self.plan.contacts]
         guess = partial(self._run_of, replace(self.plan, contacts=smooth))
         self._fit(first_guess(self.bodies, guess, self.wanted))
 
     def error(self) -> float:
-        """Return the largest relative error by the models; infinite where none can run.
+        """Return the largest relative error of the models; infinite if they cannot be run.
 
-        Models that were fitted to quite another contact time are fitted anew.
+        Models that were fitted to quite another contact time are fitted again.
         """
         while True:
             self.record.settled = False
@@ -184,14 +185,15 @@ class Search:
         return float(self.errors.max())
 
     def enlarge(self, rtol: float) -> bool:
-        """Take larger models, and return True; False where there are none, or none are tried.
+        """Raise the orders of the models; return False if they cannot or must not be raised.
 
-        Of the bodies with too large a share of a tolerance, or of all.
+        Only bodies whose share of the error exceeds that of the tolerance get larger models, or all
+        if none does.
 
         Raises
         ------
         LawLimitError
-            Where contacts are stiffer than their meshes: so they are with larger models.
+            If contacts are stiffer than their meshes, as they would be with larger models, too.
         """
         if self.run is None and isinstance(self._failure, LawLimitError):
             raise self._failure
@@ -211,7 +213,7 @@ class Search:
         return True
 
     def failure(self, error: float) -> AOImpactError:
-        """Return why there are no models of a smaller error."""
+        """Return the exception that says why no models have a smaller error."""
         if self.run is None and self._failure is not None:
             return self._failure
         eased = EASED * error
@@ -223,17 +225,17 @@ class Search:
         )
 
     def models(self) -> Models:
-        """Return the models of the bodies; what only larger ones need is given back."""
+        """Return the models of the bodies; memory that only larger models need is freed."""
         models = [one.finished(n) for one, n in zip(self._made, self.orders, strict=True)]
         for one in self._made:
             one.release()
         return self._of_bodies(models)
 
     def _fit(self, scales: TimeScales) -> None:
-        """Begin with models that are fitted to these time scales."""
+        """Restart with models that are fitted to these time scales."""
         time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
         self._made: list[Hierarchy] = []
-        for body in self._unlike:  # with models that were made for an impact like this one, if any
+        for body in self._unlike:  # reuse the models of a similar impact, if there are any
             make = partial(model_hierarchy, body, time, slow, self.solver)
             if isinstance(body, FullModel):
                 tips = tuple([tip.key for tip in body.tips])
@@ -246,17 +248,17 @@ class Search:
         self._failure: AOImpactError | None = None
 
     def _at(self, orders: _Orders) -> Run | None:
-        """The run of such orders; None where models that small cannot be run."""
+        """Run with models of these orders; None if such small models cannot be run."""
         pairs = list(zip(self._made, orders, strict=True))
         models = [one.model(n) for one, n in pairs]
-        key = tuple([min(n, one.most) for one, n in pairs])  # known when the models are made
+        key = tuple([min(n, one.most) for one, n in pairs])  # making a model may lower `most`
         run = self._runs.get(key)
         if key not in self._runs or (run and run.plan.duration != self.record.length):
             try:
                 self._runs[key] = self._run_of(self.plan, self._of_bodies(models))
             except AOImpactError as error:
-                # With few vectors patches are too stiff, and two rigid bodies may both be walls:
-                # such errors may vanish with larger models.
+                # Errors that may vanish with larger models: few vectors make patches too stiff, and
+                # two constrained bodies of order 0 are both walls.
                 deform = all(order > 0 or one.most == 0 for one, order in pairs)
                 of_input = isinstance(error, InputError | InputTypeError)
                 if of_input and deform and not isinstance(error, LawLimitError):
@@ -268,12 +270,12 @@ class Search:
         return self.record.run(plan.of_models(models, energies=False), self.rule)
 
     def _of_bodies(self, models: Sequence[Body]) -> Models:
-        """Each body's among those of the different ones."""
+        """The model of each body, from those of the distinct bodies."""
         return tuple([models[self._unlike.index(body)] for body in self.bodies])
 
     @property
     def _smaller(self) -> list[_Orders]:
-        """The orders to compare with; none of whole bodies, whose responses are exact."""
+        """Orders of the smaller models to compare with; empty for whole bodies, which are exact."""
         pairs = list(zip(self._made, self.orders, strict=True))
         if all(n >= one.most for one, n in pairs):
             return []
@@ -283,7 +285,7 @@ class Search:
         ]
 
     def _apart(self, other: Run | None) -> FloatArray:
-        """The relative difference of each quantity to another run; infinite where there is none."""
+        """Relative difference of each quantity to another run; infinite without a run."""
         if self.run is None or other is None:
             return np.full(len(self.wanted), np.inf)
         apart = np.array([of.difference(self.run, other) for of in self.wanted])

@@ -1,4 +1,4 @@
-"""A quantity of interest of one body, and its responses in the runs that are compared."""
+"""Base class of sensors: quantities of interest that are measured on one body."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from ..fem import FEModel
 from ..fields import Response, response_of
 from ..results import Quantity, Run
 
-# Runs that a search goes back to: of one set of models, of three smaller ones, and of those with
-# one body's smaller.
+# Number of runs whose responses are cached while models are chosen: with the current models, with
+# three smaller sets, and with a smaller model of a single body.
 _COMPARED = 9
 
 
 class Sensor(Frozen):
-    """A quantity of interest of one body, which its first parameter may leave open.
+    """Base class of quantities of interest that are measured on one body.
 
     Attributes
     ----------
     body : FEModel or None
-        None: the only finite-element body; of an impact of two the target.
+        Body that is measured. None means the only finite-element body, or the target if both
+        bodies of an impact are finite-element ones.
     named, unit : str
-        Of what it measures.
+        Name and unit of the measured quantity.
     memory : float
-        By how much longer than the impact a record is, s.
+        Time by which the record must exceed the impact, s.
     """
 
     body: Any
@@ -44,14 +45,14 @@ class Sensor(Frozen):
         super().__post_init__()
 
     def check(self, body: FEModel) -> None:
-        """Refuse a body that has no such quantity."""
+        """Raise InputError if the quantity is not defined for a body."""
 
     def measured(self, body: FEModel) -> Callable[[Response, FloatArray], FloatArray]:
-        """Return what gives the quantity of a body from a response and times, s, (times,)."""
+        """Return a function of a response and times, s, that gives the history, (times,)."""
         raise NotImplementedError
 
     def quantity(self, body: FEModel, number: int) -> Quantity:
-        """Return the quantity of a body with that number in the plan.
+        """Return the `Quantity` that measures a body, whose number in the plan is `number`.
 
         :meta private:
         """
@@ -64,7 +65,7 @@ class Sensor(Frozen):
             return found
 
         def history(run: Run, times: FloatArray) -> FloatArray:
-            if run.plan.bodies[number].wall:  # the body as one that does not deform
+            if run.plan.bodies[number].wall:  # a model of order 0, which does not deform
                 return np.full((1, len(times)), np.nan)
             return np.asarray(measured()(response(run), times)).reshape(1, -1)
 
@@ -79,7 +80,7 @@ class Sensor(Frozen):
 
 
 def body_of(body: Any) -> FEModel | None:
-    """Return the checked body that takes part, by itself or by where it is touched."""
+    """Return the checked body, given itself or by a contact point of it; None stays None."""
     model = body.body if isinstance(body, ContactPoint) else body
     if model is not None and not isinstance(model, FEModel):
         raise InputTypeError(f"body must be an FEModel or a contact point, got {body!r}")

@@ -35,10 +35,10 @@ from ..fields import (
 )
 from .sensor import Sensor
 
-# Channel frequency class that is taken if none was given, Hz.
+# Default channel frequency class, Hz.
 _CLASS = 1000.0
 
-# Periods of the filter's pole after the impact in which the acceleration is looked at.
+# Time after the impact in which the acceleration is of interest, in periods of the filter's pole.
 _AFTER = 2.0
 
 _COMPONENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
@@ -56,11 +56,11 @@ class _AtPoint(Sensor):
         if self.body is None or self.body.mesh is None:
             why = f"has no mesh, without which no {self.named} is known"
             raise InputError(f"body {self.body!r} {why}")
-        self.measured(self.body)  # which checks the place
+        self.measured(self.body)  # raises if the point is off the body
 
     @property
     def where(self) -> Layer:
-        """The place in a shell or beam.
+        """Position in the thickness of a shell or the section of a beam.
 
         :meta private:
         """
@@ -78,13 +78,13 @@ class StressAt(_AtPoint):
     Parameters
     ----------
     body : FEModel or ContactPoint
-        The body that takes part, by itself or by where it is touched.
+        Body of the impact, given itself or by a contact point of it.
     point : array_like, shape (3,)
-        Anywhere in the undeformed body or on its surface, m.
+        Position in the undeformed body or on its surface, m.
     component : str, optional
-        "xx", "yy", "zz", "xy", "yz", "xz" or "von_mises".
+        Stress component: "xx", "yy", "zz", "xy", "yz", "xz" or "von_mises".
     layer, part : optional
-        Where in a shell or beam, and of which group of elements; see `Field.stress`.
+        Position in a shell or beam, and group of elements; see `Field.stress`.
 
     Raises
     ------
@@ -135,15 +135,16 @@ class StrainAt(_AtPoint):
     Parameters
     ----------
     body : FEModel or ContactPoint
-        The body that takes part, by itself or by where it is touched.
+        Body of the impact, given itself or by a contact point of it.
     point : array_like, shape (3,)
-        In the undeformed body or on its surface, m.
+        Position in the undeformed body or on its surface, m.
     component : str or array_like, shape (3,)
-        "xx", "yy", "zz", "xy", "yz", "xz" (shears are those of the tensor), or a direction.
+        Strain component: "xx", "yy", "zz", "xy", "yz" or "xz" of the tensor (half the engineering
+        shear strain), or the direction of a normal strain.
     length : float, optional
-        Length of a gauge along a direction on the surface, m; 0 is the strain at the point.
+        Length of a gauge on the surface along the direction, m; 0 is the strain at the point.
     layer, part : optional
-        Where in a shell or beam, and of which group of elements; see `Field.stress`.
+        Position in a shell or beam, and group of elements; see `Field.stress`.
 
     Raises
     ------
@@ -170,7 +171,7 @@ class StrainAt(_AtPoint):
     def __post_init__(self) -> None:
         checked(self, point=place, length=lambda name, x: nonnegative(name, x, unit="m"))
         if isinstance(self.component, str):
-            if self.component[::-1] in _COMPONENTS:  # of a symmetric tensor
+            if self.component[::-1] in _COMPONENTS:  # "yx" is "xy"
                 object.__setattr__(self, "component", self.component[::-1])
             choice("component", self.component, tuple(_COMPONENTS))
         else:
@@ -207,7 +208,7 @@ class StrainAt(_AtPoint):
 
     @property
     def _weights(self) -> FloatArray:
-        """The component by all six, (6,)."""
+        """Weights of the six components of the strain that give the wanted one, shape (6,)."""
         components = np.eye(6)
         if isinstance(self.component, str):
             return np.asarray(components[list(_COMPONENTS).index(self.component)])
@@ -216,25 +217,25 @@ class StrainAt(_AtPoint):
 
 @dataclass(frozen=True, eq=False)
 class AccelerationAt(Sensor):
-    """The acceleration of a point behind a filter, for ``simulate(quantity=AccelerationAt(...))``.
+    """The filtered acceleration of a point, for ``simulate(quantity=AccelerationAt(...))``.
 
-    An acceleration after an impact has no finite bandwidth: it grows with the number of modes of a
-    model, and no model has enough of them. It is defined behind the filter of a channel, up to the
-    filter's settling time before the end of the record; see `Probe.filtered`. A record that is not
-    given lasts two periods of the filter and this time longer than the impact.
+    An unfiltered acceleration after an impact has no finite bandwidth: it grows with the number of
+    modes of a model without limit. It is therefore defined after the filter of a channel, up to the
+    filter's settling time before the end of the record; see `Probe.filtered`. If no duration is
+    given, the record exceeds the impact by two periods of the filter and its settling time.
 
     Parameters
     ----------
     point : array_like, shape (3,)
-        In the undeformed body or on its surface, m.
+        Position in the undeformed body or on its surface, m.
     direction : array_like, shape (3,)
-        Any length but zero.
+        Direction of the acceleration, of any length but zero.
     cfc : float, optional
         Channel frequency class of SAE J211, Hz.
     corner : float, optional
-        In place of the class, the frequency where the filter is 3 dB down, Hz.
+        Frequency at which the filter attenuates by 3 dB, Hz, instead of the class.
     body : FEModel or ContactPoint, optional
-        By itself the only finite-element body; of an impact of two, the target.
+        Body of the impact; by default the only finite-element body, or the target if both are.
 
     Raises
     ------
@@ -245,7 +246,7 @@ class AccelerationAt(Sensor):
     Warns
     -----
     AOImpactWarning
-        If no filter is given: the class 1000 is taken.
+        If neither `cfc` nor `corner` is given: ``cfc=1000`` is taken.
 
     Examples
     --------
@@ -276,19 +277,19 @@ class AccelerationAt(Sensor):
 
     @property
     def channel(self) -> Channel:
-        """The filter."""
+        """The filter of the channel."""
         return Channel(cfc=self.cfc, corner=self.corner)
 
     @property
     def memory(self) -> float:  # type: ignore[override]
-        """Length of a record beyond that of the impact, s.
+        """Time by which the record must exceed the impact, s.
 
         :meta private:
         """
         return _AFTER / self.channel.pole + self.channel.settling_time
 
     def check(self, body: FEModel) -> None:
-        """Refuse a body that has no such quantity.
+        """Raise InputError if the quantity is not defined for a body.
 
         :meta private:
         """
@@ -305,7 +306,7 @@ class AccelerationAt(Sensor):
             )
 
     def measured(self, body: FEModel) -> Any:
-        """See `Sensor`; what follows the record is not known, and not compared.
+        """See `Sensor`; values that the end of the record leaves unknown are 0, not compared.
 
         :meta private:
         """
@@ -320,16 +321,16 @@ class ReactionAt(Sensor):
     Parameters
     ----------
     nodes : str, callable or array_like
-        As of `BodyResult.reaction`, such as the name of the set that is held.
+        Supported nodes as for `BodyResult.reaction`, such as the name of a node set.
     direction : array_like, shape (3,)
-        Any length but zero.
+        Direction of the force, of any length but zero.
     body : FEModel or ContactPoint, optional
-        By itself the only finite-element body; of an impact of two, the target.
+        Body of the impact; by default the only finite-element body, or the target if both are.
 
     Raises
     ------
     InputError, InputTypeError
-        If none of the nodes is held, or the body was not made from a mesh.
+        If none of the nodes is supported, or the body was not made from a mesh.
 
     Examples
     --------
@@ -347,7 +348,7 @@ class ReactionAt(Sensor):
         super().__post_init__()
 
     def check(self, body: FEModel) -> None:
-        """Refuse a body that has no such quantity.
+        """Raise InputError if the quantity is not defined for a body.
 
         :meta private:
         """

@@ -1,7 +1,7 @@
-"""The public verbs: `simulate`, an impact of two bodies, and `Scene`, of any number.
+"""The public entry points: `simulate`, for an impact of two bodies, and `Scene`, for any number.
 
-They turn what a caller gives into a plan, and have models chosen where a tolerance is given. For
-`scenefile`, `batch`, `study` and `paper`.
+They make a plan from the caller's arguments, choose models if a tolerance is given, and run it.
+Used by `scenefile`, `batch`, `study` and `paper`.
 """
 
 from .foreseen import Foreseen

@@ -1,6 +1,6 @@
-"""A scene as rigid bodies foresee it: how long it lasts, and how wide its contacts are.
+"""Estimates from rigid bodies: the duration of a scene, and the radii of its contacts.
 
-The patches of contact points whose radius was left out follow from that, and so do the laws.
+They determine the patches of contact points whose radius was left out, and the contact laws.
 """
 
 from __future__ import annotations
@@ -24,34 +24,34 @@ from .oblique import ROLES, with_functionals
 
 
 class Foreseen:
-    """The contacts of a scene as rigid bodies have them, which indent deeper than elastic ones.
+    """Estimates of a scene's contacts from rigid bodies, which indent deeper than elastic ones.
 
     Parameters
     ----------
     plan : Scenario
-        Of the bodies as they were given.
+        Scene of the bodies as given.
     solver : str or callable, optional
         The linear solver; see `FEModel.inverse`.
     """
 
     def __init__(self, plan: Scenario, solver: Solver = "auto") -> None:
         self._plan, self._solver = plan, solver
-        # Kept until the models are made, which take them from their bodies.
+        # Bodies refer to their solvers weakly; this keeps them until the models are made.
         self._solvers: dict[Any, LinearSolver] = {}
 
     def record(self) -> RecordLength:
-        """Return a first guess of the length of a record, s.
+        """Return a first guess of the record's duration, s.
 
         Raises
         ------
         InputError
-            If nothing brings bodies that touch towards each other.
+            If no velocity, gravity or constant force makes the bodies of any contact approach.
         """
         plan = self._plan
         times = [time for time in self._times if time is not None]
         if not times:
             for met in filter(None, map(self._met, plan.contacts)):
-                rigid_contact_time(*met)  # which says why a law gives none
+                rigid_contact_time(*met)  # raises the law's own reason, if there is one
             raise InputError(
                 "duration was left out, and cannot be foreseen: no velocity, gravity or constant "
                 "force brings bodies that have a contact towards each other; give it"
@@ -61,16 +61,16 @@ class Foreseen:
         return RecordLength(max(times) + max([*ways, gaps / plan.fastest]), given=False)
 
     def fitted(self, names: Sequence[str], eased: Mapping[Any, str]) -> Scenario:
-        """Return the plan with the patches, widths and directions that its contacts have.
+        """Return the plan with the patches, radii and directions of its contacts determined.
 
         Parameters
         ----------
         names : sequence of str
-            Of the bodies, for messages.
+            Names of the bodies, for messages.
         eased : mapping of int to str
-            Contacts that are stiffer than their meshes, by number: "wider" for a wider patch than
-            two bodies alone would need, and "whole" for the whole law as well; see
-            `Contact.of_models`.
+            Remedy for each contact whose law is stiffer than its meshes, by number: "wider" for a
+            wider patch than an impact of two bodies needs, "whole" for no compliance taken out of
+            the law as well; see `Contact.of_models`.
         """
         plan, bodies = self._plan, list(self._plan.bodies)
         if not plan.meshed:
@@ -89,7 +89,7 @@ class Foreseen:
                 bodies[of] = fits[key]
         around = _around(plan, names)
         for i, body in enumerate(bodies):
-            # A model with several contact points needs the direction of travel of each.
+            # The direction of each contact must be final before a model of several is made.
             if len(body.tips) > 1 or plan.oblique is not None:
                 bodies[i], around[i] = body.turned(around[i]), ()
         bounded = frozenset(number for number, way in eased.items() if way == "whole")
@@ -100,12 +100,12 @@ class Foreseen:
 
     @cached_property
     def _times(self) -> list[float | None]:
-        """The duration of each contact, s; None where it is not known."""
+        """Duration of each contact, s; None where not known."""
         return [_known(rigid_contact_time, self._met(contact)) for contact in self._plan.contacts]
 
     @cached_property
     def _widths(self) -> list[float | None]:
-        """The radius of each contact at its largest force, m; None where it is not known."""
+        """Radius of each contact at its largest force, m; None where not known."""
 
         def width(law: ContactLaw, mass: float, speed: float) -> float | None:
             found = round_contact(law, materials)
@@ -114,19 +114,19 @@ class Foreseen:
 
         widths = []
         for contact in self._plan.contacts:
-            # A body of unknown material is taken to be rigid.
+            # Bodies of unknown material are assumed to be rigid.
             materials = [of for of in contact.materials(self._plan.bodies) if of is not None]
             widths.append(_known(width, self._met(contact)))
         return widths
 
     def _met(self, contact: Contact) -> tuple[ContactLaw, float, float] | None:
-        """The law of a contact, its reduced mass, kg, and speed, m/s; None where nothing moves."""
+        """Law of a contact, its reduced mass, kg, and speed, m/s; None if bodies cannot meet."""
         bodies = (self._plan.bodies[body] for body, _ in contact.ports)
         share, speed = math.fsum(1.0 / body.most_mass for body in bodies), self._plan.fastest
         return (own_law(contact.law), 1.0 / share, speed) if share > 0.0 < speed else None
 
     def _fit(self, body: BodyModel, port: int, number: int, wider: bool) -> BodyModel:
-        """A body with its compliance at the impact, by a patch wide enough if none was given."""
+        """Body with a patch, if none is given, and with the compliance of its contact point."""
         if not isinstance(body, FullModel) or not ((tip := body.tips[port]).automatic or tip.patch):
             return body
         if (lasting := self._times[number]) is None or (width := self._widths[number]) is None:
@@ -145,7 +145,7 @@ class Foreseen:
 
 
 def _known(find: Callable[..., float | None], met: Any) -> float | None:
-    """Estimates for a contact; None where it does not move, or its law takes no such energy."""
+    """Return ``find(*met)``; None if `met` is None, or beyond the range of the contact's law."""
     try:
         return None if met is None else find(*met)
     except AOImpactError:
@@ -153,21 +153,21 @@ def _known(find: Callable[..., float | None], met: Any) -> float | None:
 
 
 def goes_against(tip: ContactPoint | None, *, outward: bool) -> bool:
-    """True if a contact point's direction goes into the body and not out of it, or the reverse."""
+    """True if a direction goes into the body although `outward`, or out of it if not."""
     if tip is None or tip.normal is None or tip.direction is None:
         return False
     return (float(tip.direction @ tip.normal) > 0.0) != outward
 
 
 def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
-    """For each body the contact points whose direction of travel must be reversed.
+    """Ports of each body whose direction of travel must be reversed.
 
-    It goes out of the first body of a contact and into the second.
+    The direction goes out of the first body of a contact and into the second.
 
     Raises
     ------
     InputError
-        If it was given the wrong way round.
+        If the caller gave a reversed direction.
     """
     roles: dict[tuple[int, int], set[bool]] = {}
     sides: dict[ContactPoint | None, set[bool]] = {}
@@ -177,7 +177,7 @@ def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
             sides.setdefault(plan.bodies[body].touched_at(port), set()).add(outward)
     around: list[tuple[int, ...]] = [()] * len(plan.bodies)
     for (body, port), ways in roles.items():
-        if len(ways) > 1:  # pressed from both sides: its direction suits one of them
+        if len(ways) > 1:  # the first body of one contact and the second of another
             continue
         tip, outward = plan.bodies[body].touched_at(port), True in ways
         if tip is None or tip.point is None or not goes_against(tip, outward=outward):
@@ -185,7 +185,7 @@ def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
         assert tip.direction is not None
         assert tip.normal is not None
         around[body] = (*around[body], port)
-        like = len(sides[tip]) > 1  # one place stands for two like bodies
+        like = len(sides[tip]) > 1  # two equal bodies share the contact point
         if tip.directed and tip.thin is None and not like:
             way, opposite = ("out of", "into") if outward else ("into", "out of")
             raise InputError(
@@ -199,7 +199,7 @@ def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
 
 
 def _with_functionals(plan: Scenario, names: Sequence[str]) -> Scenario:
-    """The plan of bodies with three ports for each place where they are touched."""
+    """Plan with three ports, a normal and two tangents, for each contact point of the bodies."""
     assert plan.oblique is not None
     sides = [{of.first for of in plan.contacts}, {of.second for of in plan.contacts}]
     touched = [
@@ -208,14 +208,14 @@ def _with_functionals(plan: Scenario, names: Sequence[str]) -> Scenario:
     ]
 
     def first(body: int, port: int, role: float) -> int:
-        """The first of the three ports of a place."""
+        """First of the three ports of a contact point."""
         return 3 * (port if plan.bodies[body].tips else touched[body].index(role))
 
     contacts = [
         of._replace(
             first_port=first(of.first, of.first_port, ROLES[0]),
             second_port=first(of.second, of.second_port, ROLES[1]),
-            # A smooth contact has a normal force alone, by any law.
+            # A smooth contact has only a normal force.
             friction=of.friction if of.friction and of.friction.mu else None,
         )
         for of in plan.contacts

@@ -1,7 +1,7 @@
-"""Scenes in three directions: their axes, and bodies with the contact functionals of friction.
+"""Scenes in three directions: their axes, and bodies with tangential contact functionals.
 
-The axes are those of the meshes, which lie parallel to each other; without a mesh z is the outward
-normal of the second body. All contacts have one direction of travel, within 5°.
+The axes are those of the meshes, which must be parallel; without a mesh z is the outward normal of
+the second body. All contacts must have one direction of travel, within 5°.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from ..contact import ContactPoint
 from ..mesh import plane_of
 from ..reduction import Body, BodyModel, FullModel, turning
 
-# Directions of travel within 5° are one; a contact point's is along its normal within 1°.
+# Least cosine of the angle between the directions of travel of two contacts, and between that of a
+# contact point and its normal.
 _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
 
-# The sides of a body on which it is touched as the first of two, and as the second.
+# Signs of the side on which a body is touched: as the first body of a contact, and as the second.
 ROLES = (1.0, -1.0)
 
-# Along the outward normal of a body without a mesh.
+# Direction of travel if no body has a mesh: against the outward normal of the second body, z.
 _DOWN = np.array([0.0, 0.0, -1.0])
 
 
@@ -72,7 +73,7 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
 
 
 def _direction(name: str, tip: ContactPoint) -> FloatArray:
-    """The direction of a contact point, which must be along its normal."""
+    """Direction of a contact point; raises InputError unless it is along the normal."""
     if tip.direction is None or tip.thin is not None:
         why = (
             "it has none" if tip.direction is None else "shells and beams have no such contact yet"
@@ -90,12 +91,12 @@ def _direction(name: str, tip: ContactPoint) -> FloatArray:
 
 
 def with_tangents(model: BodyModel, axes: FloatArray) -> BodyModel:
-    """Return a finite-element body with tangents at its contact points; others as they are."""
+    """Return a finite-element body with tangents at its contact points; other models unchanged."""
     if not isinstance(model, FullModel):
         return model
     tips = []
     for tip in model.tips:
-        assert tip.direction is not None  # `_direction` refuses it
+        assert tip.direction is not None  # checked by `_direction`
         tangents = plane_of(tip.direction, axes[1])
         tangents[1] *= math.copysign(1.0, tangents[1] @ axes[2])
         tips.append(replace(tip, tangents=tangents))
@@ -105,16 +106,18 @@ def with_tangents(model: BodyModel, axes: FloatArray) -> BodyModel:
 def with_functionals(
     name: str, model: BodyModel, axes: FloatArray, roles: Sequence[float]
 ) -> BodyModel:
-    """Return a body with three ports for each place where it is touched.
+    """Return a body with three ports, a normal and two tangents, for each contact point.
 
     Parameters
     ----------
     name : str
+        Name of the body, for messages.
     model : BodyModel
-        With tangents at its contact points, if it has any.
+        Model whose contact points, if any, have tangents.
     axes : ndarray, shape (3, 3)
+        Direction of travel and two tangents, as rows.
     roles : sequence of float
-        Those of `ROLES` in which a rigid body is touched: a place each.
+        Sides on which a rigid body is touched, of `ROLES`; each is a contact point.
     """
     if isinstance(model, FullModel):
         tips = [one for tip in model.tips for one in tip.functionals]
@@ -122,7 +125,7 @@ def with_functionals(
     assert isinstance(model, Body)
     if model.numbers is not None and model.kind in ("rigid", "wall"):
         return turning(model.numbers, axes, roles or ROLES[:1])
-    given = [tip.tangents for tip in model.tips[::3]]  # of one chosen for such an impact
+    given = [tip.tangents for tip in model.tips[::3]]  # a model chosen for another such impact
     if given and all(one is not None and np.allclose(one, axes[1:], atol=0.1) for one in given):
         return model
     raise InputError(

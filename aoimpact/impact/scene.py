@@ -55,19 +55,20 @@ from ..scene import Contact, Friction, Load, Oblique, Scenario
 from .foreseen import Foreseen, goes_against
 from .oblique import axes_of, with_tangents
 
-# Squares and energies of lower speeds, m/s, vanish, and of those above the reciprocal overflow.
+# Least speed, m/s: squares and energies of lower speeds underflow, those above 1/LEAST_SPEED
+# overflow.
 LEAST_SPEED = 1e-60
 
 
 @dataclass(frozen=True)
 class Mark:
-    """Tells the handles of one scene from those of another."""
+    """Unique identifier of a scene, by which its handles are recognised."""
 
     name: str = field(metadata={"identity": True})
 
 
 class Member(NamedTuple):
-    """A body of a scene: its motion, in three directions where given, its place and its names."""
+    """A body of a scene with its initial velocity, position and names."""
 
     body: BodyModel
     velocity: float
@@ -79,18 +80,17 @@ class Member(NamedTuple):
 
 
 class Scene:
-    """Bodies, the contacts between them, and what acts on them.
+    """Bodies, the contacts between them, and the loads on them.
 
-    All displacements are measured along one direction of travel. Bodies are added, connected and
-    loaded, then the scene is simulated; and again, with more bodies or other solvers.
+    All displacements are along one direction of travel. Bodies are added, connected and loaded,
+    then the scene is simulated. It can be simulated repeatedly, with more bodies or other solvers.
 
     Parameters
     ----------
     gravity : float or array_like, shape (3,), optional
-        Acceleration of every finite mass along the direction of travel, or in three directions (see
-        `simulate`), m/s², up to 1e12. A body
-        constrained by supports takes its true share where it has nodes; a constrained AO model
-        given by numbers takes none.
+        Acceleration of gravity along the direction of travel, or in three directions (see
+        `simulate`), m/s², up to 1e12. It has no effect on a constrained AO model given by numbers
+        or without nodes, whose supports are not known.
 
     Examples
     --------
@@ -104,12 +104,12 @@ class Scene:
     """
 
     def __init__(self, *, gravity: float | ArrayLike = 0.0) -> None:
-        # Along the direction of travel, and in three directions where it is given so.
+        # Number along the direction of travel, or length of a vector; and that vector.
         self.gravity, self._falls = number_or_vector("gravity", gravity, "m/s²")
         self._members: list[Member] = []
         self._contacts: list[Contact] = []
         self._loads: list[Load] = []
-        # Copies and pickles keep it: their handles are as good. An impact of two bodies has none.
+        # Copies and pickles keep the mark, so that handles stay valid. An impact's mark is empty.
         self._mark = Mark(uuid.uuid4().hex)
 
     def __repr__(self) -> str:
@@ -131,32 +131,32 @@ class Scene:
         position: float = 0.0,
         name: str = "",
     ) -> Handle:
-        """Add a body, undeformed and moving as a whole.
+        """Add a body, which is undeformed at t = 0 and moves as a whole.
 
         Parameters
         ----------
         body : ContactPoint or list of ContactPoint, AOModel, Body, FullModel
-            A ContactPoint (``body.contact(...)``) is reduced as far as the quantity of interest
-            allows, a list of them on one body is one that is touched in several places, ``full``
-            of them the full finite-element model, a `rigid` body of infinite mass a wall.
+            Body to add. One given by its contact point (``body.contact(...)``), or by a list of
+            several, is reduced as far as the quantity of interest allows; ``full`` of these is the
+            full finite-element model. A `rigid` body of infinite mass is a wall.
         velocity : float or array_like, shape (3,), optional
-            Along the direction of travel, or in three directions (see `simulate`), m/s.
+            Velocity along the direction of travel, or in three directions (see `simulate`), m/s.
         spin : array_like, shape (3,), optional
             Angular velocity in the same axes, rad/s.
         position : float, optional
-            Place of its contact coordinate (of all of them) at t = 0, m.
+            Position at t = 0 along the direction of travel, common to all contact points, m.
         name : str, optional
             Name in results, tables and plots; by default that of the body itself.
 
         Returns
         -------
         Handle
-            To connect, load and read it by.
+            Identifies the body in `connect`, `apply` and the result.
 
         Raises
         ------
         InputError, InputTypeError
-            If `body` is no model of a body, or a number is none or beyond the range of squares.
+            If `body` is no model of a body, or a number is invalid or its square out of range.
 
         Examples
         --------
@@ -176,7 +176,7 @@ class Scene:
         position: float = 0.0,
         name: str = "",
     ) -> Member:
-        """Add a body that was given as an argument, and return it with its motion."""
+        """Add a body that the caller gave as `argument`, and return it with its velocity."""
         model, motion = body_model(argument, body), number_or_vector("velocity", velocity, "m/s")
         turns = None if spin is None else finite_array("spin", spin, shape=(3,), unit="rad/s")
         own, role = name or model.name, f"body {len(self._members)}"
@@ -195,17 +195,17 @@ class Scene:
         friction: float | None = None,
         name: str = "",
     ) -> int:
-        """Let two bodies touch: δ = (x_a + position_a) - (x_b + position_b) - gap.
+        """Add a contact with the indentation δ = (x_a + position_a) - (x_b + position_b) - gap.
 
         Parameters
         ----------
         a, b : Handle
-            Of `add`; ``handle.port(i)`` for another place of a body touched in several.
+            Bodies in contact; ``handle.port(i)`` selects one of several contact points of a body.
         law : ContactLaw, optional
-            If left out, Hertz's, from the materials of both bodies and the curvatures of their
-            surfaces at the contact.
+            Contact law; by default Hertz's law of the materials of both bodies and the curvatures
+            of their surfaces at the contact.
         gap : float, optional
-            m; may be negative where positions are given.
+            Initial gap beyond the distance of the positions, m; may be negative.
         friction : float, optional
             Coefficient of friction; see `simulate`.
         name : str, optional
@@ -214,13 +214,13 @@ class Scene:
         Returns
         -------
         int
-            Its place in ``run.contacts``.
+            Index of the contact in ``run.contacts``.
 
         Raises
         ------
         InputError
-            For a body with itself, two walls, an unknown handle, a direction that was given the
-            wrong way round, or a law that is left out and not known.
+            For a contact of a body with itself or of two walls, an unknown handle, a reversed
+            direction, or if `law` is left out and the surfaces or materials are not known.
 
         Examples
         --------
@@ -247,7 +247,7 @@ class Scene:
         name: str = "",
         friction: float | None = None,
     ) -> int:
-        """Add a contact of two (body, port) with that distance, m, at the start."""
+        """Add a contact of two (body, port) with the initial distance `gap`, m."""
         if law is not None and not isinstance(law, ContactLaw):
             raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
         ends = [(self._members[body].body, port) for body, port in (first, second)]
@@ -278,7 +278,8 @@ class Scene:
         ----------
         body : Handle
         force : float or (times, forces)
-            N; constant, or straight between times, s, that ascend, and constant outside them.
+            Constant force, N; or ascending times, s, and the forces at these, linear between them
+            and constant outside.
 
         Raises
         ------
@@ -305,7 +306,7 @@ class Scene:
         self._loads.append(Load(*end, times.copy(), forces.copy()))
 
     def _known(self, name: str, handle: Any) -> tuple[int, int]:
-        """Return the body and the port that a handle of this scene stands for."""
+        """Return the numbers of the body and contact point of a handle, checked to be valid."""
         if not isinstance(handle, Handle):
             raise InputTypeError(f"{name} must be a handle that scene.add returned, got {handle!r}")
         if handle.scene != self._mark.name or handle.body >= len(self._members):
@@ -339,43 +340,42 @@ class Scene:
         Parameters
         ----------
         duration : float, optional
-            Length of the record, s. If left out, until the last contact is over and as long again.
+            Length of the record, s; by default until the last contact is over and as long again.
         solver : Adaptive or Newmark, optional
-            By default ``Adaptive()``, with friction ``Adaptive(rtol=1e-4)``; with a full
-            finite-element model, or friction of a damped law, ``Newmark()``.
+            Time integration; by default ``Adaptive()``, with friction ``Adaptive(rtol=1e-4)``, with
+            a full finite-element model, or friction and a damped law, ``Newmark()``.
         energies : bool, optional
-            Whether to record energies as well.
+            True to record energies as well.
         preload : bool, optional
-            Whether to start from rest under gravity and the loads at t = 0, bodies pressed on each
-            other, found by a static solve; velocities are then added. What no force presses stays
-            where it was put, or moves aside as far as it must.
+            True to start from the static equilibrium of bodies pressed on each other by gravity and
+            the loads at t = 0; velocities are then added. Bodies that no force presses stay at
+            their positions, or move aside as far as they must.
         quantity : str, Handle, ContactPoint or sensor, or list of these, optional
-            The quantity of interest: "force" (of every contact over the record), "peak_force",
-            "peak_time", "impulse", "contact_duration" (of the first touch) or "contact_count" (of
-            every contact), "rebound_velocity" (after the last contact, of every body but those held
-            at rest), "restitution" (of a scene of one contact), with friction
-            "peak_friction_force", "tangential_restitution" or "final_spin", a handle, for the
-            displacement of that contact coordinate over the record, a point of a body, for its
-            displacement over the record, or a sensor such as `ReactionAt`, as for `simulate`.
-            Contact points are reduced as far as the tolerance allows, and AO models truncated if
-            this or `rtol` is given; `Run.models` are those taken. A body
-            that was added twice is reduced once. Numbers are read by `Run.value`. Each of a list is
-            right to `rtol`, see `simulate`.
+            Quantity of interest. Over the record: "force" (of every contact), the displacement of a
+            contact coordinate, given by its handle, or of a point of a body, or a sensor such as
+            `ReactionAt`, as for `simulate`. For every contact: "peak_force", "peak_time",
+            "impulse", "contact_duration" (of the first touch) or "contact_count". For every body
+            that is not held at rest: "rebound_velocity" (after the last contact). For a scene of
+            one contact: "restitution". With friction: "peak_friction_force",
+            "tangential_restitution" or "final_spin". All of a list meet `rtol`. Bodies given by
+            contact points are reduced as far as `rtol` allows; AO models are truncated if this or
+            `rtol` is given. `Run.models` has the resulting models, `Run.value` returns numbers. A
+            body that was added twice is reduced once.
         rtol : float, optional
-            Its relative error. If left out, 2e-3, or up to 1e-2 where the largest models that are
-            tried do not give 2e-3. That of a history is its largest over the record, relative to
-            the largest value, that of a contact relative to no less than a tenth of the largest
-            of all contacts. A solver that does not keep it is refused.
+            Relative tolerance of `quantity`; by default 2e-3, or up to 1e-2 if the largest models
+            tried do not meet 2e-3. The error of a history is its largest over the record, relative
+            to the largest value, and for contacts relative to at least a tenth of the largest of
+            all contacts. A solver that does not meet `rtol` is refused.
         linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
             Linear solver for these reduced models, as `solver` of `antioscillators`.
 
         Raises
         ------
         InputError, InputTypeError
-            For an argument that makes no sense, an empty scene, or bodies that overlap at the start
-            without `preload`.
+            For an invalid argument, an empty scene, or bodies that overlap at the start without
+            `preload`.
         ConvergenceError
-            If the tolerance cannot be met, or bodies find no rest.
+            If the tolerance cannot be met, or there is no static equilibrium.
 
         Warns
         -----
@@ -415,13 +415,12 @@ class Scene:
         return self._run(plan, duration, quantity, rtol, solver, linear_solver, began)
 
     def _plan(self, *, energies: bool = True, preload: bool = False) -> Scenario:
-        """The scene of the bodies as they were given, whose contacts are of places.
+        """Plan of the bodies as given, with contacts between contact points, not between ports.
 
         Raises
         ------
         InputError
-            If a contact has no friction though others do, or contacts differ in their direction of
-            travel.
+            If some contacts have friction and others none, or directions of travel differ.
         """
         bodies, speeds, *_, names, _ = zip(*self._members, strict=True)
         oblique, gravity = self._oblique(), self.gravity
@@ -445,7 +444,7 @@ class Scene:
         )
 
     def _oblique(self) -> Oblique | None:
-        """Motion in three directions; None of a scene along one."""
+        """Motion in three directions; None for a scene along one direction."""
         members, frictions = self._members, [of.friction for of in self._contacts]
         given = [of for member in members for of in (member.vector, member.spin)]
         if all(of is None for of in (self._falls, *frictions, *given)):
@@ -484,27 +483,27 @@ class Scene:
         linear_solver: Solver | None,
         began: float,
     ) -> Run:
-        """Run the bodies as they are, or small models of them that give a quantity to a tolerance.
+        """Run the scene with the bodies as given, or with models chosen for a tolerance.
 
-        A contact stiffer than its meshes gets a wider patch: supports, loads and other bodies press
-        contacts further than two bodies alone would. Where no patch helps, the bodies as meshed
-        keep the whole law, and the finer ones give the answer; that on a shell is a bound.
+        A contact whose law is stiffer than its meshes gets a wider patch: supports, loads and other
+        bodies press contacts further than two bodies alone would. If no patch helps, the bodies as
+        meshed keep the whole law, and the refined ones give the result, on a shell only a bound.
 
         Parameters
         ----------
         plan : Scenario
-            Of the bodies as they were given.
+            Scene of the bodies as given.
         duration, quantity, rtol, solver, linear_solver
             As of `simulate`.
         began : float
-            When the call began, by `perf_counter`, s.
+            Start of the call by `perf_counter`, s.
         """
         controlled = quantity is not None or rtol is not None
         chosen = controlled or (plan.meshed and any(body.reducible for body in plan.bodies))
         if linear_solver is not None:
             check_linear_solver(linear_solver, chosen=chosen)
         margin = 0.0
-        if controlled:  # bad input is refused before any work is done
+        if controlled:  # invalid input is reported before any expensive work
             checked_rtol(rtol)
             margin = max(of.memory for of in self._interest(quantity, plan))
         foreseen = Foreseen(plan, linear_solver or "auto")
@@ -514,7 +513,7 @@ class Scene:
             record = RecordLength(positive("duration", duration, unit="s"), given=True)
         record.margin = margin
         names = [member.called for member in self._members]
-        eased: dict[int | None, str] = {}  # contacts that are stiffer than their meshes
+        eased: dict[int | None, str] = {}  # remedies for contacts stiffer than their meshes
         said = list[str]()
         while True:
             fitted = foreseen.fitted(names, eased)
@@ -534,7 +533,7 @@ class Scene:
                         record=record,
                         linear_solver=linear_solver or "auto",
                     )
-                # The cost of the models: all but the run itself.
+                # The last run is not part of the models' cost.
                 spent = perf_counter() - began - run.recorder.seconds
                 run = replace(run, modelled=max(spent, 0.0))
                 break
@@ -565,7 +564,7 @@ class Scene:
         return run
 
     def _interest(self, quantity: Any, plan: Scenario) -> tuple[Quantity, ...]:
-        """The quantities of interest, by distinct names."""
+        """Quantities of interest; equal names get a number, such as "stress_2"."""
         given = quantity if isinstance(quantity, (list, tuple)) else [quantity]
         if not given:
             raise InputError("quantity is empty: give one quantity at least, or leave it out")
@@ -578,7 +577,7 @@ class Scene:
         )
 
     def _quantity(self, quantity: Any, plan: Scenario) -> Quantity:
-        """A quantity of interest; where nothing meets, the motion of a body to be reduced."""
+        """Quantity of interest; by default without contacts, a body's displacement."""
         bodies = plan.bodies
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
@@ -613,10 +612,7 @@ class Scene:
 
 
 def number_or_vector(name: str, value: Any, unit: str) -> tuple[float, FloatArray | None]:
-    """Return a number along the direction of travel, or the length of a vector, and that vector.
-
-    The vector, in three directions, is None of a number.
-    """
+    """Return a number along the direction of travel and None, or a vector's length and it."""
     number, vector = value, None
     if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
         vector = finite_array(name, value, shape=(3,), unit=unit)
@@ -633,14 +629,14 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
     Parameters
     ----------
     ends : sequence of (model, int)
-        Projectile and target, and at which of their places they touch.
+        Model and number of the contact point, of projectile and target.
     names : sequence of str
-        Names of both.
+        Names of both, for messages.
 
     Raises
     ------
     InputError
-        If a surface is not known, or they have no Hertz contact.
+        If a surface is not known, or the two surfaces have no Hertzian contact.
     """
     surfaces, tips = [], []
     for name, (body, port), outward in zip(names, ends, (True, False), strict=True):

@@ -43,58 +43,60 @@ def simulate(
     Parameters
     ----------
     projectile, target : ContactPoint, AOModel, Body or FullModel
-        A contact point (``body.contact(...)``) is reduced as far as the quantity of interest
-        allows; ``full(tip)`` is the full finite-element model. A model of a given number of
-        oscillators is best made by ``antioscillators(tip, n, method="krylov", contact_time=)``. A
-        patch whose radius was left out is 1.4 times as wide as the contact of rigid bodies.
+        Body given by its contact point (``body.contact(...)``), which is reduced as far as the
+        quantity of interest allows, or by a model; ``full(tip)`` is the full finite-element model.
+        The best model of a given number of oscillators is
+        ``antioscillators(tip, n, method="krylov", contact_time=)``. A patch whose radius was left
+        out is 1.4 times as wide as the contact of rigid bodies.
     velocity : float or array_like, shape (3,)
         Speed of the projectile along the direction of travel, m/s, not zero; negative only if the
-        projectile is constrained, so that it swings back. Or its velocity in the axes of the
+        projectile is constrained, so that it swings back. Or its velocity vector in the axes of the
         target's mesh, to which those of the projectile are parallel. Without a mesh z is the
-        target's outward normal: ``(0, 0.5, -3.0)`` comes down on it.
+        target's outward normal: ``(0, 0.5, -3.0)`` is a velocity towards the target.
     law : ContactLaw, optional
-        Force of the indentation δ = x_projectile - x_target - gap. If left out, Hertz's, from the
-        materials of both bodies and the curvatures of their surfaces at the contact. The compliance
-        that a mesh has in place of the law's half-space is taken out (`ContactPoint.extraction`).
+        Contact force as a function of the indentation δ = x_projectile - x_target - gap; by default
+        Hertz's law of the materials of both bodies and the curvatures of their surfaces at the
+        contact. The local compliance of a mesh, which replaces that of the law's half-space, is
+        taken out of the law (`ContactPoint.extraction`).
     friction : float, optional
-        Coulomb's coefficient, for laws without memory or pull. The contact sticks in its middle
-        and slips at its rim (Cattaneo, Mindlin). That of spheres is exact but for Dundurs' constant
-        of unlike materials, by which friction changes the normal force and which is neglected. A
-        law without materials has the tangential stiffness of ν = 0.3. A vector needs it: 0 is a
-        smooth surface, for any law.
-        Motion is small: contact points stay where they are on each body.
+        Coulomb's coefficient, for laws without memory or tension. The contact sticks in its middle
+        and slips at its rim (Cattaneo, Mindlin). This is exact for spheres, except that for unlike
+        materials the effect of friction on the normal force (Dundurs' constant) is neglected. A law
+        without materials has the tangential stiffness of ν = 0.3. Required if `velocity` is a
+        vector; 0 is a smooth surface, for any law. Motion is assumed small: contact points are
+        fixed to each body.
     spin : array_like, shape (3,), optional
-        Angular velocity of the projectile in the same axes, rad/s; with `friction`. Spin about the
-        normal of the contact meets no friction.
+        Angular velocity of the projectile in the same axes, rad/s; requires `friction`. Friction
+        does not resist spin about the normal of the contact.
     duration : float, optional
-        Length of the record, s. If left out, until the impact is over and as long again.
+        Length of the record, s; by default until the impact is over and as long again.
     solver : Adaptive or Newmark, optional
-        ``Adaptive(rtol=...)`` for a tolerance, ``Newmark(dt=...)`` for a given step. By default
-        ``Adaptive()``, with friction ``Adaptive(rtol=1e-4)``; with a full finite-element model,
-        whose modes would have to be computed first, and with friction of a damped law
-        ``Newmark()`` with a step of its own choice.
+        Time integration: ``Adaptive(rtol=...)`` to a tolerance, ``Newmark(dt=...)`` with fixed
+        steps. The default is ``Adaptive()``, with friction ``Adaptive(rtol=1e-4)``. For a full
+        finite-element model, whose modes ``Adaptive`` would have to compute first, and for friction
+        with a damped law it is ``Newmark()``, which chooses its step.
     gap : float, optional
-        Distance to go before the bodies touch, m, not negative.
+        Initial gap between the bodies, m, not negative.
     energies : bool, optional
-        Whether to record energies as well.
+        True to record energies as well.
     quantity : str, ContactPoint or sensor, or list of these, optional
-        The quantity of interest: "force" (over the record; the default), "peak_force", "peak_time",
-        "impulse", "contact_duration" (of the first contact), "contact_count" (how often they
-        touch), "rebound_velocity", "restitution", with friction "peak_friction_force",
-        "tangential_restitution" or "final_spin", "projectile_displacement" or
-        "target_displacement" (of the contact point, over the record); or a point of a body, for its
-        displacement over the record, or a `StressAt`, `StrainAt`, `AccelerationAt` or `ReactionAt`
-        over the record. Contact points are reduced as
-        far as the tolerance allows, and AO models truncated if this or `rtol` is given;
-        `Result.models` are those taken. Only this quantity is right to `rtol`:
-        `Result.error` estimates the errors of the others by name. Of a list each is:
-        ``error["strain"]``, and ``error["strain_2"]`` of a second one of that name.
+        Quantity of interest. Histories over the record are "force" (the default),
+        "projectile_displacement" or "target_displacement" (of the contact point), the displacement
+        of a body's point, given by that point, and `StressAt`, `StrainAt`, `AccelerationAt` or
+        `ReactionAt`. Numbers are "peak_force", "peak_time", "impulse", "contact_duration" (of the
+        first contact), "contact_count", "rebound_velocity", "restitution" and, with friction,
+        "peak_friction_force", "tangential_restitution" or "final_spin". Bodies given by contact
+        points are reduced as far as `rtol` allows; AO models are truncated if this or `rtol` is
+        given. `Result.models` has the resulting models. Only this quantity, or each of a list,
+        meets `rtol`; `Result.error` estimates the errors of all others by name. A second quantity
+        of the same name gets a number: ``error["strain_2"]``.
     rtol : float, optional
-        Its relative error by reduction and time integration. If left out, 2e-3, or up to 1e-2
-        where the largest models that are tried do not give 2e-3. That of a history is its largest
-        over the record, relative to the largest value. A solver that does not keep it is refused;
-        where no models tried meet it, so is the tolerance if it was given, and else the best of
-        them are taken, with a warning. `Result.error` has the errors of mesh and contact as well.
+        Relative tolerance of `quantity`, for reduction and time integration; by default 2e-3, or up
+        to 1e-2 if the largest models tried do not meet 2e-3. The error of a history is its largest
+        over the record, relative to the largest value. A solver that does not meet `rtol` is
+        refused. If no models tried meet a given `rtol`, ConvergenceError is raised; if the default
+        is not met, the best models are used with a warning. Errors of mesh and contact come in
+        addition; see `Result.error`.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         Linear solver for the reduced models, as `solver` of `antioscillators`; the result names it.
 
@@ -105,16 +107,17 @@ def simulate(
     Raises
     ------
     InputError, InputTypeError
-        For an argument that makes no sense, or a law that is left out and not known.
+        For an invalid argument, or if `law` is left out and the surfaces or materials are not
+        known.
     ConvergenceError
-        If the step cannot be solved or the error estimate cannot be brought down to `rtol`.
+        If a time step cannot be solved, or no models tried meet `rtol`.
 
     Warns
     -----
     AOImpactWarning
-        If no models tried meet the tolerance that was left out, the record ends in contact, the
-        step is too large for any digit to be right, a body's centre of mass is not known, or its
-        model was fitted to another contact time.
+        If no models tried meet the default tolerance, the record ends in contact, the step is too
+        large for any accurate digit, a body's centre of mass is not known, or its model was fitted
+        to another contact time.
 
     Examples
     --------
@@ -164,7 +167,7 @@ def pair(
     Raises
     ------
     InputError, InputTypeError
-        For an argument that makes no sense, or a law that is left out and not known.
+        For an invalid argument, or if `law` is left out and not known.
     """
     scene = Scene()
     scene._mark = Mark("")
@@ -196,7 +199,7 @@ def pair(
 def plan_impact(
     projectile: Any, target: Any, law: ContactLaw | None, *, duration: float, **more: Any
 ) -> Scenario:
-    """Check the arguments of `pair`, and return them as the solvers take them."""
+    """Check the arguments of `pair`, and return the plan for the solvers."""
     _, plan = pair(projectile, target, law=law, **more)
     plan = Foreseen(plan).fitted(ROLES, {})
     return replace(plan.of_models(plan.bodies, energies=plan.energies), duration=duration)

@@ -64,8 +64,8 @@ class ErrorParts:
     mesh : float or None
         Error from finite elements that are too stiff, at the contacts and in the whole bodies.
     contact : float or None
-        Error from a contact whose width changes, from inexact curvatures, and from neglecting how
-        the section of a beam deforms between the contact and the axis.
+        Error from a contact whose width changes, from inexact curvatures, and from the section of a
+        beam, which deforms less between contact and axis than the law's half-space.
     model : float or None
         Error from representing the bodies by fewer degrees of freedom.
     time : float or None
