@@ -17,16 +17,19 @@
 #include <math.h>
 #include <string.h>
 
-/* Shares of the contact time. A sudden change is an implicit step of length SUDDEN: over it indentations stay, but where a
- * dashpot vanishes at the touch. There a force falls from the whole load like the square root of time, and what falls
- * within SUDDEN is not seen: 1e-13 lost up to 15 % of a peak, 1e-22 loses 5e-5 of it; with 1e-24 rounding shows, 1e-7.
- * Rates and forces after the change follow from two steps, extrapolated to zero: of PART_RELAXED times the relaxation
- * time, with errors of PART_RELAXED squared, but from LEAST_AFTER to MOST_AFTER, with errors of rounding over these. A
- * dashpot with a shorter relaxation time is neglected. The contact time counts as at most MOST_STEPS steps of the run.
+/* Times as shares of the contact time, which counts as at most MOST_STEPS steps of the run. A
+ * sudden change is an implicit step of length SUDDEN. Indentations do not change in it, except
+ * where a dashpot vanishes at the touch: there the force falls from the whole load like the square
+ * root of time, and its fall within SUDDEN is missed. 1e-13 lost up to 15 % of a peak, 1e-22 loses
+ * 5e-5 of it; with 1e-24 rounding shows, 1e-7. Rates and forces after the change are extrapolated
+ * to zero from two steps, of PART_RELAXED times the relaxation time, with errors of PART_RELAXED
+ * squared, but from LEAST_AFTER to MOST_AFTER, with errors of rounding over these. A dashpot with a
+ * shorter relaxation time is neglected.
  *
- * Measured, with SUDDEN = 1e-13, by the jump of the sum of the forces on a place that a ball strikes, the worst of 1200
- * scenes at rtol from 1e-9 to 1e-5: 2 rtol. PART_RELAXED = 1e-4 gives 11, LEAST_AFTER = 1e-7 gives 87,
- * MOST_AFTER = 1e-4 gives 7e4, MOST_STEPS = 1000 gives 7; a tenth of any of them gives 2 or less. */
+ * Measured, with SUDDEN = 1e-13, by the jump of the sum of the forces on a place that a ball
+ * strikes, the worst of 1200 scenes at rtol from 1e-9 to 1e-5: 2 rtol. PART_RELAXED = 1e-4 gives
+ * 11, LEAST_AFTER = 1e-7 gives 87, MOST_AFTER = 1e-4 gives 7e4, MOST_STEPS = 1000 gives 7; a tenth
+ * of any of them gives 2 or less. */
 static const double SUDDEN = 1e-22, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_RELAXED = 1e-5,
                     MOST_STEPS = 100.0;
 
@@ -35,8 +38,8 @@ static const double SUDDEN = 1e-22, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_
  * the first touch of another contact by 4e-8. */
 static const double RIGID = 1e15;
 
-/* Largest relaxation time of a dashpot in units of such a step: beyond, its indentation changes by rounding only.
- * Tried: 6 runs change, by 4e-13. */
+/* Largest relaxation time of a dashpot in units of an implicit step: beyond, its indentation
+ * changes by rounding only. Tried: 6 runs change, by 4e-13. */
 static const double RIGID_IN_STEP = 1e13;
 
 /* Most iterations for the forces in equilibrium, and of Newton's method for the rates. Tried: 1 run changes, by
@@ -310,8 +313,8 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
     return most <= AOI_RATE_ERROR * largest ? largest : (double)NAN;
 }
 
-/* Rates and forces just after a sudden change, extrapolated from those after a short time and twice that. A strong
- * dashpot's force has more digits so than by its rate. Returns the largest rate. */
+/* Rates and forces just after a sudden change, extrapolated from those after a short time and twice that.
+ * A strong dashpot's force is more accurate this way than by its rate. Returns the largest rate. */
 static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     const double *change = e->free;
@@ -465,8 +468,8 @@ static aoi_law_value acting(const aoi_adaptive *run, const aoi_coupled *e, size_
     return value;
 }
 
-/* A time for the rates after a sudden change: short for the contacts, and for the relaxation of the strongest dashpot
- * beside the springs of all. */
+/* Step length for the rates after a sudden change: short compared with the contact time, and with
+ * the relaxation of the strongest dashpot beside the springs of all contacts. */
 static double time_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double stiffness = 0.0, relaxation = 0.0;
@@ -493,7 +496,8 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
     for (size_t i = 0; i < e->count && !isnan(error); i++) {
         aoi_law_value value;
         uncut_force(run, &of[i], e->indentation[i], of[i].rate, &value);
-        of[i].force = of[i].force != 0.0 ? of[i].force : value.force; /* of a cut one: how far below zero */
+        /* of a cut force: its uncut value, below zero */
+        of[i].force = of[i].force != 0.0 ? of[i].force : value.force;
         const double certain = least + value.damping * error;
         if (is_separated(run, &of[i], certain, error)) {
             open_and_watch(run, of[i].contact);

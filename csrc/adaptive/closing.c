@@ -16,14 +16,15 @@ enum { RISES = 4 };
 /* Work of a force d^n up to an indentation d, as a share of force times d: 1/(n+1), here for n = 3/2. */
 static const double HERTZ_SHARE = 0.4;
 
-/* The first step's length over the compression time times rtol^(2/7): with an edge, and at a residual compliance, where
- * there is none; and its largest share of the compression time: see ../README.md. Measured: with an edge 13 costs as
- * much work and 120 costs 1.7 % more; without, 1 costs 1.3 % and 9 costs 0.2 % more. */
+/* EDGE_START, BENT_START: length of the first step, over the compression time times rtol^(2/7),
+ * with an edge and at a residual compliance, where there is none. MOST_START: its largest share of
+ * the compression time; see ../README.md. Measured: with an edge 13 costs as much work and 120
+ * costs 1.7 % more; without, 1 costs 1.3 % and 9 costs 0.2 % more. */
 static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
-/* The search for the largest indentation, in logarithms: where it begins, and its stride. A scale need not be accurate.
- * The stride is short because a caller's law may fail far beyond its range. Measured: a third of the stride costs 2.0 %
- * more work, three times as much 0.8 %. */
+/* Start and stride, in log(indentation), of the search for the largest indentation, a scale that
+ * need not be accurate. The stride is short because a caller's law may fail far beyond its range.
+ * Measured: a third of the stride costs 2.0 % more work, three times as much 0.8 %. */
 static const double SHALLOW = -28.0, STRIDE = 0.35;
 
 /* The integral of a force over an interval of indentation, in which it is a power of the indentation. */
@@ -35,9 +36,10 @@ static double power_work(double here, double force, double next, double next_for
                : 0.5 * (force + next_force) * (next - here);
 }
 
-/* Estimate of the indentation at which the law has done the work of an energy and of a constant force; at most `most`,
- * which the motion would reach without the law. By the integral of the law's force, since the potential of a plastic
- * law is only the recoverable part of its work. The work is linear between the points where the law is evaluated. */
+/* Estimate of the indentation at which the law has taken up an energy and the work of a constant
+ * force; at most `most`, which the motion would reach without the law. The law's force is
+ * integrated, since the potential of a plastic law is only the recoverable part of its work. The
+ * work is linear between the points where the law is evaluated. */
 static double deepest(const aoi_law *law, const double *memory, double energy, double force, double most)
 {
     double here = fmin(exp(SHALLOW), most);
@@ -172,8 +174,8 @@ static void first_level(aoi_adaptive *run, size_t c, double time)
     }
 }
 
-/* How long the rate at present may last: a massless contact point follows a load at once, and has another rate after the
- * load's next bend. */
+/* Time for which the present rate may last: a massless contact point follows a load at once, and
+ * has another rate after the load's next bend. */
 static double time_left(const aoi_adaptive *run, size_t c)
 {
     const double now = aoi_run_now(run) * (1.0 + 8.0 * DBL_EPSILON); /* past a bend that is here within rounding */
@@ -210,12 +212,13 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
         reach = less;
         time = fmax(time, time_of(&by, reach));
     }
-    if (now.acceleration < 0.0 && slow.amplitude_rate > slow.rate) { /* it may separate them again at once */
+    /* a mode may separate the bodies again at once */
+    if (now.acceleration < 0.0 && slow.amplitude_rate > slow.rate) {
         reach = fmin(reach, 0.5 * rate * rate / -now.acceleration);
         time = fmin(time, rate / -now.acceleration);
     }
     const double jerk = load_jerk(pair);
-    if (rate > 0.0 && jerk < 0.0) { /* so may loads that set in */
+    if (rate > 0.0 && jerk < 0.0) { /* so may loads that change */
         const double a = fmax(now.acceleration, 0.0), turn = 2.0 * rate / (sqrt(a * a - 2.0 * jerk * rate) - a);
         reach = fmin(reach, turn * (rate + turn * (0.5 * a + turn * jerk / 6.0)));
         time = fmin(time, turn);

@@ -8,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Nodes as close to a change of slip are left out: their difference from it, over so short a way, is its error. */
+/* Nodes within this share of the row from a change of slip are left out: over so short a distance
+ * the difference between the two stretches is mostly their error. */
 static const double BESIDE = 0.02;
 
 static const double *tangent_of(const double *of, size_t i)
@@ -16,7 +17,7 @@ static const double *tangent_of(const double *of, size_t i)
     return of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;
 }
 
-/* Places of a row, and the stretches there. */
+/* Places of a row (0 to 1), and the stretches of its springs there. */
 typedef struct stretches {
     size_t count;
     double place[AOI_NODES + 2], stretch[2][AOI_NODES + 2];
@@ -30,8 +31,8 @@ static void add_stretch(stretches *to, double place, const double *of, int which
     to->count++;
 }
 
-/* The stretches of the part of the row that holds a place: at its ends, the start or where slip changes, and at the nodes
- * in between. Returns 1 if all slips there. */
+/* Finds the stretches in the part of a row, between two changes of slip, that contains a place: at
+ * the ends of the part and at the nodes inside. Returns 1 if all springs slip in that part. */
 static int stretches_about(const double *of, double place, stretches *found)
 {
     const double *change = of + AOI_TRACK_CHANGES;
@@ -55,9 +56,10 @@ static int stretches_about(const double *of, double place, stretches *found)
     return (of[AOI_TRACK_SLIPS] != 0.0) != (i % 2 != 0);
 }
 
-/* Friction by its ratio to the normal force, which is the law's: that of the stretch to the indentation, or Coulomb's where
- * all springs slip. The stretch has corners where they begin to, or cease to, and is a polynomial in between (Lagrange's);
- * what of it is beyond the bound is its error. The compliance that is taken out acts as one of the normal force alone. */
+/* The normal force is the law's. Friction is a multiple of it: stretch over indentation, or
+ * Coulomb's coefficient where all springs slip. The stretch has corners where slip begins or ends;
+ * in between it is interpolated by Lagrange's polynomial, and cut at the bound. The compliance
+ * taken out can then be written as one of the normal force alone. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent)
 {
     const double *coupled = contact->compliance;
@@ -154,8 +156,8 @@ double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double
     return stored;
 }
 
-/* Linear between values before, at the nodes or the points of an edge, and at the end, but from what is given at low and at
- * high (NaN: as after it and before it). */
+/* Linear interpolation between the values at the nodes, or the points of an edge, from `from` at
+ * `low` and to `to` at `high`. from = NaN: constant up to the next value. */
 static double interpolated(const double *of, int first, double place, double low, double from, double high, double to)
 {
     const double *points = aoi_radau_edge_point[(enum aoi_edge)of[AOI_TRACK_EDGE]];

@@ -37,11 +37,15 @@ enum aoi_row_contact {
     AOI_TRACK_CONTACT_SIZE = AOI_TRACK_INDENTATION + AOI_NODES + 1
 };
 
-/* With friction more follows: the work on slides before, less the energy of stretches at the start of a run; of it
- * dissipated, J, and the stuck share of the indentation, before and at the nodes or the points of an edge, and at the end;
- * 1 if all slips at the start, else 0, and the places where that changes, 2 in place of those that there are not; then
- * for each tangent an aoi_row_tangent: the force at the start and at the nodes; there and where slip changes the stretch, its
- * ratio to the normal force times the indentation of the bodies; and the Legendre coefficients of the slide. */
+/* For a contact with friction more follows. Its stretch is the ratio of friction to the normal
+ * force, times the indentation of the bodies.
+ *   SLIDE_WORK  work on slides before the row, less the energy of the stretches at the run's start, J
+ *   DISSIPATED  of that, J: at the row's start, at the nodes or the points of an edge, and at its end
+ *   STUCK       stuck share of the indentation, at the same places
+ *   SLIPS       1 if all springs slip at the row's start, else 0
+ *   CHANGES     places where that changes; 2: no further change
+ *   TANGENTS    for each tangent: the force at the start and the nodes; the stretch there and at the
+ *               changes; the Legendre coefficients of the slide */
 enum aoi_row_friction {
     AOI_TRACK_SLIDE_WORK = AOI_TRACK_CONTACT_SIZE,
     AOI_TRACK_DISSIPATED,
@@ -58,29 +62,33 @@ enum aoi_row_friction {
     AOI_TRACK_FRICTION_SIZE = AOI_TRACK_TANGENTS + 2 * AOI_TRACK_TANGENT_SIZE
 };
 
-/* Doubles of a contact in a row. */
+/* Number of doubles of a contact in a row. */
 static inline size_t aoi_row_contact_size(const aoi_contact *contact)
 {
     return contact->friction ? AOI_TRACK_FRICTION_SIZE : AOI_TRACK_CONTACT_SIZE;
 }
 
-/* The normal force and those along the tangents of a contact with friction (of: in its row) at a place (0 .. 1) of the
- * row, N, and the indentation beyond that of the bodies, m. */
+/* Forces of a contact with friction at a place (0 to 1) of a row, along the normal and the
+ * tangents, N. of: its values in the row; bent: its own indentation less that of the bodies, m. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent);
 
-/* The polynomials of the force, with friction of all three, at the nodes of the part up to place of a row of length h. At an
- * edge these are the nearest ones on that part, since the row's own is right on the whole only. */
+/* Values of the force's polynomial (with friction, of all three) at the nodes of the part of a row
+ * of length h up to `place`. At an edge it is fitted anew on that part, since the row's own
+ * polynomial is a fit over the whole row. */
 void aoi_row_forces(const aoi_contact *contact, const double *of, double h, double place, double force[3][AOI_NODES]);
 
-/* The work on slides up to a place, with that before, J: but for that on slides which the compliance that is taken out
- * would make of friction. With it what is dissipated or in the stretches. */
+/* Work on the contact's own slide up to a place, with that before the row, J. The own slide
+ * includes the compliance taken out times the force: aoi_row_slide_work leaves out its part by
+ * friction. With it, by aoi_row_slide_stored, this is the energy dissipated or stored in the
+ * stretches. */
 double aoi_row_slide_work(const aoi_contact *contact, const double *of, double place);
 double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double place);
 
-/* A value at a place, linear between those before, at the nodes or the points of an edge, and at the end. */
+/* Value at a place, linear between those at the start, at the nodes or the points of an edge, and
+ * at the end; first: index of the first of these. */
 double aoi_row_between(const double *of, int first, double place);
 
-/* The stuck share at a place: 0 where all slips, and else linear, to 0 where that begins. */
+/* Stuck share at a place: 0 where all springs slip, else linear, falling to 0 where that begins. */
 double aoi_row_stuck(const double *of, double place);
 
 #endif

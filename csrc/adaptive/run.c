@@ -102,7 +102,7 @@ static void list_columns(const aoi_system *system, size_t b, aoi_columns *column
     }
 }
 
-/* A body's tables; contacts have columns in them, its other ports do not. */
+/* Lays out a body's tables, which have columns for the ports with contacts only. */
 static void lay_out_body(const aoi_adaptive *run, const aoi_system *system, size_t b, aoi_memory *memory,
                          aoi_adaptive_body *body)
 {
@@ -248,8 +248,8 @@ static void set_halt(aoi_adaptive *run)
     }
 }
 
-/* Curves of stretches are drawn to the tolerance, but not finer than the first, which takes 1000 springs; within a step
- * this much finer. And the share of the tolerance at which Newton's method ends. */
+/* FINEST_CURVE: least precision of the curves of stretches, which takes 1000 springs; else it is rtol.
+ * WITHIN_STEP: factor on it within a step. NEWTON_SHARE: tolerance of Newton's method over rtol. */
 static const double FINEST_CURVE = 4e-6, WITHIN_STEP = 0.01, NEWTON_SHARE = 1e-2;
 
 static void begin_sliding(const aoi_adaptive *run, const aoi_contact *of, aoi_sliding *sliding, aoi_stretch *spring)
@@ -426,7 +426,8 @@ static int move_freely(aoi_adaptive *run)
     return AOI_OK;
 }
 
-/* Brings all bodies here. With no contact closed they go into a row, from which dense output starts. */
+/* Advances all bodies to the present time. With no contact closed they are written to a row, from
+ * which dense output starts. */
 static void halt(aoi_adaptive *run)
 {
     for (size_t b = 0; b < run->system->body_count; b++) {
@@ -476,7 +477,8 @@ static int prepare(aoi_adaptive *run, double *limit)
         }
         if (run->unbalanced) {
             aoi_balance_at_once(run, 0);
-            for (size_t i = 0; i < run->closed.count; i++) { /* forces that it has raised may fall from there on */
+            /* forces raised by the balance may fall from here on */
+            for (size_t i = 0; i < run->closed.count; i++) {
                 aoi_contact_note_peak(run, run->closed.at[i], run->contact[run->closed.at[i]].closed.force, 0.0);
             }
             run->unbalanced = 0;
@@ -686,7 +688,7 @@ int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track)
     return status;
 }
 
-/* Values and rows of a track at first: most runs have fewer. */
+/* Initial capacity of a track; most runs need less. */
 enum { FIRST_VALUES = 4096, FIRST_ROWS = 48 };
 
 int aoi_track_grow(aoi_track *track, size_t room, void *(*resize)(void *memory, size_t bytes))

@@ -15,16 +15,16 @@
 /* Lengths of a step whose tables a body keeps. */
 enum { AOI_TABLES = 12 };
 
-/* Part of a body in a step, of which the larger prevails: free motion, a contact that is watched, a force. */
+/* Role of a body in a step; the larger prevails: free motion, a watched contact, contact forces. */
 enum aoi_part { AOI_FREE_MOTION = 0, AOI_WATCHED, AOI_UNDER_FORCE };
 
 /* State of a body in a run: the time at which x, v hold, and the tables of the last step lengths. */
 typedef struct aoi_adaptive_body {
     double time;
     int engaged; /* in this step: an aoi_part */
-    int changed; /* its state, since its last row */
+    int changed; /* 1: its state has changed since its last row */
     double work, dissipated;
-    aoi_columns columns; /* of the tables */
+    aoi_columns columns; /* columns of its tables */
     double *block;
     size_t table_count, table_size;
     aoi_response table[AOI_TABLES];
@@ -32,7 +32,7 @@ typedef struct aoi_adaptive_body {
     size_t table_use[AOI_TABLES];
 } aoi_adaptive_body;
 
-/* A contact while it is open. until: both bodies are in free motion, and do not touch before this time. */
+/* State of an open contact. until: both bodies are in free motion, and do not touch before this time. */
 typedef struct aoi_flight {
     double until;
     int touches;  /* whether it touches at that time */
@@ -40,7 +40,7 @@ typedef struct aoi_flight {
     double slack; /* indentation beyond rest that is not yet a touch, m */
 } aoi_flight;
 
-/* While it is closed: how it is now, and on which piece of its law. */
+/* State of a closed contact: indentation (start), rate and force now, and the piece of its law. */
 typedef struct aoi_closed {
     double start, rate, force;
     double touch_rate; /* the rate when its force last began, before a sudden change of it, m/s */
@@ -50,13 +50,14 @@ typedef struct aoi_closed {
     double last_length, last[AOI_NODES + 1]; /* the last step's indentation, to guess the next */
 } aoi_closed;
 
-/* The largest so far, or estimates of them; force: the largest estimate at a touch, before any step, N. */
+/* Scales of a contact: its largest values so far, or estimates of these. force: the largest
+ * estimate at a touch, before any step, N. */
 typedef struct aoi_scales {
     double indentation, rate, impulse, force;
     double mobility; /* of both ports under a sudden force, 1/kg */
 } aoi_scales;
 
-/* Totals of the run, and the impulse since the last touch, N s; work: of the contact force, J. */
+/* Totals of a contact in the run; impulse since its last touch, N s; work of its force, J. */
 typedef struct aoi_ledger {
     aoi_peak peak;
     double since_touch, work;
@@ -81,7 +82,7 @@ typedef struct aoi_adaptive_contact {
     aoi_sliding *sliding; /* NULL: without friction */
 } aoi_adaptive_contact;
 
-/* Numbers of bodies or contacts. */
+/* A list of numbers of bodies or contacts. */
 typedef struct aoi_list {
     size_t count, *at;
 } aoi_list;
@@ -108,14 +109,16 @@ struct aoi_adaptive {
     size_t closed_count, entry_count; /* the entries: those of closed contacts first, then of contacts beside them */
     int level;                        /* steps are base 2^(-level/8) long */
     int grain;                        /* levels are multiples of this */
-    double table_cost, saved; /* cost of new tables, a step a mode, and steps that a coarser level would have saved */
+    /* cost of new tables, one step per mode, and steps that a coarser level would have saved */
+    double table_cost, saved;
     double base;
     double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
     double force_scale; /* largest force in the step tried, where more than one contact is closed; else 0 */
     double origin, elapsed; /* time is their sum, so that short steps late in a run are not rounded away */
     double left_off;        /* rounding error of elapsed, s */
     double horizon;         /* no touch between bodies in free motion before this time */
-    double halt; /* all bodies are brought here: loads have bent often, and more would take long; infinite: nowhere */
+    /* next time to which all bodies are advanced, since loads have bent often; infinite: none */
+    double halt;
     int unbalanced;         /* an event has changed a contact since the last step */
     double *free_state[2], *scratch, *port_force, *collocation;
     double *port_series; /* of the port forces: aoi_step_series */
@@ -131,17 +134,18 @@ enum {
     AOI_NO_LEVEL = 1000
 };
 
-/* Error of the rates found, as a share of the largest; also the tolerance of Newton's method for them, of laws nearly
- * linear in rates, and of the last change of the forces in equilibrium, after which their error is its square. Measured:
- * from 3e-9 to 3e-8 errors and work are the same. And a jump of the force at the start from rest, as a share of the
- * largest, that may be this error. */
+/* Error of the rates found, as a share of the largest; also the tolerance of Newton's method for
+ * them, of laws nearly linear in rates, and of the last change of the forces in equilibrium, after
+ * which their error is its square. Measured: from 3e-9 to 3e-8 errors and work are the same. A jump
+ * of the force at a start from rest, as a share of the largest force, may also be this error. */
 #define AOI_RATE_ERROR 1e-8
 
 /* Largest growth of the step length after an accepted step. Measured: 3 costs 0.4 % more work, 24 saves none. */
 #define AOI_MOST_GROWTH 8.0
 
-/* Largest number of evaluations of a mode in one search for a touch, less than a tenth of a second: one takes up to
- * 0.7 us in bodies of few modes. And in one within a step, which may be made shorter. */
+/* Largest number of evaluations of a mode in one search for a touch, less than a tenth of a second:
+ * one takes up to 0.7 us in bodies of few modes. AOI_LOOKS_IN_STEP: the same within a step, which
+ * may be made shorter instead. */
 enum { AOI_MOST_LOOKS = 100000, AOI_LOOKS_IN_STEP = 10000 };
 
 /* Largest number of evaluations of a mode from one halt to the next, some hundredths of a second: loads are looked up
@@ -161,7 +165,7 @@ enum aoi_event {
     AOI_EVENT_SLACKEN,  /* the force falls to zero before that                     */
     AOI_EVENT_TIGHTEN,  /* the force of a slack contact rises above zero           */
     AOI_EVENT_TURN,     /* the indentation stops growing, under a law that remembers */
-    AOI_EVENT_ABOVE,    /* it leaves the law's piece                               */
+    AOI_EVENT_ABOVE,    /* the indentation leaves the law's piece                  */
     AOI_EVENT_BELOW
 };
 
@@ -237,10 +241,11 @@ void aoi_contact_note_peak(aoi_adaptive *run, size_t c, double force, double aft
  * aoi_coupled_solve. */
 int aoi_balance_at_start(aoi_adaptive *run);
 
-/* Finds indentations, rates and forces of such contacts after an event of one of them; where none are found, leaves
- * all unchanged. A contact that has just touched opens again where the others separate it. pull_off: an adhesive
- * contact has let go, and its massless contact point jumps back. Then only indentations and forces are found, and the
- * step's contacts that the point reaches are closed. */
+/* Finds indentations, rates and forces of contacts at massless contact points after an event of one
+ * of them; where none are found, leaves all unchanged. A contact that has just touched opens again
+ * where the others separate it. pull_off: an adhesive contact has let go, and its massless contact
+ * point jumps back. Then only indentations and forces are found, and the step's contacts that the
+ * point reaches are closed. */
 void aoi_balance_at_once(aoi_adaptive *run, int pull_off);
 
 /* The energy in residual compliances and in the laws of contacts at them, J. Adds sign times its law's energy to the
@@ -266,7 +271,8 @@ double aoi_release_step(const aoi_adaptive *run, double h);
 /* Closes a contact where its bodies are now. */
 void aoi_contact_close(aoi_adaptive *run, size_t c);
 
-/* Sets the piece of its law on which it is, at an indentation; and where a slack one has a force again. */
+/* Sets the piece of its law that a contact is on, at an indentation. aoi_contact_press_again: also
+ * that the force of a slack contact begins again. */
 void aoi_contact_take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising);
 void aoi_contact_press_again(const aoi_law *law, aoi_adaptive_contact *contact);
 
@@ -276,14 +282,14 @@ void aoi_contact_open(aoi_adaptive *run, size_t c);
 /* Lists a body among those that go into the next row. */
 void aoi_body_note_change(aoi_adaptive *run, size_t b);
 
-/* Copies the state of a body: x, then v; and takes one that has become its state at the present time. */
+/* Copies the state of a body, x, then v; and sets it to one that holds at the present time. */
 void aoi_body_copy(const aoi_adaptive *run, size_t b, double *state);
 void aoi_body_take(aoi_adaptive *run, size_t b, const double *state);
 
 /* Advances a body in free motion to the present time. */
 void aoi_body_bring(aoi_adaptive *run, size_t b);
 
-/* The same for a body that takes part in the step; how: an aoi_part. */
+/* Advances a body to the present time as a part of the step; how: an aoi_part. */
 void aoi_body_engage(aoi_adaptive *run, size_t b, int how);
 
 /* The two bodies of a contact at the present time; x, v point into the run. */
@@ -292,17 +298,17 @@ void aoi_pair_now(const aoi_adaptive *run, size_t c, aoi_free_pair *pair);
 /* Empties the lists of watched contacts. */
 void aoi_watch_begin(aoi_adaptive *run);
 
-/* Adds an open contact to the watched ones, if it is not there yet. Its free_until and touches must not change until
- * it is removed. */
+/* Adds an open contact to the watched ones, if it is not there yet. Its flight.until and touches
+ * must not change until it is removed. */
 void aoi_watch_add(aoi_adaptive *run, size_t c);
 
 int aoi_watch_has(const aoi_adaptive *run, size_t c);
 
-/* Returns whether it was watched. */
+/* Removes a contact from the watched ones; returns whether it was watched. */
 int aoi_watch_remove(aoi_adaptive *run, size_t c);
 
-/* The least free_until before limit of the watched contacts that touch (touches 1) or do not (0), and which contact
- * that is; limit and contact_count where there is none. */
+/* The least flight.until before limit of the watched contacts that touch (touches 1) or do not (0),
+ * and which contact that is; limit and contact_count where there is none. */
 double aoi_watch_first(const aoi_adaptive *run, int touches, double limit, size_t *c);
 
 #endif

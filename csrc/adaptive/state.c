@@ -121,7 +121,8 @@ void aoi_pair_now(const aoi_adaptive *run, size_t c, aoi_free_pair *pair)
 
 /* ------------------------------------------------------------------------------------- contacts */
 
-/* The indentation at the start includes this; the motion without contact forces does not. */
+/* Indentation that contact forces take away by the residual compliance of both bodies. closed.start
+ * includes this change; the motion without contact forces does not. */
 double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates)
 {
     const aoi_contact *of = &run->system->contact[c];
@@ -208,7 +209,8 @@ void aoi_contact_open(aoi_adaptive *run, size_t c)
     contact->is_closed = contact->flight.touches = 0;
     contact->flight.until = aoi_run_now(run);
     contact->closed.force = contact->massless.bending = contact->massless.force_rate = 0.0;
-    aoi_law_remember(law, aoi_law_rest(law, contact->memory), -1.0, contact->memory); /* that it has parted */
+    /* records that the bodies have parted */
+    aoi_law_remember(law, aoi_law_rest(law, contact->memory), -1.0, contact->memory);
 }
 
 /* --------------------------------------------------------------------------------------- events */

@@ -135,8 +135,8 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
     entry->scale = fmax(largest, (massless ? MASSLESS_NEWTON_SHARE : NEWTON_SHARE) * usual);
 }
 
-/* The same of a slide: the last step's polynomial, or the motion without contact forces. Its scale is what springs are
- * stretched at most, or, of a longer one, itself. */
+/* As guess, for a slide: the last step's polynomial, or the motion without contact forces. Its
+ * scale is the largest stretch of a spring, or the slide itself if that is larger. */
 static void guess_slide(const aoi_adaptive_contact *contact, double h, double usual, aoi_contact_step *entry)
 {
     const aoi_friction *friction = &entry->sliding->rub.friction;
@@ -153,7 +153,7 @@ static void guess_slide(const aoi_adaptive_contact *contact, double h, double us
     entry->scale = fmax(fmax(largest, stretch * contact->scales.indentation), NEWTON_SHARE * usual);
 }
 
-/* True if a step of length h begins or ends at an edge of a contact. */
+/* The edge of a contact at which a step of length h begins or ends, if there is one. */
 static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];
@@ -167,7 +167,8 @@ static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
     return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;
 }
 
-/* Fills the entry of a closed contact for a step of length h, with a guess of the solution; pressed: as gather_constant has it. */
+/* Fills the entry of a closed contact for a step of length h, with a guess of the solution.
+ * pressed: as returned by gather_constant. */
 static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates, int pressed)
 {
     aoi_contact_step *entry = &run->entry[s];
@@ -232,8 +233,9 @@ static double force_scale_of(const aoi_adaptive *run)
     return largest;
 }
 
-/* True if a step that fails by its friction has a corner of it inside, and is to end there. One as near to an end as the root
- * of its tolerance has errors within that, which go by the square. */
+/* True if a step that fails by its friction contains a corner of friction, at which it is to end. A
+ * corner closer than sqrt(rtol) to an end stays inside: its error is of second order in that
+ * distance. */
 static int ends_at_corner(aoi_adaptive *run, size_t s, aoi_attempt *attempt)
 {
     const aoi_contact_step *normal = &run->entry[s - run->entry[s].axis];

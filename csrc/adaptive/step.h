@@ -10,12 +10,12 @@
 
 #include <math.h>
 
-/* Scales of a contact are at least this share of the largest of the other closed contacts: more is not promised of the
- * lesser ones (aoimpact/integrate/settings.py). */
+/* Scales of a contact are at least this share of the largest of the other closed contacts: small
+ * ones are not promised a higher accuracy (aoimpact/integrate/settings.py). */
 static const double LESSER_SHARE = 0.01;
 
-/* A peak between nodes may exceed the largest force at a node by the inverse of this. Measured: from 0.7 to 0.97 work
- * changes by 0.3 %. */
+/* Least ratio of the largest force at a node to a peak between nodes. Measured: from 0.7 to 0.97
+ * work changes by 0.3 %. */
 static const double NEAR_PEAK = 0.9;
 
 static inline const aoi_law *aoi_step_law(const aoi_adaptive *run, const aoi_contact_step *entry)

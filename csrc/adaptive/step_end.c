@@ -13,9 +13,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Place of the force's largest maximum in the step: that of the indentation, or, for a rate-dependent law, of the
- * polynomial through its forces at the nodes. At an edge that is not the step's own, which is the nearest in the mean
- * and may miss the nodes by a hundredth. 1 where there is none inside. */
+/* Place of the force's largest maximum in the step: that of the indentation, or, for a
+ * rate-dependent law, of the polynomial through the law's forces at the nodes; 1: no maximum
+ * inside. At an edge the step's own polynomial is a least-squares fit, which may miss the forces at
+ * the nodes by a hundredth. */
 static double top_of(const aoi_law *law, const aoi_contact_step *entry)
 {
     double place, value, by_force[AOI_NODES];

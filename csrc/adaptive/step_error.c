@@ -133,7 +133,7 @@ static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *
 /* The errors of a step as shares of their tolerances; and the tolerance of the unresolved oscillation of a force, N. */
 typedef struct errors {
     double within, handed_on, ripple;
-    double drift; /* of friction, by the length of the straight parts of its paths */
+    double drift; /* of friction, since paths are made of straight parts */
 } errors;
 
 /* Friction below this share of its bound is rounding of the normal force, and no more is promised. */
@@ -187,7 +187,7 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
     }
     of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * share * force_scale(run, normal);
     of->drift = 0.0;
-    if (entry->sliding) { /* which cannot be told from what the curve of stretches leaves out */
+    if (entry->sliding) { /* the error of the curve of stretches hides a smaller drift */
         const double known = fmax(STEP_SHARE * run->rtol, entry->sliding->rub.friction.precision);
         of->drift = entry->sliding->drift[entry->axis] / (known * share * force_scale(run, normal));
     }
@@ -211,15 +211,15 @@ static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entr
 {
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, entry), scale / h);
-    /* Slopes at the nodes, of a change within rounding: up to their number squared over the step's length. */
+    /* Rounding changes slopes at the nodes by up to their number squared over the step's length. */
     const double rounding = AOI_NODES * AOI_NODES * AOI_COLLOCATION_ROUNDING * entry->scale / h;
     const double unresolved = fmax(within, fmax(rate_tail(entry) - rounding, 0.0) / fmax(slow, DBL_MIN));
     const double growth = CAUTION * pow(unresolved, -1.0 / AOI_NODES);
     return unresolved > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), BLIND_GROWTH);
 }
 
-/* Friction's, where slip may begin or end in the step: its impulse has errors of a kink of its rate only where they are too
- * large, the length of parts errs with about the same power. */
+/* Growth allowed by friction, where slip may begin or end in the step. The drift has about the order of a
+ * kink of the rate; so has the error of the impulse, which counts only where it is too large. */
 static double sliding_growth(const errors *of)
 {
     const double worst = fmax(of->drift, of->handed_on > 1.0 ? of->handed_on : 0.0);
@@ -234,7 +234,8 @@ static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *e
     const int at_edge = entry->edge != AOI_EDGE_NONE;
     const double by_tail = at_edge ? 3.5 : AOI_NODES + 1, by_impulse = at_edge ? 2.5 : 2 * AOI_NODES;
     double growth = CAUTION * pow(of->within, -1.0 / by_tail);
-    if (of->within > 1.0 || of->handed_on > of->within * of->within) { /* else the first is the least */
+    /* else the tail allows the smaller growth */
+    if (of->within > 1.0 || of->handed_on > of->within * of->within) {
         growth = fmin(growth, CAUTION * pow(of->handed_on, -1.0 / by_impulse));
     }
     if (entry->sliding) {

@@ -33,7 +33,7 @@ static void write_contact(const aoi_adaptive_contact *contact, const aoi_contact
     memcpy(of + AOI_TRACK_INDENTATION, entry->legendre, sizeof entry->legendre);
 }
 
-/* Behind a contact with friction, whose three entries these are, at the end of the step. */
+/* Writes the values of friction behind those of a contact, from its three entries at the step's end. */
 static void write_friction(aoi_sliding *sliding, const aoi_contact *contact, const aoi_contact_step *entry, double *of)
 {
     const int edge = entry->edge != AOI_EDGE_NONE;
