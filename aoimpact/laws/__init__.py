@@ -1,9 +1,9 @@
-"""Contact laws: a family a file, and the registry of them all.
+"""Contact laws, one family per file, and their registry `LAWS`.
 
-To add a law, write its class in a file of this folder and import it here: scene files, and tests of
-what holds for every law, read `LAWS`. A law is numbers alone; `effective_law` takes the compliance
-of the bodies' meshes out of it, for `scene`. `integrate` hands laws to the core; `fem` and
-`reduction` know none.
+To add a law, write its class in a file of this folder and import it here: scene files and the tests
+common to all laws read `LAWS`. Laws know no bodies; `effective_law` removes the compliance of the
+bodies' meshes from a law, for `scene`. `integrate` hands laws to the core; `fem` and `reduction`
+know none.
 """
 
 from .curvature import RoundContact, round_contact
@@ -25,7 +25,7 @@ from .plastic import ElasticPlastic, Thornton, YangSun, yield_force, yield_press
 from .surfaces import LawFromSurfaces, law_between
 from .viscous import HuntCrossley, KelvinVoigt, KuwabaraKono, Tsuji
 
-# Every law by its name; a law between patches is made from one of them.
+# Laws by class name, but for the base classes and `PatchLaw`, which is made from another law.
 LAWS: dict[str, type[ContactLaw]] = {
     name: law
     for name, law in globals().items()

@@ -1,4 +1,4 @@
-"""Hertz's contact of curved surfaces: the stiffness of F = k δ^(3/2), the radius and the pressure.
+"""Hertz contact of curved surfaces: stiffness k of F = k δ^(3/2), contact radius and pressure.
 
 K. L. Johnson, *Contact Mechanics* (1985), sections 4.1 and 4.2.
 """
@@ -20,7 +20,7 @@ from .law import ContactLaw, HertzianLaw
 
 
 def half_space(name: str, of: Any) -> Material:
-    """Return what a contact meets on the top of a shell, or of a body of that material.
+    """Return the isotropic half-space that stands for a body's surface or the top of a shell.
 
     The third axis of an orthotropic material is the surface's normal.
     """
@@ -30,7 +30,7 @@ def half_space(name: str, of: Any) -> Material:
 
 
 def contact_modulus(material_1: Material, material_2: Material) -> float:
-    """Return E*, Pa: 1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂, eq. (16)."""
+    """Return the contact modulus E*, Pa: 1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂, eq. (16)."""
     instance("material_1", material_1, Material)
     instance("material_2", material_2, Material)
     modulus = 1.0 / (1.0 / material_1.plane_strain_modulus + 1.0 / material_2.plane_strain_modulus)
@@ -49,7 +49,7 @@ def _curvature(name: str, radius: Any) -> float:
 
 
 def _curvatures(name: str, radii: Any) -> list[float]:
-    """Principal curvatures, 1/m, of one radius or of two principal ones."""
+    """Return both principal curvatures, 1/m, for one radius or two principal radii."""
     pair = isinstance(radii, (list, tuple)) or (isinstance(radii, np.ndarray) and radii.ndim > 0)
     if not pair:
         return [_curvature(name, radii)] * 2
@@ -59,14 +59,14 @@ def _curvatures(name: str, radii: Any) -> list[float]:
 
 
 def relative_curvatures(radii_1: Any, radii_2: Any, angle: Any) -> tuple[float, float]:
-    """Return A ≤ B, 1/m, with which the surfaces part: h = A x² + B y², eq. (4.3).
+    """Return A ≤ B, 1/m, of the gap h = A x² + B y² between the unloaded surfaces, eq. (4.3).
 
     Parameters
     ----------
     radii_1, radii_2 : float or pair of float
         Radius of a sphere, or principal radii of curvature R', R'', m.
     angle : float
-        Between the normal planes of the two R', rad.
+        Angle between the normal planes of the two R', rad.
 
     Raises
     ------
@@ -90,11 +90,11 @@ def relative_curvatures(radii_1: Any, radii_2: Any, angle: Any) -> tuple[float, 
 
 
 def elliptic_contact(modulus: float, low: float, high: float) -> tuple[float, float]:
-    """Return k, N/m^1.5, and the ellipse's eccentricity, of surfaces that part as A x² + B y².
+    """Return k, N/m^1.5, and the contact ellipse's eccentricity for a gap A x² + B y².
 
-    With m = 1 - (b/a)² of the ellipse of contact and D(m) = (K - E)/m,
-    B/A = (K - D) / ((1-m) D) fixes m, and k² = (2π E*)² D / (9 K³ A): Johnson's eqs. (4.25) to
-    (4.27) with F for p₀. For A = B it is k = 4/3 E* √R.
+    With m = 1 - (b/a)² of the ellipse, complete elliptic integrals K and E of m, and D = (K - E)/m,
+    m follows from B/A = (K - D) / ((1-m) D), and k² = (2π E*)² D / (9 K³ A): Johnson's eqs. (4.25)
+    to (4.27) with F for p₀. For A = B, k = 4/3 E* √R.
 
     Parameters
     ----------
@@ -125,16 +125,16 @@ def elliptic_contact(modulus: float, low: float, high: float) -> tuple[float, fl
 
 
 class RoundContact(NamedTuple):
-    """A contact under k δ^(3/2), k = 4/3 E* √R (Johnson, *Contact Mechanics*, section 4.2).
+    """Hertz contact F = k δ^(3/2), k = 4/3 E* √R (Johnson, *Contact Mechanics*, section 4.2).
 
     Attributes
     ----------
     k : float
-        N/m^1.5.
+        Stiffness, N/m^1.5.
     modulus : float
         E* of the pair, Pa.
     radius : float
-        R, relative radius of curvature, m; of an elliptic contact that of spheres with the same k.
+        R, relative radius of curvature, m; for an elliptic contact that of spheres with the same k.
     eccentricity : float
         √(1 - b²/a²) of an elliptic contact.
     """
@@ -148,7 +148,7 @@ class RoundContact(NamedTuple):
     def narrowing(self) -> float:
         """√(a b) of an elliptic contact over the radius of a circle of the same force and approach.
 
-        Its semi-axes are 2 K(e)/π times that radius (Johnson, eq. 4.26), and √(1 - e²) times this.
+        The semi-axes are a = 2 K(e)/π times that radius (Johnson, eq. 4.26), and b = a √(1 - e²).
         """
         square = self.eccentricity**2
         wider = float(scipy.special.ellipk(square)) / (0.5 * math.pi)
@@ -166,14 +166,15 @@ class RoundContact(NamedTuple):
 
 
 def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> RoundContact | None:
-    """Return the contact of a law that begins as Hertz's; None where it is not known.
+    """Return the Hertz contact with which a law begins; None if it is not known.
 
     Parameters
     ----------
     law : ContactLaw
-        Between the bodies.
+        Law between the bodies.
     materials : sequence of Material or None
-        Materials of the bodies that deform; R follows from k and these. None for an unknown one.
+        Materials of the deformable bodies, None if unknown: a law without R gets it from k and
+        these.
     """
     if not isinstance(law, HertzianLaw) or getattr(law, "n", law.power) != law.power:
         return None

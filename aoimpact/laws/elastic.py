@@ -20,10 +20,9 @@ class Hertz(HertzianLaw, kind="hertz"):
     k : float
         N/m^1.5, positive.
     relative_radius : float, optional
-        R, m: the contact is √(R δ) wide, from which the radius of patches follows. E* follows from
-        it and k.
+        R, m: the contact radius is √(R δ), from which patches get their radius; k and R give E*.
     eccentricity : float, optional
-        √(1 - b²/a²) of an elliptic contact, from 0 to below 1, for its pressure.
+        √(1 - b²/a²) of an elliptic contact, from 0 to below 1, used for its pressure.
 
     Examples
     --------
@@ -59,14 +58,14 @@ class Hertz(HertzianLaw, kind="hertz"):
         Parameters
         ----------
         material_1, material_2 : Material, Orthotropic, Shell or Laminate
-            A shell or laminate is touched on its top, an orthotropic material across its first two
-            axes: its half-space is that of `Orthotropic.half_space`, as in the law by default.
+            The contact is on the top of a shell or laminate, and on the surface normal to the third
+            axis of an orthotropic material; see `Orthotropic.half_space`, as in the default law.
         radius_1, radius_2 : float or (float, float)
-            Radius of curvature, m, or the two principal ones R', R''; ``math.inf`` is flat, a
-            negative radius hollow: a cup is larger in magnitude than its ball. A cylinder is
-            ``(R, math.inf)``.
+            Radius of curvature, m, or the two principal radii R', R''. ``math.inf`` means flat,
+            negative means hollow: a cup's radius is larger in magnitude than its ball's. A cylinder
+            is ``(R, math.inf)``.
         angle : float, optional
-            Between the planes of the two R', rad: π/2 for cylinders that cross at right angles.
+            Angle between the planes of the two R', rad: π/2 for cylinders crossing at right angles.
 
         Raises
         ------
@@ -106,7 +105,7 @@ class PowerLaw(ContactLaw, kind="power"):
     """
 
     k: float
-    n: float = field(metadata=parameter(within, low=1.0))  # less begins with a jump
+    n: float = field(metadata=parameter(within, low=1.0))  # below 1, infinite stiffness at 0
 
 
 @dataclass(frozen=True, repr=False)

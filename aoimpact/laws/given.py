@@ -1,4 +1,4 @@
-"""Contact laws of the caller's own: through measured points, and by functions."""
+"""Contact laws given by the caller: as measured points, or as functions."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ class Tabulated(ContactLaw, kind="table"):
     """A law through points, by monotone cubic interpolation (PCHIP).
 
     F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246, with the slopes of
-    F. N. Fritsch, J. Butland (SciPy's PCHIP). An impact that goes deeper than the last point is an
-    error: the table has no force there.
+    F. N. Fritsch, J. Butland (SciPy's PCHIP). An impact deeper than the last point raises an error.
 
     Parameters
     ----------
     indentation : array_like, shape (n,)
-        m, increasing, not negative; (0, 0) is put before a table that does not begin with it.
+        m, increasing, not negative; (0, 0) is prepended to a table that does not begin with it.
     force : array_like, shape (n,)
         N, never falling, positive from the first indentation above 0 on.
 
     Attributes
     ----------
-    indentation, force : tuple of float
+    indentation, force_values : tuple of float
+        Points of the table, m and N.
 
     Examples
     --------
@@ -91,16 +91,16 @@ class Tabulated(ContactLaw, kind="table"):
     def _table(self) -> FloatArray:
         """The core's table, shape (4, n): indentations, forces, slopes, energies."""
         depth, push = np.array(self.indentation), np.array(self.force_values)
-        with np.errstate(over="ignore", invalid="ignore"):  # of a rise next to none, or next to all
+        with np.errstate(over="ignore", invalid="ignore"):  # of extreme slopes, which are refused
             try:
                 through = scipy.interpolate.PchipInterpolator(depth, push)
-            except ValueError:  # of slopes that are no numbers
+            except ValueError:  # slopes overflow
                 return np.full((4, len(depth)), np.nan)
             slope, energy = through.derivative()(depth), through.antiderivative()(depth)
         return np.stack([depth, push, np.maximum(slope, 0.0), energy])
 
 
-# The class of all functions of C libraries.
+# Base class of all ctypes functions.
 _CTYPES_FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]
 
 _SIGNATURE = "double (double, double)"
@@ -108,7 +108,7 @@ _SIGNATURE = "double (double, double)"
 
 @dataclass(frozen=True)
 class UserLaw(ContactLaw, kind="user", by_caller=True):
-    """A law of the user's own, F = f(δ, δ̇).
+    """A law F = f(δ, δ̇) by functions of the user.
 
     All functions take indentation, m, which is positive, and rate, m/s, and return a number. They
     are either all Python functions, called one state at a time; or all C functions,
@@ -119,23 +119,24 @@ class UserLaw(ContactLaw, kind="user", by_caller=True):
     Parameters
     ----------
     function : callable or scipy.LowLevelCallable
-        Force, N. It should be continuous, smoother than the tolerance of the run, and 0 at
-        indentation 0 unless a jump is meant. Where it is negative it is cut to 0, unless `pulls`.
+        Force, N. It should be continuous, free of noise above the tolerance of the run, and 0 at
+        indentation 0 unless a jump is meant. Negative values are cut to 0, unless `pulls`.
     stiffness, damping : callable or scipy.LowLevelCallable, optional
-        Its derivatives, N/m and N s/m; by differences if not given, to some eight digits.
+        Derivatives of the force with respect to indentation, N/m, and rate, N s/m. If not given,
+        they are computed by differences, to some eight digits.
     energy : callable or scipy.LowLevelCallable, optional
-        Elastic energy at an indentation (called with rate 0), J; by Gauss's rule of 16 points over
-        the force at no rate if not given.
+        Elastic energy at an indentation, J, called with rate 0. If not given, it is integrated from
+        the force at rate 0 by Gauss's rule of 16 points.
     depends_on_rate : bool, optional
-        False promises that the rate plays no part, and spares work.
+        False promises that the force does not depend on the rate, which saves calls.
     pulls : bool, optional
-        Whether negative forces are meant; the contact then ends where the indentation does.
+        Whether negative forces are meant; the contact then ends where the indentation reaches 0.
 
     Notes
     -----
-    An error raised by a Python function is raised by `simulate` unchanged; a value that is no
-    number, or NaN, raises an error that names it. The run releases the GIL between calls: laws must
-    not share state that they change with other threads.
+    An error raised by a Python function is raised by `simulate` unchanged; a return value that is
+    no number, or NaN, raises an error that names it. The run releases the GIL between calls: the
+    functions must not change state that other threads use.
 
     Examples
     --------
@@ -182,7 +183,7 @@ class UserLaw(ContactLaw, kind="user", by_caller=True):
         return tuple(found)
 
     def for_core(self) -> CoreLaw:
-        # The objects themselves go along: they must outlive the call.
+        # The functions themselves are included to keep them alive during the call.
         functions = (self.function, self.stiffness, self.damping, self.energy)
         data = self._entries(), self.depends_on_rate, self.pulls, functions
         return super().for_core()._replace(data=data)

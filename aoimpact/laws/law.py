@@ -1,7 +1,7 @@
-"""The interface of all contact laws, and laws with the compliance of the bodies' meshes taken out.
+"""Interface of all contact laws, and laws with the compliance of the bodies' meshes removed.
 
-The finite elements of each body have some compliance c in place of the half-space's indentation,
-which the law contains (`contact/extraction.py`). It is taken out of the law, F = law(δ + c F).
+The bodies' meshes have a local compliance c at the contact (`contact/extraction.py`). The law, made
+for half-spaces, contains it already, so that it is removed from the law: F = law(δ + c F).
 """
 
 from __future__ import annotations
@@ -35,20 +35,20 @@ from .rebound import damping_for, integrated_restitution
 
 
 class CoreLaw(NamedTuple):
-    """A law as the binding takes it.
+    """A law in the form that the core's binding reads.
 
     Attributes
     ----------
     kind : str
-        A name in csrc/law.
+        Name of the law's row in csrc/law.
     parameters : tuple of float
-        As `aoi_law_create` has them.
+        Parameters of `aoi_law_create`.
     compliance, limit : float
-        That is taken out, m/N, and the indentation up to which the law holds without it, m.
+        Compliance removed from the law, m/N, and largest indentation of the resulting law, m.
     note : ndarray, shape (3,)
-        Where a user's law puts the state at which it failed.
+        Output of the core: indentation and rate at which the law gave no force, and the reason.
     data : object
-        A table or a user's functions, or None.
+        Table or functions of a law given by the caller, else None.
     """
 
     kind: str
@@ -67,34 +67,35 @@ class Dent(NamedTuple):
     depth : float
         Residual indentation, m.
     diameter : float
-        That of the contact when it was deepest, m; NaN where the law has no radius.
+        Diameter of the contact when it was deepest, m; NaN if the law has no contact radius.
     """
 
     depth: float
     diameter: float
 
 
-# Residual indentation, as a share of the deepest, that is rounding.
+# Residual over deepest indentation up to which it is rounding.
 _NO_DENT = 1e-12
 
-# Largest c dF/dδ at which a law without the compliance c is used, as in csrc/law/law.c. The rest is
-# then twenty times as stiff as the law; with two like bodies the contact is 0.8 of the patch.
+# Largest c dF/dδ at which a law without the compliance c is used, as in csrc/law/law.c. What is
+# left is twenty times as stiff as the law; between two equal bodies the contact has 0.8 of the
+# patch's radius.
 MOST_SHARE = 0.95
 
-# Eccentricity up to which an ellipse is called round: √(a b) differs from a circle's radius by e⁴.
+# Eccentricity e up to which summaries omit it: √(a b) differs from a circle's radius by about e⁴.
 _ROUND = 0.1
 
-# How summaries write some parameters.
+# Symbols of some parameters in summaries.
 _SYMBOLS = {"relative_radius": "R", "yield_force": "F_y"}
 
-# Own indentations, m, among which the one of that share is searched.
+# Points per decade, and indentations, m, between which c dF/dδ = MOST_SHARE is searched.
 _DECADE = 40
 _INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
 # Smallest restitution: below it, a rebound velocity in double precision has less than four digits.
 _LEAST_RESTITUTION = 1e-12
 
-# Energy, J, from which powers of all quantities of a rigid impact are still numbers.
+# Smallest energy of a rigid impact, J, for which no power of its quantities underflows.
 _LEAST_ENERGY = 1e-250
 
 _NO_NOTE = np.full(3, math.nan)
@@ -116,7 +117,7 @@ def parameter(check: Callable[..., Any], unit: str = "", **options: Any) -> dict
         Takes the name, the value, the unit if there is one, and `options` by keyword; returns the
         value that is kept.
     unit : str, optional
-        For messages and summaries.
+        Unit in messages and summaries.
     """
     return {"check": partial(check, **options, **({"unit": unit} if unit else {})), "unit": unit}
 
@@ -124,16 +125,17 @@ def parameter(check: Callable[..., Any], unit: str = "", **options: Any) -> dict
 class ContactLaw:
     """The force between two bodies as a function of indentation, its rate, and its history.
 
-    Every law is a frozen value; its formulas are the core's (csrc/law). A law is a dataclass. Its
-    field `k` is positive, others have a `parameter` as metadata. Numbers that are not keyword-only
-    are the parameters of the core's row, and the line of the class names that row and its traits.
+    Every law is a frozen dataclass; its formulas are in the core (csrc/law). The field `k` is
+    positive, and others have `parameter` metadata. The numbers that are not keyword-only are the
+    parameters of the law's row in csrc/law. Keywords of the class statement give the name of that
+    row, `kind`, and other class attributes.
 
     Attributes
     ----------
     depends_on_rate : bool
         True if the force depends on the rate of the indentation.
     has_memory : bool
-        True if the force depends on what the contact went through before.
+        True if the force depends on the history of the contact.
 
     Examples
     --------
@@ -150,17 +152,18 @@ class ContactLaw:
     depends_on_rate: bool = False
     has_memory: bool = False
 
-    # True if functions of the caller's give the force: slow, rough or wrong as they may be.
+    # True if functions of the caller give the force, which may be slow, noisy or wrong.
     by_caller: bool = False
 
-    # True if the contact ends with the indentation, and pulls before.
+    # True if the force may be negative: the contact then ends where the indentation reaches 0.
     pulls: bool = False
 
-    # Exponents of the indentation: of a law without a parameter n, and of unloading with memory.
+    # Exponents of the indentation: on loading, of a law without a parameter n; on unloading, of a
+    # law with memory.
     power: ClassVar[float] = 1.5
     unloading_power: ClassVar[float] = 1.5
 
-    # The parameter in proportion to which a law with a closed form of its restitution is damped.
+    # Name of the parameter that the damping is proportional to, of a law with `_closed_form`.
     damped_by: ClassVar[str] = ""
 
     # R, m, of a law with a contact radius, √(R δ).
@@ -201,7 +204,7 @@ class ContactLaw:
         return units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
 
     def _given(self) -> dict[str, Any]:
-        """Fields by name; last those by keyword, and only where they are given."""
+        """Return the fields by name; keyword-only fields come last, and only if they are set."""
         entries = {e.name: getattr(self, e.name) for e in self._fields() if not e.kw_only}
         options = {e.name: getattr(self, e.name) for e in self._fields() if e.kw_only}
         return entries | {name: value for name, value in options.items() if value}
@@ -232,22 +235,21 @@ class ContactLaw:
 
     @property
     def limit(self) -> float:
-        """Deepest indentation that the law stands for, m."""
+        """Largest indentation for which the law holds, m."""
         return math.inf
 
     def for_core(self) -> CoreLaw:
-        """Return the law as the core's ``take_law`` reads it; new for every call of the core.
+        """Return the form that the core's ``take_law`` reads; a new one for each call of the core.
 
         :meta private:
         """
-        # A note is the core's word on where and why a law gave no force.
         note = _NO_NOTE.copy()
         return CoreLaw(self.kind, self._parameters, 0.0, math.inf, note, None)
 
     def force(
         self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0, *, along: bool = False
     ) -> Any:
-        """Return the contact force, on the loading branch where there is history.
+        """Return the contact force; of a law with memory that of loading.
 
         Parameters
         ----------
@@ -256,7 +258,7 @@ class ContactLaw:
         rate : array_like, optional
             dδ/dt, m/s; broadcast against `indentation`.
         along : bool, optional
-            Whether the indentations follow each other in time: a law with memory then unloads.
+            Whether the indentations are a history in time, in which a law with memory also unloads.
 
         Returns
         -------
@@ -309,13 +311,13 @@ class ContactLaw:
     def within_patch(self, compliance: float) -> PatchLaw:
         """Return the law without a compliance that the bodies' models contain already.
 
-        With c taken out, F = law(δ + c F).
+        Without c, F = law(δ + c F).
 
         Parameters
         ----------
         compliance : float
-            c, the sum over both bodies, m/N, besides what is taken out already; negative where a
-            model of a shell is stiffer than the shell, so that -c is in series with the law.
+            c, m/N, summed over both bodies, in addition to what has been removed before; negative
+            if the model of a shell is stiffer than the shell: -c is then in series with the law.
 
         Raises
         ------
@@ -338,24 +340,24 @@ class ContactLaw:
     def _stiffest(self, indentation: FloatArray) -> FloatArray:
         """Return dF/dδ, N/m, of loading or, where that is steeper, of unloading."""
         force, steepest, _ = self._evaluate(indentation, np.zeros(indentation.shape))
-        if self.has_memory:  # F* x^n with n F*/(δ* - δ_p) at its start
+        if self.has_memory:  # unloading by F* x^n begins with the slope n F*/(δ* - δ_p)
             n = self.unloading_power
             unloading = n / (n + 1.0) * force**2 / self.potential(indentation)
             steepest = np.maximum(steepest, unloading)
         return steepest
 
     def _steepest(self, compliance: float) -> float:
-        """Return the own indentation, m, up to which c dF/dδ is less than the share allowed."""
+        """Return the law's own indentation δ + c F, m, up to which c dF/dδ is below MOST_SHARE."""
 
         def excess(delta: FloatArray | float) -> Any:
             return compliance * self._stiffest(np.asarray(delta)) - MOST_SHARE
 
         within = _INDENTATIONS[self.limit >= _INDENTATIONS]
-        for start in range(0, len(within), _DECADE):  # from the shallow ones on
+        for start in range(0, len(within), _DECADE):  # from shallow to deep
             try:
                 with np.errstate(all="ignore"):
                     beyond = excess(within[start : start + _DECADE]) >= 0.0
-            except Exception:  # a user's law need not hold deeper than a run goes
+            except Exception:  # a user's law may fail deeper than any run goes
                 if start == 0:
                     raise
                 break
@@ -371,11 +373,11 @@ class ContactLaw:
         return math.inf
 
     def _work(self, indentation: float) -> float:
-        """Return ∫ F dδ up to an indentation on the way in, at no rate, J."""
+        """Return the work ∫ F dδ of loading up to an indentation at zero rate, J."""
         return float(self.potential(indentation))
 
     def stroke(self, energy: float) -> float:
-        """Return the indentation at which the way in has taken an energy, at no rate.
+        """Return the indentation at which loading at zero rate has absorbed an energy.
 
         Parameters
         ----------
@@ -385,12 +387,12 @@ class ContactLaw:
         Returns
         -------
         float
-            m; where the law ends before, its end.
+            Indentation, m; the law's limit if that comes first.
 
         Raises
         ------
         InputError
-            If it lies beyond the range of numbers.
+            If the indentation lies beyond the range of numbers.
 
         Examples
         --------
@@ -427,12 +429,12 @@ class ContactLaw:
         Parameters
         ----------
         indentation : float
-            m.
+            Deepest indentation, m.
 
         Returns
         -------
         Dent
-            Its ``depth`` and ``diameter``, m; both 0 without a loss in the law's memory.
+            ``depth`` and ``diameter``, m; both 0 if the law unloads along its loading curve.
 
         Examples
         --------
@@ -454,7 +456,7 @@ class ContactLaw:
         return Dent(depth, 2.0 * self._contact_radius(deepest))
 
     def _contact_radius(self, indentation: float) -> float:
-        """Return the radius of the contact on the way in, m; NaN where the law has none."""
+        """Return the contact radius on loading, m; NaN if the law has none."""
         if self.relative_radius is None:
             return math.nan
         return math.sqrt(self.relative_radius * indentation)
@@ -498,7 +500,7 @@ class ContactLaw:
         return min(delivered, 1.0)
 
     def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
-        """Return the restitution as a function of one number, and this over the damping."""
+        """Return e as a function of a damping number, and this over the parameter `damped_by`."""
         raise NotImplementedError
 
     def _delivering(
@@ -508,7 +510,7 @@ class ContactLaw:
         velocity: float,
         number: Callable[[float], float] | None = None,
     ) -> Self:
-        """Return the law with the damping for a restitution; number: of a published formula."""
+        """Return the law damped for a restitution e; `number`: published e ↦ damping number."""
         e = within("restitution", restitution, _LEAST_RESTITUTION, 1.0)
         m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
         closed_form, scale = self._closed_form(m, v)
@@ -518,18 +520,18 @@ class ContactLaw:
 
 
 def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
-    """Return what part of its speed a rigid pair gets back after one contact.
+    """Return the restitution of a rigid pair, its separation speed over its approach speed.
 
-    By closed form where there is one, by energy for laws whose loss is plastic, else by integration
-    to ten digits; no formula fitted to a nominal restitution takes part.
+    It is computed by closed form if there is one, by energy for laws with plastic loss, else by
+    integration to ten digits, and never by formulas fitted to a nominal restitution.
 
     Parameters
     ----------
     law : ContactLaw
     mass : float
-        Reduced mass of the pair, m1 m2 / (m1 + m2); of one body against a wall its own, kg.
+        Reduced mass of the pair, m1 m2 / (m1 + m2), kg; against a wall the mass of the body.
     velocity : float
-        Of approach, m/s.
+        Approach velocity, m/s.
 
     Returns
     -------
@@ -539,8 +541,8 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     Raises
     ------
     InputError, InputTypeError
-        If `law` is none, or `mass` or `velocity` is not positive, or numbers end on the way, or a
-        user's law gives more energy than it takes.
+        If `law` is no contact law, `mass` or `velocity` is not positive, a number overflows or
+        underflows, or a user's law gives more energy than it takes.
 
     Examples
     --------
@@ -555,13 +557,13 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
 
 
 def removable(law: ContactLaw, indentation: float) -> float:
-    """Return the most compliance, m/N, that can be taken out of a law up to an indentation, m."""
+    """Return the largest compliance, m/N, that a law used up to an indentation, m, can lose."""
     return MOST_SHARE / float(law._stiffest(np.array(indentation)))
 
 
 @dataclass(frozen=True, repr=False)
 class HertzianLaw(ContactLaw):
-    """A law that begins with Hertz's k δ^(3/2), and may know how wide its contact is.
+    """A law that begins with Hertz's k δ^(3/2), and may have a contact radius.
 
     Parameters
     ----------
@@ -576,7 +578,7 @@ class HertzianLaw(ContactLaw):
 
 @dataclass(frozen=True)
 class PatchLaw(ContactLaw):
-    """A law with the compliance of the bodies' models at the contact taken out: F = law(δ + c F).
+    """A law without the compliance of the bodies' models at the contact: F = law(δ + c F).
 
     Made by :meth:`ContactLaw.within_patch`.
 
@@ -586,7 +588,7 @@ class PatchLaw(ContactLaw):
     compliance : float
         c, m/N.
     limit : float, optional
-        Deepest indentation δ that it stands for, m.
+        Largest indentation δ for which the law holds, m.
     """
 
     law: ContactLaw
@@ -623,12 +625,12 @@ class PatchLaw(ContactLaw):
 
 @lru_cache(maxsize=256)  # many models of the same bodies have the same law
 def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
-    """Return a law with a compliance, m/N, taken out, unless that has been done.
+    """Return a law without a compliance, m/N; a `PatchLaw` is returned unchanged.
 
     Raises
     ------
     InputError
-        If the law is stiffer than that from the first touch on.
+        If the law is stiffer than the compliance from the first touch on.
     """
     if compliance == 0.0 or isinstance(law, PatchLaw):
         return law
@@ -647,6 +649,6 @@ def own_law(law: ContactLaw) -> ContactLaw:
 
 
 def check_width(law: ContactLaw, indentation: FloatArray, contact: int) -> None:
-    """Refuse a record in which the contact of that number is stiffer than the meshes."""
+    """Refuse indentations at which the law of that contact is stiffer than the meshes."""
     if isinstance(law, PatchLaw) and float(indentation.max(initial=0.0)) > law.limit:
         raise LawLimitError("the contact is stiffer than the meshes there", contact)

@@ -1,4 +1,4 @@
-"""Contact laws that keep a residual indentation: of metals, and of laminates under a tup."""
+"""Contact laws with a residual indentation: of metals, and of laminates under an impactor."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from .curvature import contact_modulus
 from .elastic import Hertz
 from .law import HertzianLaw, parameter
 
-# Tabor: the hardness of a metal that no longer hardens, in yield strengths.
+# Hardness over yield strength of a metal that no longer hardens (Tabor).
 _CONSTRAINT = 2.8
 
 
 def yield_force(modulus: float, radius: float, pressure: float) -> float:
-    """Return the force, N, at which Hertz's largest pressure is a given one: π³ R² p³ / (6 E*²).
+    """Return the force, N, at which Hertz's largest pressure is p: π³ R² p³ / (6 E*²).
 
     Parameters
     ----------
@@ -37,18 +37,18 @@ def _spheres(
     """Return k, N/m^1.5, R, m, and E*, Pa, of Hertz's contact of two spheres."""
     modulus = contact_modulus(material_1, material_2)
     for name, radius in (("radius_1", radius_1), ("radius_2", radius_2)):
-        real(name, radius, unit="m", infinite=True)  # not two
+        real(name, radius, unit="m", infinite=True)  # one radius, not two principal radii
     law = Hertz.between(material_1, radius_1, material_2, radius_2)
     assert law.relative_radius is not None
     return law.k, law.relative_radius, modulus
 
 
 def yield_pressure(material: Material) -> float:
-    """Return Hertz's largest pressure at which a body begins to yield below the surface, Pa.
+    """Return Hertz's largest pressure p₀, Pa, at which a body begins to yield below the surface.
 
-    On the axis the largest shear is τ = ½ |σ_z - σ_r|, by Tresca and von Mises alike (Johnson,
-    *Contact Mechanics*, eq. 3.45): 0.31 p₀ at a depth of 0.48 a for ν = 0.3, so that
-    p₀ = 1.61 σ_y.
+    Yield begins on the axis at τ = ½ |σ_z - σ_r| = ½ σ_y, by Tresca and von Mises alike (Johnson,
+    *Contact Mechanics*, eq. 3.45). The largest τ is 0.31 p₀ at a depth of 0.48 a for ν = 0.3, so
+    that p₀ = 1.61 σ_y.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def yield_pressure(material: Material) -> float:
 
 @dataclass(frozen=True, repr=False)
 class _Yielding(HertzianLaw, has_memory=True):
-    """k δ^(3/2) up to a yield force, then straight on or on a law's own curve."""
+    """A law F = k δ^(3/2) up to a yield force, and a line or the subclass's curve beyond."""
 
     k: float
     yield_force: float = field(metadata=parameter(positive, "N"))
@@ -120,10 +120,10 @@ class Thornton(_Yielding, kind="thornton"):
     and reloading from the deepest point δ*, F* as Hertz on the flattened radius,
     F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2) with δ* - δ_p = F* / (k √δ*).
 
-    The law is for contacts a few times beyond yield. Its line has the slope π R p_y, where a fully
-    plastic contact has 2 π R p₀ with the hardness p₀ ≈ 2.8 σ_y. Spheres pressed 0.1 to 0.3 mm
-    together in a Hopkinson bar had 3.4 to 4.6 times its force with p_y = 1.6 σ_y: there take
-    `ElasticPlastic`.
+    The law is for indentations of a few times δ_y. Its line has the slope π R p_y, but a fully
+    plastic contact 2 π R p₀ with the hardness p₀ ≈ 2.8 σ_y: the force measured on spheres pressed
+    together by 0.1 to 0.3 mm in a Hopkinson bar was 3.4 to 4.6 times that of the law with
+    p_y = 1.6 σ_y. Take `ElasticPlastic` there.
 
     Parameters
     ----------
@@ -154,8 +154,8 @@ class Thornton(_Yielding, kind="thornton"):
     ) -> Thornton:
         """Return the law of two spheres, or of a sphere and a flat or a cup.
 
-        k as :meth:`Hertz.between`; F_y = π³ R² p_y³ / (6 E*²), at which Hertz's largest pressure
-        is p_y.
+        k is that of :meth:`Hertz.between`. Hertz's largest pressure reaches p_y at the force
+        F_y = π³ R² p_y³ / (6 E*²).
 
         Parameters
         ----------
@@ -163,8 +163,8 @@ class Thornton(_Yielding, kind="thornton"):
         radius_1, radius_2 : float
             m; ``math.inf`` is flat, a negative radius hollow.
         yield_pressure : float
-            p_y, Pa: 1.6 times the yield stress of the softer body where it begins to yield
-            (Johnson, *Contact Mechanics*, section 6.1); with more the law yields too late.
+            p_y, Pa: yield begins at 1.6 times the yield stress of the softer body (Johnson,
+            *Contact Mechanics*, section 6.1); with larger values the law yields too late.
 
         Examples
         --------
@@ -180,7 +180,7 @@ class Thornton(_Yielding, kind="thornton"):
 
 @dataclass(frozen=True, repr=False)
 class ElasticPlastic(_Yielding, kind="elastic_plastic"):
-    """A contact from first yield to full plasticity, where the mean pressure is the hardness.
+    """An elastic-plastic contact up to full plasticity, where the mean pressure is the hardness.
 
     Loading by M. R. Brake, Int. J. Solids Struct. 49 (2012) 3129-3141: Hertz's F = k δ^(3/2) up to
     the yield force F_y at δ_y; fully plastic from δ_f on, where Hertz's mean pressure is the
@@ -193,8 +193,8 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     δ_p = δ* (1 - w^(-0.28)) (1 - w^(-0.69)), w = δ*/δ_y. From about 1.6 δ_f on, where both have the
     same slope, the recovery δ* - δ_p goes as √F*, as that of a flattened sphere does whose contact
     is F* = π p₀ a² (K. L. Johnson, *Contact Mechanics*, section 11.5), so that far past yield the
-    restitution goes as V^(-1/4). Where hardness is less than 1.7 times the pressure of yield, it
-    rises by up to 0.007 just before δ_f; with Tabor's hardness it only falls.
+    restitution goes as V^(-1/4). If the hardness is less than 1.7 times the yield pressure, the
+    restitution rises by up to 0.007 just before δ_f; with Tabor's hardness it only falls.
 
     The papers were not at hand: the forms and the powers 0.28 and 0.69 are as they are commonly
     cited, and the transition at 1.6 δ_f is this package's. The measured spheres and Leeb's rebound
@@ -207,8 +207,8 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     yield_force : float
         F_y, N, positive.
     hardness : float
-        p₀, Pa: 1.25 times Hertz's largest pressure at yield, or more. With a Vickers number HV the
-        mean pressure is 10.6 MPa HV.
+        p₀, Pa, at least 1.25 times Hertz's largest pressure at yield. For a Vickers number HV it
+        is 10.6 MPa HV.
     relative_radius : float
         R, m.
 
@@ -246,11 +246,10 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     ) -> ElasticPlastic:
         """Return the law of two spheres, or of a sphere and a flat or a cup.
 
-        The pressure is that of both bodies, so that yield begins in the one with the lower
-        pressure of yield, 1.6 yield strengths, and ends at the lower hardness. A material's
-        hardness is its own, or 2.8 yield strengths (Tabor), and its yield strength its own, or the
-        hardness over 2.8. Metals that harden, by strain or its rate, have more than 2.8: give their
-        hardness.
+        Both bodies are under the same pressure: yield begins at the lower yield pressure, 1.6 yield
+        strengths, and the contact becomes fully plastic at the lower hardness. A material without a
+        hardness has 2.8 yield strengths (Tabor), one without a yield strength its hardness over
+        2.8. Metals that harden, by strain or its rate, have more than 2.8: give their hardness.
 
         Parameters
         ----------
@@ -259,7 +258,7 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
         radius_1, radius_2 : float
             m; ``math.inf`` is flat, a negative radius hollow.
         hardness : float, optional
-            p₀, Pa, in place of that of the materials.
+            p₀, Pa, in place of the materials' hardness.
 
         Raises
         ------
@@ -313,7 +312,7 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
 
 
 def _hardness(material: Material) -> float:
-    """The hardness of a material, Pa, infinite where none is known."""
+    """Return the hardness of a material, Pa, infinite if it is not known."""
     return material.hardness or _CONSTRAINT * (material.yield_strength or math.inf)
 
 
@@ -326,24 +325,24 @@ def _share(name: str, value: Any) -> float:
 
 @dataclass(frozen=True, repr=False)
 class YangSun(HertzianLaw, kind="yang_sun", has_memory=True, unloading_power=2.5):
-    """The indentation of a laminate, which leaves a dent beyond a critical one.
+    """Indentation of a laminate, which leaves a dent if it exceeds a critical indentation.
 
     S. H. Yang, C. T. Sun, ASTM STP 787 (1982) 425-449; T. M. Tan, C. T. Sun, J. Appl. Mech. 52
-    (1985) 6-12. Loading is F = k δ^(3/2); unloading from the deepest point δ*, F*
-    F = F* ((δ - δ_p) / (δ* - δ_p))^(5/2), and once the bodies have parted reloading the same with
-    3/2. The permanent indentation δ_p is 0 up to δ* = δ_c; beyond, it is δ* (1 - (δ_c/δ*)^(2/5))
-    by Yang and Sun, and β (δ* - δ_c) by Tan and Sun. A contact that is loaded again before the
-    bodies have parted goes back as it came; of that the papers say nothing.
+    (1985) 6-12. Loading follows F = k δ^(3/2), and unloading from the deepest point δ*, F* follows
+    F = F* ((δ - δ_p) / (δ* - δ_p))^(5/2); reloading after the bodies have parted has the exponent
+    3/2 there. The permanent indentation δ_p is 0 up to δ* = δ_c; beyond, it is
+    δ* (1 - (δ_c/δ*)^(2/5)) by Yang and Sun, and β (δ* - δ_c) by Tan and Sun. Reloading before the
+    bodies have parted, which the papers leave open, retraces the unloading curve.
 
     Parameters
     ----------
     k : float
-        N/m^1.5, positive: measured, or 4/3 √R / ((1-ν²)/E + 1/E₂) of a ball of radius R, E, ν and
+        N/m^1.5, positive: measured, or 4/3 √R / ((1-ν²)/E + 1/E₂) with R, E and ν of the ball and
         the modulus E₂ of the plies across their fibres.
     critical_indentation : float
-        δ_c, m, positive: 0.080 mm of graphite/epoxy, 0.102 mm of glass/epoxy (Yang and Sun).
+        δ_c, m, positive: 0.080 mm for graphite/epoxy, 0.102 mm for glass/epoxy (Yang and Sun).
     beta : float, optional
-        Tan and Sun's β, above 0 and at most 1; without, Yang and Sun's formula holds.
+        Tan and Sun's β, above 0 and at most 1; without it, Yang and Sun's formula is used.
     relative_radius : float, optional
         As of `Hertz`.
 

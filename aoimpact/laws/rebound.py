@@ -1,7 +1,7 @@
-"""How much of its speed a damped rigid mass gets back: closed forms, and an integration without.
+"""Restitution e of a rigid mass on a damped contact law: closed forms, else by integration.
 
-All of it is about one mass m on one law, m δ'' = -F(δ, δ'), from δ = 0 at the speed V until the
-force ends. Restitution is the speed then, over V.
+A mass m moves by m δ'' = -F(δ, δ') from δ = 0 at the speed V until the force ends; e is its speed
+then over V.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ import scipy
 from ..base import FloatArray
 
 _RTOL = 3e-14  # the tightest that the integrator takes
-_SMALL = 0.1  # below, x - log(1+x) is a series
+_SMALL = 0.1  # |x| up to which x - log(1+x) is summed as a series
 
 
 def oscillator_restitution(ratio: float) -> float:
-    """Return e of x'' + 2 ζ x' + x = 0 from x = 0 to where x'' = 0: the force ends.
+    """Return e of x'' + 2 ζ x' + x = 0 from x = 0 to x'' = 0, where the force ends; ζ is `ratio`.
 
     e = exp(-2 ζ arccos ζ / √(1-ζ²)), with arcosh and √(ζ²-1) where ζ > 1: from T. Schwager,
     T. Pöschel, Granular Matter 9 (2007) 465-469, with its branches joined.
@@ -38,7 +38,7 @@ def swing_restitution(ratio: float) -> float:
 
 
 def _lead(x: float) -> float:
-    """x - log(1+x) for x > -1, with all its digits near 0."""
+    """Return x - log(1+x) for x > -1, with all its digits near 0."""
     if abs(x) > _SMALL:
         return x - math.log1p(x)
     # Σ (-1)^k x^k / k, k ≥ 2
@@ -57,8 +57,8 @@ def hunt_crossley_restitution(damping: float) -> float:
     kept = damping * (1.0 - 2.0 / 3.0 * damping)  # u e
     if damping > _SMALL:
         kept = 1.0 + float(scipy.special.lambertw(-math.exp(-1.0 - wanted)).real)
-    # Newton, for the digits that W loses near its branch, at kept = 0. Near 1, where 1 - kept is
-    # rounding, a step may lead beyond it.
+    # Newton steps restore the digits that W loses near its branch point, kept = 0. Near kept = 1,
+    # where 1 - kept is rounding, they might overshoot it.
     for _ in range(3 if kept < 0.5 else 0):
         kept -= (_lead(-kept) - wanted) * (1.0 - kept) / kept
     return kept / damping
@@ -71,7 +71,7 @@ def kuwabara_kono_restitution(lag: float) -> float:
         return z * (z * z + lag * v)
 
     def released(z: float, v: float) -> float:
-        # As z, not z²: a step may reach far beyond the end.
+        # z, not z², is compared: a step far beyond the end has z < 0, whose square may exceed -a v.
         return z - math.sqrt(-lag * v) if v < 0.0 else 1.0
 
     return _integrated(push, released) if lag > 0.0 else 1.0
@@ -80,9 +80,9 @@ def kuwabara_kono_restitution(lag: float) -> float:
 def integrated_restitution(
     force: Callable[[float, float], float], mass: float, velocity: float, stroke: float
 ) -> float:
-    """Return e of m δ'' = -F(δ, δ') by integration, for any force that is 0 where it has ended.
+    """Return e of m δ'' = -F(δ, δ') by integration, for any force that is 0 after its end.
 
-    `stroke`, m: about how deep it goes.
+    `stroke`, m: approximate largest indentation.
     """
     scale = stroke / (mass * velocity**2)
 
@@ -97,8 +97,8 @@ def _integrated(
 ) -> float:
     """Return e of x'' = -push(√x, x'), x' = 1 at x = 0, to where `ended` falls to 0; 0 if never.
 
-    With z = √x and a clock τ, dt = 2 z dτ, it is dz/dτ = v, dv/dτ = -2 z push(z, v). The motion is
-    smooth, without a singular start, under a force that starts like a power n/2 of x.
+    With z = √x and the scaled time τ, dt = 2 z dτ, the equations are dz/dτ = v and
+    dv/dτ = -2 z push(z, v). Their solution is smooth from the start for forces like x^(n/2).
     """
 
     def motion(_: float, state: FloatArray) -> list[float]:
@@ -117,9 +117,9 @@ def _integrated(
     return float(-run.y[1, -1]) if run.t_events[0].size else 0.0
 
 
-@lru_cache(maxsize=16)  # some 20 integrations, where the restitution is one
+@lru_cache(maxsize=16)  # takes some 20 integrations if there is no closed form
 def damping_for(restitution: Callable[[float], float], wanted: float) -> float:
-    """Return the number of damping x at which a restitution is one that is wanted, 0 < e ≤ 1.
+    """Return the damping number x at which `restitution` gives the `wanted` e, 0 < e ≤ 1.
 
     The restitution falls from 1 at x = 0, by at most 4 x.
     """

@@ -15,12 +15,12 @@ from .elastic import Hertz
 # Directions of travel within 5° are one direction in one frame.
 _ONE_FRAME = math.cos(math.radians(5.0))
 
-# Where turning one surface against the other changes k by less than this share, any angle will do.
+# Relative change of k, by turning one surface against the other, up to which any angle will do.
 _NO_MATTER = 0.01
 
 _CURE = "give law="
 
-# Share of the largest curvature from which on its error is what keeps bodies from a law.
+# Error over largest curvature above which a message names the mesh as what keeps bodies from a law.
 _DOUBT = 0.3
 
 
@@ -32,7 +32,7 @@ class LawFromSurfaces:
     ----------
     law : Hertz
     error : float
-        Relative error of its k that the errors of the curvatures make.
+        Relative error of its k due to the errors of the curvatures.
     """
 
     law: Hertz
@@ -48,15 +48,15 @@ def law_between(
 ) -> LawFromSurfaces:
     """Return Hertz's law of two bodies from their surfaces; `Hertz.between` has the equations.
 
-    A curvature less than its error counts as flat.
+    A curvature smaller than its error counts as zero.
 
     Parameters
     ----------
     projectile_surface, target_surface : ContactSurface
     projectile_direction, target_direction : array_like, shape (3,), optional
-        The projectile's direction of travel in the coordinates of each body. Where they agree
-        within 5°, both bodies lie in one frame, and the angle between their principal directions
-        is known.
+        The projectile's direction of travel in the coordinates of each body. If they agree within
+        5°, both bodies are taken to be given in one frame, and the angle between their principal
+        directions is known.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def _at_angle(one: ContactSurface, two: ContactSurface, angle: float) -> LawFrom
 
 
 def _hertz(one: ContactSurface, two: ContactSurface, angle: float, shift: float = 0.0) -> Hertz:
-    """Hertz's law with the curvatures of one surface shifted."""
+    """Return Hertz's law with `shift`, 1/m, added to the curvatures of one surface."""
     radii = np.array(one.radii)
     if shift:
         with np.errstate(divide="ignore"):  # flat

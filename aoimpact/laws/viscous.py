@@ -1,7 +1,8 @@
-"""Contact laws whose loss is a force that goes with the rate of the indentation.
+"""Contact laws with a damping force that depends on the rate of indentation.
 
-Unless a law states otherwise, its force is cut at zero: it never pulls, and the contact ends where
-the force does. `from_restitution` finds the damping for which a rigid pair has a restitution.
+Unless a law states otherwise, negative forces are cut to zero: it never pulls, and the contact ends
+where the force reaches zero. `from_restitution` finds the damping for a given restitution of a
+rigid pair.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from .rebound import (
     swing_restitution,
 )
 
-# χ V of a nominal restitution e by published formulas.
+# Published formulas for χ V as a function of the nominal restitution e.
 _FORMULAS: dict[str, Callable[[float], float]] = {
     "lankarani-nikravesh": lambda e: 0.75 * (1.0 - e) * (1.0 + e),
     "flores": lambda e: 1.6 * (1.0 - e) / e,
@@ -73,8 +74,8 @@ class HuntCrossley(HertzianLaw, kind="hunt_crossley", depends_on_rate=True, damp
         """Return the law with which a rigid pair at `velocity` delivers `restitution`.
 
         χ V (1 + e) = log((1 + χ V) / (1 - χ V e)), whatever the masses, k and n. Published formulas
-        approximate χ V. With them a rigid pair delivers another restitution than the nominal e,
-        the further from it the smaller it is; `aoimpact.restitution` computes it.
+        approximate χ V: the restitution that they deliver, which `aoimpact.restitution` computes,
+        differs from the nominal e, and more so for smaller e.
 
         Parameters
         ----------
@@ -83,7 +84,7 @@ class HuntCrossley(HertzianLaw, kind="hunt_crossley", depends_on_rate=True, damp
         restitution : float
             e, above 0 and at most 1.
         velocity : float
-            Of approach, V, m/s.
+            Approach velocity V, m/s.
         n, relative_radius : float, optional
         formula : str, optional
             "lankarani-nikravesh": χ V = 3 (1 - e²)/4 (J. Mech. Des. 112 (1990) 369-376);
@@ -143,9 +144,9 @@ class Tsuji(HertzianLaw, kind="tsuji", depends_on_rate=True, damped_by="alpha"):
     def from_restitution(
         cls, k: float, restitution: float, mass: float, *, relative_radius: float | None = None
     ) -> Tsuji:
-        """Return the law with which a rigid pair of that reduced mass delivers `restitution`.
+        """Return the law with which a rigid pair of reduced mass `mass` delivers `restitution`.
 
-        With y ∝ δ^(5/4) the phase plane is a linear oscillator's of damping ratio α/√5.
+        In y ∝ δ^(5/4) the phase plane is that of a linear oscillator of damping ratio α/√5.
 
         Parameters
         ----------
@@ -186,7 +187,7 @@ class KuwabaraKono(HertzianLaw, kind="kuwabara_kono", depends_on_rate=True, damp
     k : float
         N/m^1.5, positive.
     A : float
-        s, not negative: a time of the material.
+        Dissipation time of the material, s, not negative.
     relative_radius : float, optional
         As of `Hertz`.
 
@@ -219,7 +220,7 @@ class KuwabaraKono(HertzianLaw, kind="kuwabara_kono", depends_on_rate=True, damp
         restitution : float
             Above 0 and at most 1.
         velocity : float
-            Of approach, m/s.
+            Approach velocity, m/s.
         mass : float
             Reduced mass, kg.
         relative_radius : float, optional
@@ -234,17 +235,17 @@ class KuwabaraKono(HertzianLaw, kind="kuwabara_kono", depends_on_rate=True, damp
         return law._delivering(restitution, mass, velocity)
 
     def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
-        # (k/m)^(2/5) V^(1/5); k/m might be no number any more.
+        # (k/m)^(2/5) V^(1/5), without k/m, which might overflow.
         return kuwabara_kono_restitution, 1.5 * self.k**0.4 * mass**-0.4 * velocity**0.2
 
 
 @dataclass(frozen=True, repr=False)
 class KelvinVoigt(ContactLaw, kind="kelvin_voigt", depends_on_rate=True, damped_by="c", power=1.0):
-    """F = k δ + c δ̇: a spring and a dashpot side by side. The force starts with a jump, c V.
+    """F = k δ + c δ̇: a spring and a dashpot in parallel. The force starts with a jump, c V.
 
-    With ``end="force"`` it is cut at 0: the contact ends where the force does, with some
-    indentation left. With ``end="indentation"`` it is the model of the textbooks, which PULLS the
-    bodies together on the way out, until δ = 0: its force is negative then, and meant to be.
+    With ``end="force"`` negative forces are cut to 0: the contact ends where the force reaches 0,
+    with some indentation left. ``end="indentation"`` is the model of the textbooks, whose negative
+    force PULLS the bodies together on the way out, until δ = 0.
 
     Parameters
     ----------
@@ -253,7 +254,7 @@ class KelvinVoigt(ContactLaw, kind="kelvin_voigt", depends_on_rate=True, damped_
     c : float
         N s/m, not negative.
     end : {"force", "indentation"}, optional
-        What goes to zero where the contact ends.
+        Quantity that reaches zero at the end of the contact.
 
     Examples
     --------
@@ -276,7 +277,7 @@ class KelvinVoigt(ContactLaw, kind="kelvin_voigt", depends_on_rate=True, damped_
     def from_restitution(
         cls, k: float, restitution: float, mass: float, end: str = "force"
     ) -> KelvinVoigt:
-        """Return the law with which a rigid pair of that reduced mass delivers `restitution`.
+        """Return the law with which a rigid pair of reduced mass `mass` delivers `restitution`.
 
         Parameters
         ----------
