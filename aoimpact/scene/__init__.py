@@ -1,7 +1,7 @@
-"""A scene as the integrators take it: bodies, contacts, loads, and rest under load.
+"""The input of time integration: bodies, contacts, loads, and static equilibrium under load.
 
-A `Scenario` is all that a run needs to know. `impact` makes it, `integrate` runs it, and `results`
-reads it; what a user calls a `Scene` stands in `impact`.
+A `Scenario` is the complete plan of a run. `impact` makes it, also from the user's `Scene`,
+`integrate` runs it, and `results` reads it.
 """
 
 from .contact import (

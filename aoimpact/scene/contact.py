@@ -1,4 +1,4 @@
-"""Contacts between the bodies of a scene, loads on them, and free motion."""
+"""Contacts between the bodies of a scene, and loads on bodies."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ from .rows import ContactRows
 
 
 def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> Compliance | None:
-    """Return the compliances of a body under a law, or None if nothing is taken out of it there.
+    """Return a body's compliances at a contact; None if none is taken out of the law.
 
-    A law that is not like Hertz's leaves out the indentation of a solid at a node, as springs and
-    buffers do. Shells and beams bend there under any law.
+    A law that is not like Hertz's, such as of a spring or buffer, does not contain the indentation
+    of a solid at a node, so that none is taken out. Shells and beams have a compliance to take out
+    under any law.
 
     Raises
     ------
     InputError
-        If the law is like Hertz's and strikes a tube of beams across. A spring that is given may
-        contain how the wall of the tube bends; Hertz's law does not.
+        If the law is like Hertz's and the contact strikes a tube of beam elements laterally. A
+        spring may include the bending of the tube's wall; Hertz's law does not.
     """
     tip, local = model.touched_at(port), isinstance(own_law(law), HertzianLaw)
     if tip is None or not (tip.patch or tip.thin or local):
@@ -37,23 +38,23 @@ def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> Compliance | 
 
 
 class Port(NamedTuple):
-    """A place where a body may be touched.
+    """A contact coordinate of a body.
 
     Attributes
     ----------
     body, port : int
-        Number of the body in the scene, and of the place on it.
+        Number of the body in the scene, and of the contact coordinate on the body.
     """
 
     body: int
     port: int
 
 
-# Share of the largest stretch to which the core draws the stretches of a contact with friction. The
-# force errs by a tenth of it.
+# Precision of the tangential stretches of a contact's springs, relative to the largest stretch. The
+# relative error of the friction force is a tenth of it.
 _PRECISION = 1e-4
 
-# G*/E* of a pair of unknown materials is that of two like ones of this Poisson's ratio.
+# Poisson's ratio of unknown materials, which are assumed to be equal, for G*/E*.
 _USUAL = 0.3
 
 
@@ -67,8 +68,8 @@ class Friction(NamedTuple):
     ratio : float
         G*/E*, tangential over normal stiffness (Mindlin).
     compliance : ndarray, shape (3, 3), or None
-        c in the direction of travel and the two tangents that meshes have in place of half-spaces,
-        m/N; None where there are none.
+        Local compliance c of the meshes, which replaces that of half-spaces, in the direction of
+        travel and the two tangents, m/N; None for bodies without meshes.
     """
 
     mu: float
@@ -78,9 +79,10 @@ class Friction(NamedTuple):
     def between(
         self, materials: Sequence[Material | None], known: Sequence[Compliance | None]
     ) -> Friction:
-        """Return the friction of two bodies; one of unknown material is rigid, two are like ones.
+        """Return the friction with the stiffness ratio and compliance of two bodies.
 
-        1/E* = Σ (1 - ν²)/E and 1/G* = Σ (2 - ν)/(4G) (K. L. Johnson, Contact Mechanics, 7.2).
+        1/E* = Σ (1 - ν²)/E and 1/G* = Σ (2 - ν)/(4G) (K. L. Johnson, Contact Mechanics, 7.2). One
+        unknown material is assumed to be rigid, two to be equal.
         """
         ratio, there = 2.0 * (1.0 - _USUAL) / (2.0 - _USUAL), [of for of in materials if of]
         if there:
@@ -90,10 +92,10 @@ class Friction(NamedTuple):
         return Friction(self.mu, ratio, np.asarray(sum(removed)) if removed else None)
 
     def for_core(self, law: ContactLaw, precision: float) -> tuple[Any, ...]:
-        """Return it as the core takes it, to a precision; the normal compliance is the law's.
+        """Return the core's tuple; the normal compliance is that of `law`.
 
-        A change of the normal compliance, by the contact's width or by an error, changes those of
-        the tangents in the ratio of both.
+        If it differs from the meshes' by the contact's width or an altered law, the difference over
+        `ratio` is added to the tangential compliances. `precision` is as for `_PRECISION`.
         """
         if self.compliance is None:
             return self.mu, self.ratio, precision, None
@@ -110,22 +112,23 @@ class Contact(NamedTuple):
     Attributes
     ----------
     first, first_port, second, second_port : int
-        Numbers of the bodies in the plan, and of the places where they are touched; the indentation
-        is the first's coordinate minus the second's minus the gap.
+        Numbers of the bodies in the plan, and of their contact coordinates; the indentation is the
+        first's coordinate minus the second's minus the gap.
     law : ContactLaw
-        Law between the models: without the compliance of their meshes at the contact.
+        Law between the models, without the local compliance of their meshes.
     gap : float
-        Distance at the start, m.
+        Initial distance, m.
     name : str
-        As its user called it.
+        Name given by the user; may be empty.
     friction : Friction or None
-        With it, ports are three each: along the normal and along two tangents.
+        Friction; with it the contact has three coordinates per body: along the normal and two
+        tangents, the first of which `first_port` and `second_port` number.
     removed : (float, float)
         Compliances of the two bodies' meshes that were taken out of the law, m/N.
     width : float or None
-        Radius of the contact at its largest force, m, where it is known.
+        Estimated radius of the contact at its largest force, m; None if not known.
     law_error : float
-        Relative error of the law's stiffness, by that of the curvatures that it was found from.
+        Relative error of the law's stiffness due to that of the surfaces' curvatures.
     """
 
     first: int
@@ -141,34 +144,33 @@ class Contact(NamedTuple):
     law_error: float = 0.0
 
     def of_models(self, bodies: Sequence[BodyModel], *, bounded: bool = False) -> Contact:
-        """Return the contact of models, given that of the bodies themselves.
-
-        The compliance that their meshes have in place of a half-space is taken out of the law.
+        """Return the contact between models: with the compliance of their meshes taken out.
 
         Parameters
         ----------
         bodies : sequence of BodyModel
-            Those of the scene.
+            Models of the scene.
         bounded : bool, optional
-            True to leave a contact that is stiffer than its meshes its whole law. On a shell its
-            force is a bound; with the compliance taken out as far as it can be it is another.
+            True to take nothing out of the law of a contact that is stiffer than its meshes. On a
+            shell, the resulting force is a bound; the force with as much taken out as possible is
+            the other one.
 
         Raises
         ------
         InputError
-            If the law is more compliant than the meshes from the first touch on.
+            If nothing is left of the law, which is less compliant than the meshes from the start.
         """
         known = [extraction_of(self.law, bodies[body], port) for body, port in self.ports]
         friction = self.friction and self.friction.between(self.materials(bodies), known)
         removed = tuple(0.0 if of is None else of.removed_for(self.width) for of in known)
         left = bounded and math.fsum(removed) > 0.0
-        if left or isinstance(self.law, PatchLaw):  # the caller has taken it out
+        if left or isinstance(self.law, PatchLaw):  # a PatchLaw has the compliance taken out
             return self._replace(friction=friction)
         law = effective_law(self.law, math.fsum(removed))
         return self._replace(law=law, removed=removed, friction=friction)
 
     def materials(self, bodies: Sequence[BodyModel]) -> list[Material | None]:
-        """Return the materials of both bodies where they touch; None of one given by numbers."""
+        """Return the materials of both bodies at the contact; None for a body given by numbers."""
         return [
             None if of is None else of.material
             for body, port in self.ports
@@ -176,9 +178,9 @@ class Contact(NamedTuple):
         ]
 
     def own_indentation(self, rows: ContactRows) -> FloatArray:
-        """Return the law's own indentation, m: δ + c F with the compliance c taken out of it.
+        """Return the indentation of the law, m: δ + c F, c being the compliance taken out of it.
 
-        c couples the normal to the tangents where there is friction.
+        With friction, c also couples the indentation to the tangential forces.
         """
         c = self.law.compliance if isinstance(self.law, PatchLaw) else 0.0
         depth = rows.indentation + c * rows.force
@@ -188,29 +190,26 @@ class Contact(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Number of its forces."""
+        """Number of force components of the contact."""
         return 1 if self.friction is None else 3
 
     @property
     def ports(self) -> tuple[Port, Port]:
-        """The two places that touch."""
+        """The contact coordinates of both bodies."""
         return Port(self.first, self.first_port), Port(self.second, self.second_port)
 
     def for_core(self, law: CoreLaw, precision: float = _PRECISION) -> tuple[Any, ...]:
-        """Return it as the core takes it, with its law as the core takes that.
-
-        precision: of friction's stretches, as a share of the largest.
-        """
+        """Return the core's tuple of the contact; `precision` is as for `_PRECISION`."""
         if self.friction is None:
             return *self[:4], self.gap, law
         return *self[:4], self.gap, law, self.friction.for_core(self.law, precision)
 
     def port_of(self, body: int) -> int:
-        """Return where one of the two is touched."""
+        """Return the port of one of the two bodies, given by its number."""
         return self.first_port if body == self.first else self.second_port
 
     def touches(self, body: int) -> bool:
-        """Return whether a body is one of the two."""
+        """Return whether a body takes part in the contact."""
         return body in (self.first, self.second)
 
 
@@ -222,7 +221,7 @@ class Load(NamedTuple):
     body, port : int
         As in :class:`Port`.
     times, forces : ndarrays, shape (m,)
-        s, ascending; N, along the direction of travel.
+        Ascending times, s, and forces along the direction of travel, N.
     """
 
     body: int

@@ -1,10 +1,9 @@
-"""Static equilibrium of bodies in contact under gravity and loads: where a run may start.
+"""Static equilibrium of bodies in contact under gravity and loads, as the start of a run.
 
-The coordinates are the bodies' modes, and massless ones for the displacement of a massless contact
-that no mode has. The potential energy of bodies on springs that only push is convex. So damped
-Newton iterations on the balance of forces find its minimum, and the forces are determinate, in
-closed loops of contacts too, as long as the indentations are larger than the rounding of the
-bodies' positions.
+The coordinates are those of the bodies' modes, and massless ones for displacements of massless
+contacts beyond the modes. The potential energy of bodies on springs that only push is convex, so
+that damped Newton iterations on the balance of forces find its minimum. The forces are determinate,
+also in closed loops of contacts, if indentations exceed the rounding errors of positions.
 """
 
 from __future__ import annotations
@@ -28,50 +27,50 @@ _EPSILON = float(np.finfo(np.float64).eps)
 # The constants below were tuned in tests/scene/test_preload.py, and on rows of balls between walls
 # and towers of random laws and gaps, which take 20 to 120 steps.
 
-# A bound: towers of a thousand balls take up to 400 steps.
+# Largest number of steps. Towers of a thousand balls take up to 400.
 _MOST_STEPS = 1000
 
-# The damping of the next step after a whole one, down to the least, and after a shortened one:
-# 0.02 to 0.2, and 1 to 10, take the same number of steps within a third.
+# Factor of the damping after a full step, least damping, and factor after a shortened step.
+# First factors of 0.02 to 0.2 and last ones of 1 to 10 change the number of steps by up to a third.
 _TIGHTER, _LEAST_DAMPING, _LOOSER = 0.1, 1e-12, 2.0
 
-# A step goes too far where the forces at its end work against it, by more than this share of the
-# work of those at its start: it is shortened by the secant's factor, within bounds.
+# Largest work of the forces at a step's end against the step, relative to the work of those at its
+# start. Above it the step is shortened by the secant's factor, within bounds.
 _TOO_FAR, _SHORTER = 0.5, (0.1, 0.5)
 
-# Steps after the forces are in balance but for rounding: each squares the error.
+# Number of steps after the forces are balanced to rounding errors: each squares the error.
 _MORE_STEPS = 2
 
-# Springs to the ground on what has no stiffness, over those of its contacts: they do not show, and
-# leave no matrix singular. A body on which they alone act falls for ever: a step with the least
-# damping, which is longer than any gap, changes the imbalance by less than this share.
+# Stiffness of springs to the ground at coordinates without stiffness, relative to the contacts': it
+# is negligible but keeps matrices regular. And least relative change of the imbalance in a step
+# with the least damping, which exceeds any gap: a body held by these springs alone changes it less.
 _BARELY, _FALLS = 1e-12, 1e-3
 
-# Imbalance that counts as none, relative to the forces on the same coordinate; and relative to the
-# largest force, without which what touches without force comes to no rest. Ten times as much, and
-# for the first a tenth, does as well.
+# Largest imbalance in equilibrium, relative to the forces on the same coordinate, and relative to
+# the largest force, for bodies that touch without force. Ten times both values, or a tenth of the
+# first, give the same results.
 _BALANCED, _SETTLED = 1e-12, 1e-14
 
-# Rounding of positions, in units in the last place, one for each of the sums that make up an
-# indentation (with 16, rows that are determined are refused); the largest share of the forces that
-# may come of it: six digits, as a run has (with 1e-8 such rows are refused); and the share of the
-# first overlap's forces below which forces are none (1e-6 does as well).
+# Rounding error of positions in units in the last place, one for each term of an indentation (with
+# 16, determinate rows are refused); largest relative error of the forces that may result: six
+# digits, as in a run (with 1e-8, such rows are refused); and negligible force relative to those of
+# the initial overlap (1e-6 has the same effect).
 _UNITS, _DETERMINED, _NEGLIGIBLE = 4.0, 1e-6, 1e-9
 
-# Between these indentations, m, doubled in turn, the one under a load is looked for: a user's law
-# is not evaluated much deeper than it will be in the run.
+# First and largest indentation, m, of the search by doubling for that under a load, which does not
+# evaluate a user's law much deeper than the run will.
 _SHALLOWEST, _DEEPEST = 2.0**-50, 2.0**30
 
 
 class Equilibrium(NamedTuple):
-    """Bodies at rest.
+    """Static equilibrium of the bodies.
 
     Attributes
     ----------
     modes : list of ndarrays, shape (n,)
-        Displacements of each body's modes.
+        Modal coordinates of each body.
     forces : ndarray, shape (contacts,)
-        N.
+        Contact forces, N.
     """
 
     modes: list[FloatArray]
@@ -79,7 +78,7 @@ class Equilibrium(NamedTuple):
 
 
 class _Springs:
-    """Contacts as springs that only push, beyond the limits of their laws linear ones."""
+    """Contacts as springs that only push, continued linearly beyond the limits of their laws."""
 
     def __init__(self, laws: Sequence[ContactLaw]) -> None:
         same: dict[ContactLaw, list[int]] = {}
@@ -101,7 +100,7 @@ class _Springs:
         return np.where(depth > 0.0, force + slope * (depth - within), 0.0), slope
 
     def stiffness_under(self, load: float) -> FloatArray:
-        """Return the stiffness of each, N/m, under one load, N; the secant's where it is level."""
+        """Return the tangent or, if larger, secant stiffness of each spring, N/m, at `load`, N."""
         depth = np.full(len(self.limits), _SHALLOWEST)
         while (deeper := (depth < _DEEPEST) & (self.force(2.0 * depth)[0] <= load)).any():
             depth[deeper] *= 2.0
@@ -116,9 +115,9 @@ class _Configuration:
     Attributes
     ----------
     x, balance, present : ndarrays, shape (n,)
-        Coordinates, the imbalance of forces on them, and the sum of the sizes of these.
+        Coordinates, the sum of the forces on each, and the sum of their absolute values.
     depth, force, slope, rounding : ndarrays, shape (contacts,)
-        Indentation, m, force, N, stiffness, N/m, and what rounding of x makes of the force, N.
+        Indentation, m, force, N, stiffness, N/m, and error of the force by rounding of x, N.
     """
 
     x: FloatArray
@@ -136,13 +135,14 @@ class _Statics:
     Attributes
     ----------
     stiffness, inertia, load : ndarrays, shape (n,)
-        Properties of the coordinates: N/m; kg, 0 if massless; N, 0 if part of a wall.
+        Stiffness, N/m, mass, kg, 0 if massless, and load, N, 0 for a wall, of each coordinate.
     owner : ndarray of int, shape (n,)
-        The body of each coordinate.
+        Number of the body of each coordinate.
     movable, sprung, free : ndarrays of bool, shape (n,)
-        Coordinates that are not a wall's; of these those with a stiffness, and those without.
+        True for coordinates that are not a wall's, for those of them with a stiffness, and for
+        those of them without.
     directions, reach : sparse arrays, shape (contacts, n)
-        The indentation of a contact is its row times x minus its gap; the same without signs.
+        Matrix D of the indentations D x - gaps, and its absolute values.
     """
 
     def __init__(
@@ -166,7 +166,7 @@ class _Statics:
             )
             more = none, 1.0 / compliance[soft], none
             values = [np.concatenate(both) for both in zip(own, more, strict=True)]
-            held = (body.omega > 0.0) | body.shape.any(axis=0)  # else no contact holds it
+            held = (body.omega > 0.0) | body.shape.any(axis=0)  # has a stiffness or a contact
             movable = np.concatenate([held & (body.inertia > 0.0), none == 0.0])
             columns.append([*values, movable, np.full(len(movable), number)])
         self.inertia, self.stiffness, weight, self.movable, self.owner = map(
@@ -186,7 +186,7 @@ class _Statics:
         self.springs = _Springs([of.law for of in contacts])
 
     def modes(self, x: FloatArray) -> list[FloatArray]:
-        """Return the modes of each body, shape (n,), among the coordinates."""
+        """Return the modal coordinates of each body, shape (n,)."""
         ends = np.searchsorted(self.owner, np.arange(len(self._bodies)))
         return [
             x[end : end + len(body.omega)] for end, body in zip(ends, self._bodies, strict=True)
@@ -194,16 +194,17 @@ class _Statics:
 
     @cached_property
     def first(self) -> _Configuration:
-        """The static deflection without contacts; coordinates without stiffness stay."""
+        """Static deflection without contacts; coordinates without stiffness are 0."""
         return self.at(
             np.where(self.sprung, self.load / np.where(self.sprung, self.stiffness, 1), 0)
         )
 
     @cached_property
     def slopes(self) -> FloatArray:
-        """Each contact's stiffness, N/m, which scales the steps.
+        """Reference stiffness of each contact, N/m, which scales the damping of steps.
 
-        Under all loads at once, or under the largest force of the first overlap if that is more.
+        It is that under the sum of all loads, or under the largest force of the initial overlap if
+        that is larger.
         """
         overlap = float(self.first.force.max(initial=0.0))
         return self.springs.stiffness_under(max(float(np.abs(self.load).sum()), overlap))
@@ -218,26 +219,26 @@ class _Statics:
         return _Configuration(x, balance, present, depth, force, slope, self.rounding(x, slope))
 
     def rounding(self, x: FloatArray, slopes: FloatArray) -> FloatArray:
-        """Return what the last digits of x make of the contact forces, N."""
+        """Return the errors of the contact forces due to rounding of x, N."""
         reach = self.reach @ np.abs(x) + np.abs(self.gaps)
         rounding: FloatArray = slopes * _UNITS * _EPSILON * reach
         return rounding
 
     def settled(self, at: _Configuration) -> bool:
-        """True if the reactions balance the loads to the digits of the largest force.
+        """True if the reactions balance the loads to the rounding errors of the largest force.
 
-        A contact that touches without force has none of its own to measure an imbalance by.
+        A contact that touches without force has no force that its imbalance could be relative to.
         """
         holds = np.minimum(at.present - np.abs(self.load), _SETTLED * self.size(at))
         rounding = _BALANCED * at.present + self.reach.T @ at.rounding
         return bool((np.abs(at.balance) <= holds + rounding).all())
 
     def size(self, at: _Configuration) -> float:
-        """The largest force, N."""
+        """Largest load or contact force, N."""
         return float(max(np.abs(self.load).max(initial=0.0), at.force.max(initial=0.0)))
 
     def check(self, at: _Configuration, slopes: FloatArray, size: float) -> None:
-        """Refuse contacts deeper than their laws, or of which forces of this size are rounding."""
+        """Raise if a contact exceeds its law, or rounding errors are large beside `size`, N."""
         limits, rounding = self.springs.limits, self.rounding(at.x, slopes)
         for i in np.flatnonzero(at.depth > limits)[:1]:
             raise LawLimitError(
@@ -253,18 +254,18 @@ class _Statics:
 
     @cached_property
     def _constant(self) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array, FloatArray]:
-        """The contacts' directions with and without stiffness, compliance between them, grounds."""
+        """D of coordinates with and without stiffness, contacts' compliance, ground springs."""
         own, free = self.directions[:, self.sprung], self.directions[:, self.free]
         between = own @ sp.diags_array(1.0 / self.stiffness[self.sprung]) @ own.T
         ground = (free**2).T @ self.slopes
         return own, free, between, _BARELY * np.where(ground > 0.0, ground, 1.0)
 
     def step(self, at: _Configuration, damping: float) -> FloatArray:
-        """Return a step of Newton's method, damped by stiffer contacts and bodies.
+        """Return a step s of Newton's method, damped by raised stiffnesses of contacts and bodies.
 
-        K s + Dᵀ S D s = balance is solved for the forces S D s and for what has no stiffness; the
-        others follow one by one. So the cost grows with the number of contacts, and a soft spring
-        beside a stiff one keeps its digits.
+        K s + Dᵀ S D s = balance is solved for the forces S D s and the coordinates without
+        stiffness; the other coordinates follow one by one. The cost depends on the number of
+        contacts, and a soft spring beside a stiff one loses no digits.
         """
         own, free, between, ground = self._constant
         contacts = sp.diags_array(1.0 / (at.slope + damping * self.slopes))
@@ -280,7 +281,7 @@ class _Statics:
         return step
 
     def descend(self) -> _Configuration:
-        """Return the configuration of least energy, or the last where it has none."""
+        """Return the configuration of least energy, or the last one if there is no minimum."""
         at, damping, more = self.first, 1.0, _MORE_STEPS
         for _ in range(_MOST_STEPS):
             more -= self.settled(at)
@@ -300,13 +301,13 @@ class _Statics:
         return at
 
     def floating(self, at: _Configuration) -> Iterator[tuple[IntArray, FloatArray]]:
-        """Return what no force keeps in its place, and the displacement back to where it was put.
+        """Yield the bodies that no force keeps in place, and the way back to their places.
 
         Yields
         ------
         where, way : ndarrays, shape (m,)
-            Coordinates of an unloaded group of bodies that press on each other, or of a body, and
-            what brings the centre of mass back.
+            Indices of the coordinates of an unloaded body, or group of bodies that press on each
+            other, and the displacement that returns its centre of mass to the initial position.
         """
         count = len(self._bodies)
         pairs = self.pairs[at.force > at.rounding + _SETTLED * self.size(at)]
@@ -328,12 +329,12 @@ class _Statics:
     def least_moved(self, at: _Configuration) -> _Configuration:
         """Return the equilibrium with unloaded bodies as near to their places as others allow.
 
-        The damping drags along all that touches, also where contacts are open.
+        This undoes a side effect of damping, which also moves bodies at open contacts.
         """
         room, columns = np.maximum(-at.depth, 0.0), self.directions.tocsc()
         x = np.where(self.sprung & (self.reach.T @ at.force == 0.0), self.first.x, at.x)
         floating = list(self.floating(at))
-        # Forward and back: in a row the first to move makes room for the next.
+        # Two passes, in both orders: in a row of bodies each makes room for the next.
         for where, way in (*floating, *reversed(floating)):
             closing = columns[:, where] @ way
             nearer = closing > 0.0
@@ -352,16 +353,16 @@ def equilibrium(
     gravity: float,
     forces: Sequence[FloatArray],
 ) -> Equilibrium:
-    """Return all bodies at rest.
+    """Return the static equilibrium of bodies in contact.
 
     Parameters
     ----------
     bodies : sequence of Body
     contacts : sequence of Contact
     gravity : float
-        m/s².
+        Acceleration of gravity, m/s².
     forces : sequence of ndarrays, shape (p,)
-        On the ports of each body at the start, N.
+        Loads on the ports of each body at t = 0, N.
 
     Raises
     ------

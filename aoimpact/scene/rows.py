@@ -1,6 +1,6 @@
-"""The layout of a record: which of its rows holds what, as both integrators of the core write it.
+"""The layout of a record: the quantity in each row, as both integrators of the core write it.
 
-All contacts come first, then the bodies, each followed by its ports.
+The rows of all contacts come first, then those of each body, followed by those of its ports.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from ..base import BoolArray, FloatArray, IntArray
 
 
 class ContactRows(NamedTuple):
-    """Record of a contact over time, each of shape (times,).
+    """Record of a contact over time, of shape (times,) unless stated otherwise.
 
     Attributes
     ----------
     force, indentation : ndarrays
-        N and m.
+        Normal force, N, and indentation between the models, m.
     elastic, dissipated : ndarrays
-        Energy stored in the law, with that of friction's stretches, and lost in the law, J.
+        Energy stored in the law and by tangential stretching, and energy lost in the law, J.
     tangential : ndarray, shape (2, times), or None
-        Force of friction along the two tangents, N; None of a contact without.
+        Friction force along the two tangents, N; None for a contact without friction.
     friction : ndarray or None
         Energy dissipated by friction, J.
     stuck : ndarray or None
-        Share of the indentation within which the contact sticks.
+        Square of the ratio of the stick zone's radius to the contact's.
     """
 
     force: FloatArray
@@ -51,7 +51,7 @@ class BodyRows(NamedTuple):
     dissipated, work : ndarrays
         Energy lost in damping, and work of gravity and applied forces, J.
     port_displacements, port_velocities : ndarrays, shape (p, times)
-        m and m/s.
+        Motion of the contact coordinates, m and m/s.
     """
 
     displacement: FloatArray
@@ -70,14 +70,14 @@ _CONTACT, _BODY, _PORT, _SLIDING = 4, len(BodyRows._fields) - 2, 2, 8
 
 @dataclass
 class RecordLayout:
-    """Places of the rows of a record.
+    """Index of each row of a record, the matrix of a run's histories with one column per time.
 
     Attributes
     ----------
     ports : tuple of int
         Number of ports of each body.
     sliding : tuple of bool
-        True of each contact with friction.
+        True for each contact with friction.
     slides : bool
         True if a contact has friction.
     rows : int
@@ -88,7 +88,8 @@ class RecordLayout:
     sliding: tuple[bool, ...]
 
     def __post_init__(self) -> None:
-        # The first row of each contact and of the bodies, and of each body and the number of rows.
+        # First row of each contact, then that of the bodies; first row of each body, then the
+        # number of rows.
         sliding = np.array(self.sliding, dtype=bool)
         sizes = np.where(sliding, _SLIDING, _CONTACT)
         self._starts: IntArray = np.append(0, np.cumsum(sizes))
@@ -110,7 +111,7 @@ class RecordLayout:
         return ContactRows(force, indentation, elastic, dissipated, rows[4:6], rows[6], rows[7])
 
     def body(self, record: FloatArray, body: int) -> BodyRows:
-        """Return the rows of one body."""
+        """Return the rows of one body of a record, shape (rows, times)."""
         first, end = self._first[body : body + 2]
         ports = record[first + _BODY : end]
         return BodyRows._make([*record[first : first + _BODY], ports[::_PORT], ports[1::_PORT]])
@@ -124,15 +125,15 @@ class RecordLayout:
         return record[self._starts[:-1] + 1]
 
     def pushes(self, record: FloatArray) -> FloatArray:
-        """Return the forces of all contacts, of one with friction with those along its tangents.
+        """Return all forces of the contacts, N, shape (pushes, times).
 
-        N, shape (pushes, times): a contact has one row, or with friction three.
+        A contact has one row, with friction two more for the forces along its tangents.
         """
         return record[self._pushes]
 
     @property
     def normal(self) -> BoolArray:
-        """Which of `pushes` are normal forces, shape (pushes,)."""
+        """True for the rows of `pushes` that are normal forces, shape (pushes,)."""
         return np.isin(self._pushes, self._starts)
 
     def of_contacts(self, record: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""A scene as the solvers take it: bodies, the contacts between them, what acts on them."""
+"""The complete plan of a run: bodies, the contacts between them, loads, initial motion."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class Oblique:
     axes : ndarray, shape (3, 3)
         Direction of travel and two tangents, as rows.
     velocities : sequence of ndarrays, shape (6,)
-        Velocity of each body's centre of mass, m/s, and its spin, rad/s.
+        Initial velocity of each body's centre of mass, m/s, and its spin, rad/s.
     gravity : ndarray, shape (3,)
-        m/s².
+        Acceleration of gravity, m/s².
     """
 
     axes: FloatArray
@@ -42,32 +42,33 @@ class Oblique:
 
 @record
 class Scenario:
-    """All that a run needs to know.
+    """The complete plan of a run.
 
     Attributes
     ----------
     bodies : sequence of BodyModel
     velocities : sequence of float
-        m/s.
+        Initial velocity of each body along the direction of travel, m/s.
     contacts : sequence of Contact
     loads : sequence of Load
     gravity : float
-        m/s², along the direction of travel.
+        Acceleration of gravity along the direction of travel, m/s².
     duration : float
-        s.
+        Duration of the record, s.
     energies : bool
-        Whether to record them.
+        True to record energies.
     preload : bool
-        Whether to start at rest under gravity and loads.
+        True to start from static equilibrium under gravity and loads.
     scene : str
-        The mark of the scene's handles.
+        Unique identifier of the scene, by which its handles are recognised; empty for an impact.
     names : sequence of str
-        Names of the bodies in the scene, before their own; empty where they have no other.
+        Names given to the bodies in the scene; an empty one means the body's own name.
     oblique : Oblique or None
-        Motion in three directions; `velocities` and `gravity` are along the direction of travel.
+        Motion in three directions; `velocities` and `gravity` are its components along the
+        direction of travel.
     around : sequence of tuples of int
-        For each body the ports whose direction of travel is reversed; none of a scene whose bodies
-        are known by numbers alone.
+        Ports of each body whose direction of travel must be reversed; empty if all bodies are given
+        by numbers.
     bounded : frozenset of int
         Numbers of the contacts that keep their whole laws; see `Contact.of_models`.
     """
@@ -87,7 +88,7 @@ class Scenario:
     bounded: frozenset[int] = frozenset()
 
     def of_models(self, models: Sequence[BodyModel], *, energies: bool) -> Scenario:
-        """Return the plan of models in place of the bodies, with laws to suit.
+        """Return the plan with models of the bodies, and the meshes' compliance taken out of laws.
 
         Raises
         ------
@@ -110,12 +111,12 @@ class Scenario:
         return replace(self, bodies=bodies, contacts=contacts, energies=energies, around=())
 
     def start(self, body: int) -> Velocity:
-        """Return the velocity of a body at t = 0, as `Body.rates` takes it."""
+        """Return the velocity of a body at t = 0, for `Body.rates`."""
         return self.velocities[body] if self.oblique is None else self.oblique.velocities[body]
 
     @property
     def pull(self) -> Pull:
-        """Gravity, along the direction of travel or in three directions, m/s²; 0 without any."""
+        """Gravity along the direction of travel, or in three directions if given so, m/s²."""
         if self.oblique is None or not self.oblique.gravity.any():
             return self.gravity
         return self.oblique.gravity
@@ -133,18 +134,18 @@ class Scenario:
 
     @cached_property
     def meshed(self) -> bool:
-        """True if a body is touched at known places."""
+        """True if a body has contact points of a finite-element model."""
         return any(map(attrgetter("tips"), self.bodies))
 
     def touched(self, contact: Contact) -> list[tuple[int, int, ContactPoint]]:
-        """Return the bodies that a contact touches at known places: number, port and place."""
+        """Return number, port and contact point of the bodies in contact that have such a point."""
         if not self.meshed:
             return []
         known = [(of, at, self.bodies[of].touched_at(at)) for of, at in contact.ports]
         return [(of, at, tip) for of, at, tip in known if tip is not None]
 
     def round_contact(self, contact: Contact) -> RoundContact | None:
-        """Return Hertz's contact of a law like his; None where it is not known."""
+        """Return the Hertzian contact of a law; None for other laws or unknown surfaces."""
         return round_contact(own_law(contact.law), contact.materials(self.bodies))
 
     @cached_property
@@ -154,24 +155,24 @@ class Scenario:
 
     @cached_property
     def layout(self) -> RecordLayout:
-        """Places of the rows of a record."""
+        """Index of each row of a record."""
         sliding = tuple([contact.friction is not None for contact in self.contacts])
         return RecordLayout(tuple(map(attrgetter("ports"), self.bodies)), sliding)
 
     @cached_property
     def _loads_of(self) -> dict[int, list[Load]]:
-        """The loads on each body that has some."""
+        """The loads on each loaded body, by its number."""
         found: dict[int, list[Load]] = {}
         for load in self.loads:
             found.setdefault(load.body, []).append(load)
         return found
 
     def load_on(self, body: int) -> ArrayPair | None:
-        """Return all loads on a body as one: times, shape (m,), and forces on ports, (m, p)."""
+        """Return the sum of loads on a body: times, s, (m,), and forces on ports, N, (m, p)."""
         ours = self._loads_of.get(body) if self.loads else None
         if ours is None:
             return None
-        times = ours[0].times  # which rise: sorting two million takes a tenth of a second
+        times = ours[0].times  # ascending: sorting two million again takes a tenth of a second
         if len(ours) > 1:
             times = np.unique(np.concatenate([load.times for load in ours]))
         forces = np.zeros((len(times), self.bodies[body].ports))
@@ -182,14 +183,14 @@ class Scenario:
     def port_forces(self, body: int, times: FloatArray, forces: FloatArray) -> FloatArray:
         """Return all forces on a body's ports, N, along their directions, shape (p, times).
 
-        Under gravity one more row of ones after them: the weight acts at any time.
+        Under gravity a row of ones follows, the factor of the constant weight.
 
         Parameters
         ----------
         times : ndarray, shape (times,)
-            s.
+            Times, s.
         forces : ndarray, shape (pushes, times)
-            The contact forces then, N; see `RecordLayout.pushes`.
+            Contact forces at these times, N; see `RecordLayout.pushes`.
         """
         found, row = np.zeros((self.bodies[body].ports, len(times))), 0
         for contact in self.contacts:
@@ -211,7 +212,7 @@ class Scenario:
 
     @cached_property
     def rest(self) -> Equilibrium | None:
-        """The bodies at rest under gravity and the loads at t = 0; None unless they start so.
+        """Static equilibrium under gravity and the loads at t = 0; None without `preload`.
 
         Raises
         ------
@@ -228,7 +229,7 @@ class Scenario:
         return equilibrium(self.modal, self.contacts, gravity=self.gravity, forces=forces)
 
     def stepped(self, body: int) -> SteppedBody:
-        """Return a body as a run with fixed steps takes it."""
+        """Return a body for a run with fixed steps."""
         model, load, rest = self.bodies[body], self.load_on(body), self.rest
         start = self.start(body)
         if not isinstance(model, FullModel) or model.in_modes:
@@ -252,14 +253,15 @@ class Scenario:
 
     @cached_property
     def fastest(self) -> float:
-        """The largest speed, m/s, at which bodies of the scene may meet first."""
+        """Largest speed at which bodies of the scene may first meet, m/s."""
         spread = max(self.velocities) - min(self.velocities)
         return max([spread, *(self.approach(contact)[1] for contact in self.contacts)])
 
     def approach(self, contact: Contact) -> tuple[float, float]:
-        """Return when the bodies of a contact meet, s, and how fast, m/s, as rigid ones do.
+        """Return the time at which the bodies of a contact meet, s, and their speed then, m/s.
 
-        Their distance is closed by v t + a t²/2, so they meet at √(v² + 2 a gap).
+        Both are of rigid bodies, whose distance changes by v t + a t²/2. They meet at the speed
+        √(v² + 2 a gap). Bodies that do not meet give (inf, 0).
         """
         first, second = contact.first, contact.second
         speed = self.velocities[first] - self.velocities[second]
@@ -270,7 +272,7 @@ class Scenario:
         return 2.0 * max(contact.gap, 0.0) / (meets + speed), meets
 
     def _acceleration(self, body: int) -> float:
-        """Acceleration of a body by gravity and constant forces, m/s²; 0 if it is constrained."""
+        """Acceleration of a body by gravity and the loads at t = 0, m/s²; 0 if constrained."""
         model = self.bodies[body]
         if math.isinf(mass := model.most_mass):
             return 0.0

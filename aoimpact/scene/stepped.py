@@ -1,4 +1,4 @@
-"""Bodies as Newmark's rule steps them: in natural modes, or in all degrees of freedom."""
+"""Bodies for Newmark's rule: in natural modes, or in all degrees of freedom."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from ..base import FloatArray, record, sp
 from ..fem import Rayleigh
 from ..linalg import core_rows, factorize
 
-PARTS = _core.MODES.split()  # of a body as the core takes it, in its order
+PARTS = _core.MODES.split()  # fields of a body in the core's order
 
 
 class Equations(NamedTuple):
-    """M ü + C u̇ + K u = B f, from u0 and v0.
+    """Equations of motion M ü + C u̇ + K u = B f, with initial values.
 
     Attributes
     ----------
     K, M, C : scipy.sparse arrays, shape (n, n)
     B : ndarray, shape (n, p)
-        The ports; under gravity the weight, N, after them.
+        Functionals of the ports; under gravity the weight, N, is one more column.
     u0, v0 : ndarrays, shape (n,)
-        At t = 0, m and m/s.
+        Displacements and velocities at t = 0, m and m/s.
     """
 
     K: Any
@@ -37,14 +37,14 @@ class Equations(NamedTuple):
 
 @record
 class SteppedBody:
-    """A body in natural modes, and how it starts.
+    """A body in natural modes, and its initial state.
 
     Attributes
     ----------
     parts : mapping
-        The body as the core describes it (aoi_modes), by name; what is missing is None.
+        Fields of the core's aoi_modes by name; missing ones are None.
     x, v : ndarrays, shape (n,)
-        Coordinates at the start, and their rates.
+        Coordinates at t = 0, and their rates.
     """
 
     parts: Mapping[str, Any]
@@ -53,16 +53,16 @@ class SteppedBody:
 
     @property
     def ports(self) -> int:
-        """Number of places where it may be touched."""
+        """Number of contact coordinates."""
         return len(self.parts["shape"])
 
     def for_core(self, dt: float, beta: float, gamma: float) -> tuple[Any, ...]:
-        """Return the core's tuple for steps of `dt`, s, by a rule."""
+        """Return the core's tuple for steps of `dt`, s, by Newmark's rule with `beta`, `gamma`."""
         return tuple(map(self.parts.get, PARTS))
 
     @property
     def equations(self) -> Equations:
-        """Equations of motion, for any method."""
+        """Equations of motion in the body's coordinates."""
         K, M, C = self._matrices
         columns = np.transpose(self.parts["push"])
         gravity = self.parts.get("gravity")
@@ -80,7 +80,7 @@ class SteppedBody:
 
 @record
 class SteppedFull(SteppedBody):
-    """All degrees of freedom of a finite-element body.
+    """A finite-element body in all its degrees of freedom.
 
     Attributes
     ----------
