@@ -35,8 +35,9 @@ static complex_number sum(complex_number a, complex_number b)
     return (complex_number){a.re + b.re, a.im + b.im};
 }
 
-/* Terms of the series of i_0(y) down to the square of rounding: either part of the sum may be as much smaller than the
- * other as rounding. What follows would only take time, most of all where it underflows. */
+/* Number of terms of the series of i_0(y), down to the square of rounding: the real part of the sum
+ * may be smaller than the imaginary one by as much as rounding, or the reverse. More terms would
+ * only take time, most of all if they underflow. */
 static int terms_of(complex_number square)
 {
     const double size = hypot(square.re, square.im);
@@ -69,7 +70,7 @@ static void exponential_series(complex_number y, complex_number left, size_t cou
 static void exponential_downward(complex_number y, complex_number i0, complex_number i1,
                                  size_t count, complex_number *value)
 {
-    /* Small enough to grow by 113!!, large enough for its square. */
+    /* Small enough to grow by a factor of 113!!, large enough for its square not to underflow. */
     complex_number above = {0.0, 0.0}, here = {1e-60, 0.0};
     const complex_number inverse = over((complex_number){1.0, 0.0}, y);
     for (size_t l = count + MARGIN; l > 0; l--) {

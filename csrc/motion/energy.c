@@ -1,4 +1,4 @@
-/* Where a body's energy is, and what loads and damping have done to it. */
+/* Energies of a body, and the work of loads and damping on it. */
 #include "motion/energy.h"
 #include "motion/modes.h"
 #include "motion/path.h"
@@ -39,7 +39,7 @@ static double gravity_work(const aoi_modes *body, const double *x0, const double
     return work;
 }
 
-/* Loads of a time times displacements. */
+/* Loads at a time times the displacements of their ports at x, J. */
 static double loaded(const aoi_modes *body, double time, const double *x)
 {
     double work = 0.0;
@@ -63,7 +63,8 @@ static int loads_rise(const aoi_modes *body, double time)
     return 0;
 }
 
-/* f^T R f' of loads that do not bend meanwhile: what they store in the residual compliance. */
+/* Energy that loads f which do not bend meanwhile store in the residual compliance R: the integral
+ * of f^T R f'. */
 static double residual_work(const aoi_modes *body, double from, double to)
 {
     const double length = to - from;
@@ -91,7 +92,7 @@ double aoi_modes_bent_work(const aoi_modes *body, double time, const double *for
 
 /* ---------------------------------------------------------------------------------- in free motion */
 
-/* What the loads' rise does in all to mode j: sum of slope and shape over the ports. */
+/* Slope in time of the loads' force on mode j: sum of slope times shape over the ports. */
 static double rise_on(const aoi_modes *body, size_t j, double time)
 {
     double sum = 0.0;
@@ -103,7 +104,8 @@ static double rise_on(const aoi_modes *body, size_t j, double time)
     return sum;
 }
 
-/* A mode under loads that run straight for a time: force, its Legendre coefficients, set. */
+/* Motion of a mode under loads that are linear in time; force: set to their Legendre
+ * coefficients. */
 static aoi_path path_of(const aoi_modes *body, size_t j, double from, double length, double x, double v,
                         double *force)
 {
@@ -115,7 +117,7 @@ static aoi_path path_of(const aoi_modes *body, size_t j, double from, double len
     return (aoi_path){body->omega[j], body->decay ? body->decay[j] : 0.0, length, x, v, 1.0, force, 1};
 }
 
-/* Work on the modes of rising loads over a stretch in which they do not bend. x, v are taken to its end. */
+/* Work of changing loads on the modes over a time in which no load bends; advances x, v to its end. */
 static double rising_work(const aoi_modes *body, double from, double to, double *x, double *v)
 {
     double work = 0.0;
@@ -133,7 +135,7 @@ static double rising_work(const aoi_modes *body, double from, double to, double 
     return work + loaded(body, from, x);
 }
 
-/* The same from bend to bend. */
+/* As rising_work, over any time, from bend to bend. */
 static double changing_work(const aoi_modes *body, double from, double to, const double *x0,
                             const double *v0, double *scratch)
 {
@@ -174,12 +176,13 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
 
 /* -------------------------------------------------------------------------- in a step of contact */
 
-/* Integrals over a part of a step: what damping takes, and what rising loads add to those at the start. */
+/* Integrals over a part of a step, J: energy lost by damping, and work of the loads' rise since its
+ * start. */
 typedef struct step_integrals {
     double lost, rising;
 } step_integrals;
 
-/* Adds mode j's share. */
+/* Adds the integrals of mode j. */
 static void add_mode(const aoi_modes *body, size_t j, double from, double h, double place,
                      const double *force, double x, double v, step_integrals *sum)
 {
@@ -201,7 +204,7 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
     sum->rising += rise * moment;
 }
 
-/* The loads' rise times what the contact forces bend the residual compliance by. */
+/* Integral of the loads' slopes times the deflection of the residual compliance by contact forces, J. */
 static double bent_by(const aoi_modes *body, double from, double h, double place, const double *force)
 {
     double sum = 0.0;

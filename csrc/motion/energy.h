@@ -4,7 +4,8 @@
 
 #include "aoimpact.h"
 
-/* Energies of a body, J. force: of all kinds on its ports, or NULL (the residual compliance stores it). */
+/* Energies of a body, J. force: contact forces plus loads on its ports, whose energy in the
+ * residual compliance is added; NULL: none. */
 void aoi_modes_energy(const aoi_modes *body, const double *x, const double *v, const double *force,
                       double *kinetic, double *elastic);
 
@@ -22,8 +23,8 @@ void aoi_modes_step_work(const aoi_modes *body, double from, double h, double pl
                          const double *force, const double *x0, const double *v0, const double *x1,
                          double *work, double *dissipated);
 
-/* Loads times what the contact forces of the moment bend the residual compliance at them, J. force: of
- * all kinds on the ports. Their work since a moment without contact has this in it. */
+/* Loads times the deflection of the residual compliance by the contact forces at a time, J. The loads'
+ * work since a time without contact includes it. force: contact forces plus loads on the ports. */
 double aoi_modes_bent_work(const aoi_modes *body, double time, const double *force);
 
 #endif

@@ -1,13 +1,16 @@
+/* Free motion at evenly spaced times. */
 #include "motion/even.h"
 #include "motion/modes.h"
 
 #include <math.h>
 
-/* Each state that follows from the one before adds some 3e-16 of a mode's amplitude. */
+/* Number of successive states that are each computed from the one before, which adds an error of
+ * some 3e-16 of a mode's amplitude. */
 enum { FOLLOWING = 32 };
 
-/* Times rounded to doubles are not quite even. A first-order correction covers the deviation from even spacing: its
- * square, as an angle, is below rounding. */
+/* Largest deviation from even spacing, relative and as an angle of the fastest mode: times rounded
+ * to doubles are not quite even. It is corrected to first order, since the square of the angle is
+ * below rounding. */
 static const double NEARLY_EVEN = 1e-6, SMALL_ANGLE = 1e-8;
 
 static void make(aoi_even *even, const aoi_modes *body)
@@ -28,7 +31,7 @@ static void make(aoi_even *even, const aoi_modes *body)
     }
 }
 
-/* Takes four modes on by the spacing and by what the time is off it. */
+/* Advances four modes by the spacing, and by the deviation of the time from it. */
 static void turn(const aoi_even_lanes *of, double off, double *x, double *v)
 {
     double place[AOI_LANES], speed[AOI_LANES];
@@ -43,7 +46,7 @@ static void turn(const aoi_even_lanes *of, double off, double *x, double *v)
     memcpy(v, speed, sizeof speed);
 }
 
-/* True if the state follows from that of the time before, which lies in the same free motion. */
+/* True if the state can be computed from that at the last time, which lies in the same free motion. */
 static int follows(aoi_even *even, const aoi_modes *body, double spacing)
 {
     if (!(fabs(spacing - even->spacing) <= NEARLY_EVEN * spacing)) {

@@ -1,4 +1,4 @@
-/* Between contacts everything is linear: the closed form, and the next touch found with certainty. */
+/* Free motion of two bodies in closed form, and a search for their next touch that misses none. */
 #include "motion/free.h"
 #include "motion/modes.h"
 #include "motion/polynomial.h"
@@ -24,7 +24,7 @@ void aoi_forced_fit(double from, double length, const double *values, aoi_forced
     }
 }
 
-/* A derivative of what contact forces add; 0: itself. */
+/* Derivative of the indentation added by contact forces; 0: the indentation itself. */
 static double forced_at(const aoi_free_pair *pair, int derivative)
 {
     const aoi_forced *forced = pair->forced;
@@ -66,7 +66,7 @@ void aoi_free_pair_motion(const aoi_free_pair *pair, int most, double *of)
 }
 
 /* The first positive root of c + b t + a t^2, or infinity. With c < 0 that is where it becomes
- * positive; with c = 0 (just let go) where it does so again. */
+ * positive; with c = 0 (bodies that have just separated) where it does so again. */
 static double first_root(double c, double b, double a)
 {
     if (c > 0.0 || (c == 0.0 && (b > 0.0 || (b == 0.0 && a > 0.0)))) {
@@ -77,7 +77,7 @@ static double first_root(double c, double b, double a)
     }
     const double discriminant = b * b - 4.0 * a * c;
     if (discriminant < 0.0) {
-        return HUGE_VAL; /* a < 0: its top lies below zero */
+        return HUGE_VAL; /* a < 0: the maximum lies below zero */
     }
     const double q = -0.5 * (b + copysign(sqrt(discriminant), b));
     const double roots[2] = {q / a, q != 0.0 ? c / q : 0.0};
@@ -90,16 +90,16 @@ static double first_root(double c, double b, double a)
     return first;
 }
 
-/* A mode that turns by less than this in all the time there is (rad) is only taken as a slow one: its
- * place of rest under a load may be very far off. Tried: 49 runs change, by 4e-8 where rtol is 1e-5. */
+/* A mode whose phase advances by less than this (rad) in the time left is treated as slow only: its
+ * equilibrium under a load may be very far away. Tried: 49 runs change, by 4e-8 where rtol is 1e-5. */
 static const double HARDLY_TURNS = 0.1;
 
-/* A mode's share in the indentation, bounded from above for a time: as a slow one by a parabola, as a
- * fast one by its amplitude about a place of rest that its loads may move. */
+/* Upper bound of a mode's part of the indentation over a time: of a slow mode by a parabola, of a
+ * fast one by its amplitude about an equilibrium that its loads may move. */
 typedef struct bound {
     double level, rate, bend; /* as a slow one */
     double rest, drift;       /* as a fast one */
-    double now, later;        /* of one that does not turn: its acceleration is always between these */
+    double now, later;        /* for omega = 0: the acceleration is always between these */
 } bound;
 
 static int only_slow(double omega, double within) { return omega * within < HARDLY_TURNS; }
@@ -131,7 +131,7 @@ static bound bound_of(const aoi_free_pair *pair, int side, size_t j, double with
     return made;
 }
 
-/* The next mode of both bodies together by ascending omega; which of the sides has it. */
+/* Side that has the next mode, in the ascending order of the omega of both bodies. */
 static int next_side(const aoi_free_pair *pair, const size_t *at)
 {
     if (at[0] == pair->body[0]->n || at[1] == pair->body[1]->n) {
@@ -140,10 +140,10 @@ static int next_side(const aoi_free_pair *pair, const size_t *at)
     return pair->body[1]->omega[at[1]] < pair->body[0]->omega[at[0]];
 }
 
-/* Modes of both bodies that do not turn, taken together: rigid motion common to both bodies cancels in the gap. Their
- * accelerations go over from now to later by the same law of time if the decays are equal. */
+/* Modes with omega = 0 of both bodies, taken together: rigid motion common to both bodies cancels in the
+ * gap. With equal decays their accelerations change from now to later by the same function of time. */
 typedef struct drifting {
-    double now, later, apart; /* sums, and that of the larger of each mode's two */
+    double now, later, apart; /* sums; apart: sum of the larger of each mode's two */
     double decay;
     int count, alike;
 } drifting;
@@ -162,8 +162,8 @@ static double bend_of(const drifting *sum)
     return 0.5 * (sum->alike ? fmax(sum->now, sum->later) : sum->apart);
 }
 
-/* A time within which the bodies cannot touch: the best over all ways of cutting the modes into slow
- * ones and fast ones. level, rate: of the bound with all of them fast. */
+/* A time within which the bodies cannot touch: the longest over all ways to split the modes into
+ * slow and fast ones. level, rate: of the bound with all of them fast. */
 static double safe_stride(const aoi_free_pair *pair, double level, double rate, double within)
 {
     const size_t count = pair->body[0]->n + pair->body[1]->n;
@@ -191,9 +191,9 @@ static double safe_stride(const aoi_free_pair *pair, double level, double rate, 
     return best;
 }
 
-/* The bound's level and drift with all modes taken as fast, and the size of what is summed there, or will be: bodies
- * may rest in their origin. In: the indentation and its rate, which gap and residual compliance have a share in,
- * too. */
+/* Changes level and drift from the indentation and its rate to those of the bound with all modes
+ * fast. The gap and the residual compliance stay included. scale: size of the terms that are summed
+ * there, now or within the time, since bodies may rest at their origin. */
 static void all_fast(const aoi_free_pair *pair, double within, double *level, double *drift,
                      double *scale)
 {
@@ -223,7 +223,7 @@ static void fly_pair(aoi_free_pair *pair, double to)
     pair->time = to;
 }
 
-/* Up to when no load bends. */
+/* Time up to which no load bends, at most limit. */
 static double stop_of(const aoi_free_pair *pair, double limit)
 {
     const double bend = fmin(aoi_modes_next_bend(pair->body[0], pair->time),
@@ -281,7 +281,8 @@ int aoi_free_pair_next_touch(aoi_free_pair *pair, double limit, size_t most, int
             return AOI_OK;
         }
         double stride = safe_stride(pair, level, drift, within);
-        /* At rounding from a touch that does not come, go on by what the rounding is worth. */
+        /* Within rounding of a touch that does not occur, advance by the time that the rounding is
+         * worth. */
         const double rounding = DBL_EPSILON * scale;
         if (of[1] != 0.0 && stride * fabs(of[1]) < rounding) {
             stride = fmax(stride, rounding_time(rounding, of));

@@ -12,7 +12,7 @@ static const double LEAST = 1e-36;
 /* 1.5 * 2^52: what is added to it is rounded to an integer. */
 static const double ROUNDER = 6755399441055744.0;
 
-/* Angles up to which pi/2 in four parts will do: 2^31 quarters. */
+/* Largest angle for which pi/2 in four parts is exact enough: 2^31 quarters. */
 static const double FARTHEST = 3e9;
 
 /* pi/2, of which the first two parts times an integer below 2^31 are exact (W. J. Cody and W. Waite,
@@ -21,7 +21,7 @@ static const double QUARTER[4] = {1.570796012878418, 3.139164164167596e-07, 6.22
                                   2.0222662487959506e-21};
 static const double QUARTERS = 0.6366197723675814; /* 2/pi */
 
-/* Taylor's, for angles up to pi/4: what follows is below 1e-18. */
+/* Taylor coefficients for angles up to pi/4: terms left out are below 1e-18. */
 enum { TAYLOR = 8 };
 static const double OF_SINE[TAYLOR] = {
     -1.0 / 6.0,         1.0 / 120.0,         -1.0 / 5040.0,          1.0 / 362880.0,
@@ -80,7 +80,8 @@ void aoi_turn_motions(const aoi_turn *turn, aoi_motions *motions)
 
 /* ------------------------------------------------------------------------------------- integrals */
 
-/* Up to here from two series downward, beyond upward: each is stable there. */
+/* Argument up to which the recurrence runs downward from two series, and beyond which it runs
+ * upward: each is stable there. */
 static const double UPWARD_FROM = 6.0;
 
 /* j_l(y) / y^l = sum over k of (-y^2/2)^k / (k! (2l+1)!! (2l+3) (2l+5) .. (2l+2k+1)), l = 7 and 6. */
@@ -104,7 +105,7 @@ static void downward(const double *y, bessel value)
 {
     double z[AOI_LANES], power[AOI_LANES];
     for (size_t i = 0; i < AOI_LANES; i++) {
-        z[i] = y[i] < UPWARD_FROM ? y[i] * y[i] : 0.0; /* the others are not for here */
+        z[i] = y[i] < UPWARD_FROM ? y[i] * y[i] : 0.0; /* larger ones are left to upward() */
         power[i] = 1.0;
     }
     for (size_t first = 0; first < 2; first++) {
@@ -171,7 +172,7 @@ static void spherical_bessel(const aoi_turn *turn, bessel value)
     }
 }
 
-/* The integrals of e^(iz(1-x)), z = 2y, are (-i)^l e^(iy) j_l(y): it goes round through four quarters. */
+/* The integrals of e^(iz(1-x)), z = 2y, are (-i)^l e^(iy) j_l(y); (-i)^l goes through four values. */
 void aoi_turn_integrals(const aoi_turn *turn, aoi_integrals *integrals)
 {
     bessel value;

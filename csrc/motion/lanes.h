@@ -10,7 +10,7 @@
 
 enum { AOI_LANES = 4 };
 
-/* Undamped oscillators after a time: half the angles that they turn, and the sine and cosine of that. */
+/* Undamped oscillators after a time: half their phase angles, and the sine and cosine of these. */
 typedef struct aoi_turn {
     double time, half[AOI_LANES], sine[AOI_LANES], cosine[AOI_LANES];
 } aoi_turn;
@@ -30,13 +30,13 @@ void aoi_turn_make(const double *omega, double time, aoi_turn *turn);
 void aoi_turn_motions(const aoi_turn *turn, aoi_motions *motions);
 void aoi_turn_integrals(const aoi_turn *turn, aoi_integrals *integrals);
 
-/* How many modes there are from the first on, at most AOI_LANES. */
+/* Number of modes from the first on, at most AOI_LANES. */
 static inline size_t aoi_lanes_count(const aoi_modes *body, size_t first)
 {
     return body->n - first < AOI_LANES ? body->n - first : AOI_LANES;
 }
 
-/* Values of those modes; 0 for what is left of the lanes. */
+/* Copies the values of these modes to the lanes; lanes without a mode are 0. */
 static inline void aoi_lanes_take(const double *values, size_t count, double *lanes)
 {
     if (count == AOI_LANES) { /* constant, for the compiler */

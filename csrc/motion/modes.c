@@ -81,7 +81,7 @@ void aoi_modes_move(const aoi_modes *body, size_t first, double from, const aoi_
     }
 }
 
-/* Over a time in which no load bends. */
+/* Advances x, v over a time in which no load bends. */
 static void advance_straight(const aoi_modes *body, double from, double time, double *x, double *v)
 {
     for (size_t first = 0; first < body->n; first += AOI_LANES) {
@@ -108,11 +108,12 @@ void aoi_modes_port(const aoi_modes *body, size_t port, const double *x, const d
     *velocity = aoi_vector_dot(body->n, shape, v);
 }
 
-/* Damped modes, or modes under a load. */
+/* As aoi_lanes_of, for damped modes or modes under a load. */
 static void one_by_one(const aoi_modes *body, size_t first, double time, aoi_motions *motions,
                        aoi_integrals *integrals)
 {
-    memset(motions, 0, sizeof *motions); /* a weight of 0 times what is left of the lanes is 0 */
+    /* in lanes without a mode a weight of 0 times these is 0 */
+    memset(motions, 0, sizeof *motions);
     if (integrals) {
         memset(integrals, 0, sizeof *integrals);
     }

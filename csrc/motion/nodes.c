@@ -1,4 +1,4 @@
-/* Products with the matrices of a step. */
+/* Products with the matrices of a step, and the inverse of one. */
 #include "motion/nodes.h"
 #include "law/law.h"
 
@@ -25,8 +25,8 @@ void aoi_nodes_multiply_from(double start, const double *column, const double *n
     aoi_nodes_add(start, column, y);
 }
 
-/* Takes the pivot row from the rows first .. last - 1. In column k they are left with what belongs to the
- * inverse. */
+/* Subtracts multiples of the pivot row from the rows first .. last - 1. Column k then holds that of
+ * the inverse. */
 static void eliminate(size_t k, size_t first, size_t last, const double *restrict pivot_row,
                       double *restrict matrix)
 {
@@ -38,7 +38,7 @@ static void eliminate(size_t k, size_t first, size_t last, const double *restric
     }
 }
 
-/* Gauss and Jordan without pivoting. */
+/* Gauss-Jordan elimination without pivoting. */
 void aoi_nodes_invert(double *matrix)
 {
     for (size_t k = 0; k < AOI_NODES; k++) {

@@ -20,7 +20,7 @@ void aoi_nodes_multiply(const double *column, const double *x, double *y);
  * nodes. */
 void aoi_nodes_multiply_from(double start, const double *column, const double *nodes, double *y);
 
-/* The inverse in place of a matrix with pivots near or above one, by rows or by columns. */
+/* Inverts a matrix in place, by rows or by columns; its pivots must be near or above 1. */
 void aoi_nodes_invert(double *matrix);
 
 static inline double aoi_nodes_dot(const double *x, const double *y)
@@ -33,7 +33,7 @@ static inline double aoi_nodes_dot(const double *x, const double *y)
     return even + odd;
 }
 
-/* The largest of a number and the values; NaN is none of them. */
+/* The largest of a number and the values, of which NaN are ignored. */
 static inline double aoi_nodes_largest(double largest, const double *values)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {

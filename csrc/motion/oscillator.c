@@ -8,13 +8,14 @@
 
 enum { SERIES_TERMS = 18 };
 
-/* Two successive coefficients below this change no sum any more: those are between 1/8 and 1. */
+/* Sum of two successive coefficients below which a series ends: the totals are between 1/8 and 1. */
 static const double NOTHING = 1e-19;
 
-/* Below these, the closed forms lose digits to cancellation. */
+/* Arguments below which the closed forms lose digits to cancellation. */
 static const double SERIES_LIMIT = 0.5, RAMP_LIMIT = 1.0;
 
-/* With omega below this share of the decay, the two exponentials are far enough apart to be subtracted. */
+/* Share of the decay below which omega leaves the two exponentials far enough apart to be
+ * subtracted. */
 static const double SLOW_SHARE = 0.5;
 
 /* Share of decay^2 within which omega^2 - decay^2 counts as critical damping. */
@@ -50,7 +51,7 @@ static void undamped(double omega, double time, aoi_motion *motion)
     *motion = (aoi_motion){all.impulse[0], all.rate[0], all.step[0], (time - all.impulse[0]) / (omega * omega)};
 }
 
-/* Neither overdamped by far nor short: the integrals from the equation itself. */
+/* Neither strongly overdamped nor short: step and ramp follow from the differential equation. */
 static void damped(double omega, double decay, double time, aoi_motion *motion)
 {
     const double square = (omega - decay) * (omega + decay), turn = sqrt(fabs(square));
@@ -86,7 +87,7 @@ static void creep(double s, double time, double *once, double *twice)
     *twice = time * time * total;
 }
 
-/* Two exponentials, the slow one far slower, and infinitely so without a spring. */
+/* Strongly overdamped: two exponentials, of which the slow one is constant without a spring. */
 static void overdamped(double omega, double decay, double time, aoi_motion *motion)
 {
     const double split = sqrt((decay - omega) * (decay + omega)), fast = decay + split;
@@ -113,8 +114,8 @@ void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *
     }
 }
 
-/* Both integrals where omega^2 - decay^2 = square is not near zero. slow: of the two rates of decay, if
- * there are two. */
+/* Both integrals where omega^2 - decay^2 = square is not near zero. slow: the lower of the two
+ * rates of decay, for square < 0. */
 static void damped_integrals(double square, double slow, double decay, double h, size_t count,
                              double *impulse, double *rate)
 {
@@ -137,7 +138,7 @@ static void damped_integrals(double square, double slow, double decay, double h,
     }
 }
 
-/* sin(omega t)/omega and cos(omega t) with a damping that is small beside what it is over h. */
+/* With damping by complex exponentials; else of sin(omega t)/omega and cos(omega t), as in lanes.c. */
 void aoi_oscillator_integrals(double omega, double decay, double h, size_t count, double *impulse,
                               double *rate)
 {
@@ -148,7 +149,8 @@ void aoi_oscillator_integrals(double omega, double decay, double h, size_t count
             damped_integrals(square, slow, decay, h, count, impulse, rate);
             return;
         }
-        /* Nearly critical: even in the root of square, so a straight line through two places. */
+        /* Nearly critical: the integrals are even functions of the root of square, and are
+         * extrapolated linearly in square from two values. */
         double further[AOI_NODES], further_rate[AOI_NODES];
         const double share = (square - near) / (3.0 * near);
         damped_integrals(near, 0.0, decay, h, count, impulse, rate);

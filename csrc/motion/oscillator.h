@@ -4,9 +4,9 @@
 
 #include "aoimpact.h"
 
-/* What x'' + 2 decay x' + omega^2 x = f does in a time from rest: impulse, the response to a unit
- * impulse; rate, its derivative; step and ramp, its first two integrals, the responses to f = 1 and
- * f = t. With x0, v0 at the start and f = load + slope t:
+/* Motion of x'' + 2 decay x' + omega^2 x = f after a time, from rest: impulse, the response to a
+ * unit impulse; rate, its derivative; step and ramp, its first two integrals, the responses to f =
+ * 1 and f = t. With x0, v0 at the start and f = load + slope t:
  *   x = x0 + v0 impulse + (load - omega^2 x0) step + slope ramp,
  *   x' = v0 rate + (load - omega^2 x0) impulse + slope step. */
 typedef struct aoi_motion {

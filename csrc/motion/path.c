@@ -1,5 +1,6 @@
-/* A mode's way under a polynomial force: a polynomial of its own and a free oscillation about it. What damping
- * takes, and what a rising load does, are integrals over it, exact however often the mode turns. */
+/* Motion of a mode under a polynomial force: a polynomial particular solution and a free
+ * oscillation about it. The loss by damping and the work of a rising load are integrals over it,
+ * exact for any number of periods. */
 #include "motion/oscillator.h"
 #include "motion/path.h"
 #include "motion/polynomial.h"
@@ -23,7 +24,7 @@ void aoi_path_follow(double omega, double decay, double h, const double *f, doub
     }
 }
 
-/* Coefficients of v where v' + 2 decay v = f, which runs straight. */
+/* Coefficients of v with v' + 2 decay v = f, for a force f that is linear in time. */
 static void follow_free(double decay, double h, const double *f, double *v)
 {
     memset(v, 0, AOI_NODES * sizeof *v);
@@ -31,24 +32,25 @@ static void follow_free(double decay, double h, const double *f, double *v)
     v[0] = (f[0] - 2.0 * v[1] / h) / (2.0 * decay);
 }
 
-/* Above this, v dies away within the time: its square is no polynomial. */
+/* Value of decay times time above which v dies away: its square is not close to a polynomial. */
 static const double STRONG = 0.1;
 
-/* The velocity along the polynomial at the nodes of the part; returns 0 where there is none to be had. What is
- * left of x, v oscillates. */
+/* Velocity of the polynomial solution at the nodes of the part, and the state x, v at the start of
+ * the oscillation about it. Returns 0 if there is no such solution to use. */
 static int along(const aoi_path *path, double *velocity, double *x, double *v)
 {
     double place[AOI_NODES], rate[AOI_NODES];
     *x = path->x;
     *v = path->v;
-    const double decay = path->straight ? 0.0 : path->decay; /* a straight force leaves no digits to lose */
+    /* no digits are lost under a force linear in time */
+    const double decay = path->straight ? 0.0 : path->decay;
     if (aoi_path_rings(path->omega, decay, path->h)) {
         aoi_path_follow(path->omega, path->decay, path->h, path->force, place, rate);
         *x -= aoi_legendre_at_start(place);
     } else if (path->omega == 0.0 && path->straight && 2.0 * path->decay * path->h > AOI_PATH_FAST) {
         follow_free(path->decay, path->h, path->force, rate);
     } else {
-        return 0; /* too slow, or it does not oscillate */
+        return 0; /* too slow, or overdamped */
     }
     *v -= aoi_legendre_at_start(rate);
     aoi_legendre_at_nodes(rate, 0.0, path->place, velocity);
@@ -98,7 +100,8 @@ static void by_quadrature(const aoi_path *path, double *squared, double *moment)
     }
 }
 
-/* Adds what the oscillation from x, v does, by itself and together with the velocity along the polynomial. */
+/* Adds the parts of the oscillation from x, v to the integrals: its own, and that with the
+ * polynomial's velocity. */
 static void add_oscillation(const aoi_path *path, const double *velocity, double x, double v,
                             double *squared, double *moment)
 {
@@ -107,7 +110,8 @@ static void add_oscillation(const aoi_path *path, const double *velocity, double
     aoi_motion motion;
     aoi_oscillator_motion(path->omega, path->decay, time, &motion);
     aoi_oscillator_integrals(path->omega, path->decay, time, AOI_NODES, impulse, rate);
-    for (size_t k = 0; k < AOI_NODES; k++, sign = -sign) { /* those are for the time that is left */
+    /* the integrals run back from the end: hence the sign */
+    for (size_t k = 0; k < AOI_NODES; k++, sign = -sign) {
         const double of = sign * time * (v * rate[k] - pull * impulse[k]);
         *squared += 2.0 * of * aoi_nodes_dot(aoi_radau_to_legendre[k], velocity);
         *moment += k < 2 ? 0.5 * time * of : 0.0; /* t = time (P_0 + P_1) / 2 */

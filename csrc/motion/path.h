@@ -1,12 +1,12 @@
-/* How a mode moves over a time under a force that is a polynomial in it (path.c). */
+/* Motion of a mode over a time under a force that is a polynomial in time (path.c). */
 #ifndef AOI_PATH_H
 #define AOI_PATH_H
 
 #include "aoimpact.h"
 
-/* The motion of a mode that turns by more than this (rad) in a step is a polynomial particular solution plus a free
- * oscillation; that of a slower one is a polynomial of the degree of a step's to 1e-9 of what its force does. Overdamped
- * modes do not oscillate and are resolved by the nodes. */
+/* A mode whose phase advances by more than this (rad) in a step moves by a polynomial particular
+ * solution plus a free oscillation; a slower one by a polynomial of the degree of a step's, to 1e-9
+ * of its response to the force. Overdamped modes do not oscillate and are resolved by the nodes. */
 #define AOI_PATH_FAST 1.5
 static inline int aoi_path_rings(double omega, double decay, double h)
 {
@@ -17,7 +17,8 @@ static inline int aoi_path_rings(double omega, double decay, double h)
  * Legendre coefficients. Under strong damping (decay > omega) digits are lost unless f runs straight. */
 void aoi_path_follow(double omega, double decay, double h, const double *f, double *x, double *v);
 
-/* A mode from x, v on under a force f as above, which may run straight; how far of h it is looked at (0 .. 1). */
+/* Motion of a mode from x, v over a time h. force: Legendre coefficients, as above; straight: 1 if
+ * it is linear in time; place: share of h that the integrals cover (0 .. 1). */
 typedef struct aoi_path {
     double omega, decay, h, x, v, place;
     const double *force;

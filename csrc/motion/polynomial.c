@@ -163,7 +163,7 @@ int aoi_legendre_falls(const double *values, const double *coefficient, double l
     return 0;
 }
 
-/* The derivative of so many coefficients, and its values at the start and the nodes. */
+/* Derivative of a series of count coefficients, and its values at the start and the nodes. */
 static void derive(size_t count, const double *coefficient, double *derived, double *values)
 {
     memset(derived, 0, (AOI_NODES + 1) * sizeof *derived);

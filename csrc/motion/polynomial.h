@@ -4,17 +4,17 @@
 
 #include "law/law.h"
 
-/* sum of count shifted Legendre coefficients at 0 <= at <= 1 (or a little outside), and its derivative
- * with respect to at; count <= AOI_NODES + 1. */
+/* Sum of a series of count shifted Legendre coefficients at 0 <= at <= 1 (or a little outside), and
+ * its derivative with respect to at; count <= AOI_NODES + 1. */
 double aoi_legendre_evaluate(size_t count, const double *coefficient, double at, double *slope);
 
-/* Values of count <= AOI_NODES + 1 coefficients at AOI_NODES or AOI_EDGE_CHECKS places. */
+/* Values of a series of count <= AOI_NODES + 1 coefficients at AOI_NODES or AOI_EDGE_CHECKS places. */
 void aoi_legendre_at_points(size_t count, const double *coefficient, size_t points, const double *place, double *values);
 
-/* Values of AOI_NODES coefficients at the nodes of a part, from a place on and so long. */
+/* Values of a series of AOI_NODES coefficients at the nodes of the part from `from` to from + length. */
 void aoi_legendre_at_nodes(const double *coefficient, double from, double length, double *values);
 
-/* The value of AOI_NODES coefficients at the start, where P_k is (-1)^k. */
+/* Value of a series of AOI_NODES coefficients at the start, where P_k is (-1)^k. */
 static inline double aoi_legendre_at_start(const double *coefficient)
 {
     double even = 0.0, odd = 0.0;
@@ -25,7 +25,7 @@ static inline double aoi_legendre_at_start(const double *coefficient)
     return even - odd;
 }
 
-/* Coefficients of the derivative; count of both, in place, too. */
+/* Coefficients of the derivative, count like those given; derivative may be coefficient. */
 void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative);
 
 /* AOI_NODES + 1 coefficients from the values at the start and the nodes. */
@@ -34,21 +34,23 @@ void aoi_legendre_fit(double start, const double *nodes, double *coefficient);
 /* Legendre coefficients of the polynomial through the nodes. */
 void aoi_nodes_to_legendre(const double *nodes, double *legendre);
 
-/* That polynomial at the nodes of the part of the step up to place; in place, too. */
+/* Values of that polynomial at the nodes of the part of the step up to place; part may be nodes. */
 void aoi_nodes_on_part(const double *nodes, double place, double *part);
 
 /* The polynomial through the nodes, extrapolated to the start. */
 double aoi_nodes_at_start(const double *nodes);
 
-/* The first place in (0, 1] at which a polynomial falls to a level that lies below its value at the start,
- * as far as a look at the nodes shows; 0 where it does not. values: at the start and the nodes. */
+/* The first place in (0, 1] at which a polynomial falls to a level that lies below its value at the
+ * start, as far as its values at the nodes show; returns 0 where it does not. values: at the start
+ * and the nodes. */
 int aoi_legendre_falls(const double *values, const double *coefficient, double level, double *place);
 
-/* Where in (0, 1) it has its largest maximum, if it has one inside. Returns 1 then. */
+/* Place and value of the largest maximum of a polynomial inside (0, 1). Returns 1 if there is one. */
 int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value);
 
-/* Where it falls to a level on its way to its least minimum in (0, 1), if that is lower than depth (<= level):
- * what a look at the nodes misses. Returns 1 then. AOI_NODES + 1 coefficients. */
+/* Place at which a polynomial of AOI_NODES + 1 coefficients falls to a level before its lowest
+ * minimum in (0, 1), if that is below depth (<= level). Values at the nodes may not show it.
+ * Returns 1 then. */
 int aoi_legendre_dips(const double *coefficient, double depth, double level, double *place);
 
 #endif

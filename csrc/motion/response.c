@@ -1,5 +1,5 @@
-/* What a linear body does over one step under forces that are polynomials in time. Nothing linear is
- * discretised, so a stiff oscillator that nobody excites asks for no short step. */
+/* Response of a linear body over one step to forces that are polynomials in time. It is exact, so
+ * that a stiff oscillator that is not excited needs no short step. */
 #include "motion/lanes.h"
 #include "motion/modes.h"
 #include "motion/polynomial.h"
@@ -33,7 +33,8 @@ size_t aoi_response_size(const aoi_modes *body, size_t columns)
     return aoi_plus(aoi_plus(aoi_times(6 * AOI_NODES, body->n), pairs), aoi_times(body->ports, AOI_NODES));
 }
 
-/* A pair is a port and a column, or a mode twice: the shape of modes j .. j + 3 at the one and the push on the other. */
+/* A pair is a port and a column, or one mode twice: shapes (of modes j .. j + 3) at its first
+ * member, pushes on its second. */
 static size_t pairs_of(const aoi_response *response, const aoi_modes *body)
 {
     return pairs_for(body, response->columns.count);
@@ -58,7 +59,7 @@ static const double *push_of(const aoi_response *response, const aoi_modes *body
     return body->push + (response->columns.port ? response->columns.port[column] : column) * body->n + j;
 }
 
-/* The pairs that modes j .. j + 3 move: from the first to before the last. */
+/* The pairs that modes j .. j + 3 contribute to: from the first to before the last. */
 static size_t first_pair(const aoi_response *response, size_t j)
 {
     return response->columns.count == AOI_BY_MODES ? j : 0;
@@ -74,14 +75,15 @@ static double decay_of(const aoi_modes *body, size_t j)
     return body->decay ? body->decay[j] : 0.0;
 }
 
-/* True if the series serves a mode up to a node: it is the more exact of the two there. */
+/* True if the series is used for a mode up to a node, where it is more exact than Bessel
+ * functions. */
 static int is_slow(const aoi_modes *body, size_t j, double h, size_t node)
 {
     return body->omega[j] * (h * aoi_radau_node[node]) <= SERIES_LIMIT && decay_of(body, j) == 0.0;
 }
 
-/* Adds four modes' powers of -z^2 to the moments, up to the term of the series for the largest angle that adds nothing;
- * returns which. */
+/* Adds four modes' powers of -z^2 to the moments, up to the term of the series that adds nothing
+ * even for the largest angle; returns their number. */
 static size_t add_powers(const double *weight, const double *square, double largest, double *moments)
 {
     double power[AOI_LANES], reached = 1.0;
@@ -97,8 +99,9 @@ static size_t add_powers(const double *weight, const double *square, double larg
     return m;
 }
 
-/* Adds modes j .. j + 3, as far as they are slow up to node i and not up to the next, to the moments of all pairs,
- * which go on from node to node, from the last to the first. Returns how many moments they reach. */
+/* Adds modes j .. j + 3, as far as they are slow up to node i and not up to the next, to the
+ * moments of all pairs, which grow from node to node, from the last to the first. Returns the
+ * number of moments. */
 static size_t add_slow(const aoi_response *response, const aoi_modes *body, size_t j, size_t i)
 {
     const double h = response->h, node = aoi_radau_node[i];
@@ -128,8 +131,8 @@ static size_t add_slow(const aoi_response *response, const aoi_modes *body, size
     return used;
 }
 
-/* Adds modes j .. j + 3, as far as they are fast up to node i, to the sums against Legendre polynomials on the part
- * of the step up to it. */
+/* Adds modes j .. j + 3, as far as they are fast up to node i, to the sums against Legendre
+ * polynomials on the part of the step up to that node. */
 static void add_fast(const aoi_response *response, const aoi_modes *body, size_t j, size_t i,
                      const aoi_integrals *of)
 {
@@ -171,8 +174,8 @@ static void add_series(const aoi_response *response, const double *moments, size
     }
 }
 
-/* From the sums against the first Legendre polynomials up to node i to row i of an influence, whose columns lie side by
- * side in memory. */
+/* Converts the sums against the first Legendre polynomials up to node i to row i of an influence,
+ * which is stored by columns. */
 static inline void put_row(const double *sums, size_t count, size_t i, double *influence)
 {
     double row[AOI_NODES] = {0.0};
@@ -213,7 +216,7 @@ static void free_mass(aoi_response *response, const aoi_modes *body)
     }
 }
 
-/* Modes j .. j + 3 as they are at node i: their tables. */
+/* Writes the motion of modes j .. j + 3 up to node i to their tables. */
 static void put_motions(aoi_response *response, const aoi_modes *body, size_t j, size_t i,
                         const aoi_motions *of)
 {
@@ -226,7 +229,7 @@ static void put_motions(aoi_response *response, const aoi_modes *body, size_t j,
     }
 }
 
-/* What forces do to them over the whole step, whose end is the last node. */
+/* Writes the effect of forces on modes j .. j + 3 over the whole step, whose end is the last node. */
 static void put_integrals(aoi_response *response, const aoi_modes *body, size_t j,
                           const aoi_integrals *of)
 {
@@ -242,7 +245,7 @@ static void put_integrals(aoi_response *response, const aoi_modes *body, size_t 
     }
 }
 
-/* All modes at node i: their tables, and their sums; used: of the moments. */
+/* Fills the tables and the sums of all modes at node i; used: number of moments so far. */
 static void modes_at_node(aoi_response *response, const aoi_modes *body, size_t i, size_t *used)
 {
     const double h = response->h;
@@ -267,7 +270,7 @@ static void modes_at_node(aoi_response *response, const aoi_modes *body, size_t 
     }
 }
 
-/* The tables of the modes, and the influence of forces at all nodes on those before and at each. */
+/* Fills the tables of the modes, and the influence of the forces at all nodes on each node. */
 static void fill(aoi_response *response, const aoi_modes *body)
 {
     const size_t pairs = pairs_of(response, body);
@@ -318,7 +321,7 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_
     }
 }
 
-/* The load's own share through the residual compliance. */
+/* Adds the deflection of the residual compliance by the loads' change since the start. */
 static void residual_share(const aoi_modes *body, size_t port, double sign, double time, double h,
                            double *displacement, double *rate)
 {

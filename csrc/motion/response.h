@@ -4,9 +4,10 @@
 
 #include "law/law.h"
 
-/* The ports on which forces act, each with a column of an influence: port[column], and of[port] its column. NULL both
- * where each port has the column of its own number. count AOI_BY_MODES: influences are those on each mode of a unit force
- * on it, [n][node][node], of which the influence on a port of a force on another is a sum. */
+/* Columns of an influence, for the ports on which forces act: port[column], and of[port] its
+ * column; both NULL: each port has the column of its own number. count AOI_BY_MODES: influences are
+ * those on each mode of a unit force on it, [n][node][node], of which the influence of one port on
+ * another is a sum. */
 typedef struct aoi_columns {
     size_t count, *port, *of;
 } aoi_columns;
@@ -19,41 +20,43 @@ typedef struct aoi_response {
     double h;
     int has_rates;                        /* influence_rate is filled                     */
     double *impulse, *rate, *step, *ramp; /* [n][node]: aoi_motion at the nodes          */
-    double *to_x, *to_v;                  /* [n][node]: integrals against l_node        */
-    double *influence, *influence_rate;   /* [port][column][node][node]: at the port and the
-                                             second node, of a force at the others */
+    double *to_x, *to_v;                  /* [n][node]: x, v at the end, by force       */
+    /* [port][column][node][node]: at the port and second node, by a force at the column's and first */
+    double *influence, *influence_rate;
     aoi_columns columns;
     double *impulse_response;             /* [port][node]: displacement after a unit impulse */
     double *scratch;
 } aoi_response;
 
-/* Where the influence on a port of a force on another one begins in influence and influence_rate. */
+/* Index at which the influence on a port of a force on another begins in influence and
+ * influence_rate. */
 static inline size_t aoi_response_at(const aoi_response *response, size_t port, size_t by)
 {
     const aoi_columns *columns = &response->columns;
     return (port * columns->count + (columns->of ? columns->of[by] : by)) * AOI_NODES * AOI_NODES;
 }
 
-/* Doubles of the block behind the arrays, for so many columns, or AOI_BY_MODES. */
+/* Number of doubles in the block of the arrays, for `columns` columns, or AOI_BY_MODES. */
 size_t aoi_response_size(const aoi_modes *body, size_t columns);
 
-/* Fills the tables of a step of length h > 0. columns: NULL for each port in its own. block as above and the columns'
- * arrays are kept. */
+/* Fills the tables of a step of length h > 0. columns: NULL: each port has its own. block:
+ * aoi_response_size doubles; they and the arrays of columns are kept. */
 void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_columns *columns, double h,
                        int with_rates, double *block);
 
-/* Adds sign times the change of a port's displacement, and its rate (where not NULL), at the nodes, that is due to the
- * state at the start, to the loads and to constant forces on all ports (or NULL), whose residual compliance is left out;
- * time: of the start. */
+/* Adds sign times the change of a port's displacement and, if not NULL, its rate at the nodes that
+ * is due to the state at the start, to the loads and to constant forces on all ports (or NULL),
+ * whose residual compliance is left out; time: of the start. */
 void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *body, size_t port,
                               double sign, double time, const double *x, const double *v, const double *force,
                               double *displacement, double *rate);
 
-/* Takes x, v to the end of the step under force[port][node] and the loads. */
+/* Advances x, v to the end of the step under force[port][node] and the loads. */
 void aoi_response_propagate(const aoi_response *response, const aoi_modes *body, double time,
                             const double *force, double *x, double *v);
 
-/* Takes x, v from the start of a step of length h, a time, to place (0 .. 1) of it. */
+/* Advances x, v from the start of a step of length h, at the time `from`, to its place (0 .. 1),
+ * under force[port][node] and the loads. */
 void aoi_response_carry(const aoi_modes *body, double from, double h, const double *force,
                         double place, double *x, double *v);
 
