@@ -1,8 +1,8 @@
-"""Integration in time: a `scene.Scenario` goes in, a recorder comes out.
+"""Time integration of a `scene.Scenario`, which returns a recorder of the run.
 
-Newmark's rule with fixed steps, and the adaptive method to a tolerance. Both recorders have one
-interface (recorder.py). `results` runs plans by them (solve.py); other
-folders take the solvers' settings and `Events` from here.
+There are two methods: Newmark's rule with fixed steps, and an adaptive method to a tolerance. Their
+recorders have a common interface (recorder.py). `results` runs plans by them (solve.py); other
+folders use the solvers' settings and `Events`.
 """
 
 from .comparison import touch_alike

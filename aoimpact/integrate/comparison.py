@@ -1,9 +1,9 @@
-"""Comparison of two adaptive runs of one scene: their difference in what a tolerance bounds.
+"""Comparison of two adaptive runs of one scene, in the quantities that a tolerance bounds.
 
-A touch with a hundredth of the impulse of the largest one of its contact, or less, does not count:
-whether bodies that move on side by side graze each other is rounding. Nor does a gap that lasts a
-hundredth of the touches beside it, or less: whether a body that is put on another, and swings there
-between no force and twice its weight, leaves it is rounding, too.
+Touches with at most a hundredth of the largest impulse of their contact do not count: rounding
+errors decide if bodies that move on side by side graze each other. Neither do gaps of at most a
+hundredth of the duration of the touches beside them: rounding errors decide if a body leaves the
+one that it rests on, while the force swings between zero and twice its weight.
 """
 
 from __future__ import annotations
@@ -18,21 +18,20 @@ from .dense import DenseRecorder
 from .events import Events
 from .settings import LESSER
 
-# A touch that begins at a smaller share than this of its mean rate begins at no certain time: of
-# bodies at rest side by side that a wave reaches. From 0.001 to 0.1 none of 54 chains in front of a
-# wall warns; 25 do if all starts are compared.
+# Least pace (see `Events.touches`) of touches whose starts are compared. Slower ones, of bodies at
+# rest side by side that a wave reaches, have no definite start. With values of 0.001 to 0.1 none of
+# 54 chains in front of a wall warns; 25 do if all starts are compared.
 _SUDDEN = 0.01
 
-# Bodies that loads hold together keep a velocity of rounding: it is measured by this share of what
-# their contacts' impulse would give the lightest.
+# Least velocity that errors are relative to, as a share of what the contacts' largest impulse would
+# give the lightest body. Bodies that loads hold together only have velocities of rounding errors.
 _AT_REST = 1e-3
 
 
 def most_touches(run: DenseRecorder) -> int:
-    """Return how often the contact that counts most often touches.
+    """Return the largest number of touches of a contact that count.
 
-    One touch with any number of lesser ones beside it, that together are a hundredth of it at most,
-    is one.
+    Touches that together have at most a hundredth of the impulse of the largest one do not count.
     """
     most = 0
     for of, small in zip(run.events, _least(run), strict=True):
@@ -45,16 +44,16 @@ def most_touches(run: DenseRecorder) -> int:
 
 
 def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
-    """Return the largest relative difference of what a tolerance bounds.
+    """Return the largest relative difference of the quantities that a tolerance bounds.
 
-    These are each contact's peak force and impulse, when its touches start and end, and the
-    velocities of the centres of mass after the last touch. Infinite where one run has more touches.
+    These are each contact's peak force and impulse, the start and end of its touches, and the
+    velocities of the centres of mass after the last touch. Infinite if one run has more touches.
 
     Parameters
     ----------
     one, other : DenseRecorder
     speed : float
-        The largest initial one, m/s.
+        Largest initial speed, m/s.
     """
     runs, apart = (one, other), [0.0]
     sizes = np.array([[(of.peak_force, of.impulse) for of in run.events] for run in runs])
@@ -65,15 +64,13 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
     least = np.maximum(*map(_least, runs))
     touches = [[_touches(*of) for of in zip(run.events, least, strict=True)] for run in runs]
     if any(len(ours.start) != len(theirs.start) for ours, theirs in zip(*touches, strict=True)):
-        return math.inf  # other motions, though they may end alike by chance
+        return math.inf  # the motions differ, even if their ends agree by chance
     apart += map(_times_apart, *touches)
-    # After the last touch that matters and is over.
     velocities = []
     for run, found in zip(runs, touches, strict=True):
         over = [end for of in found for end in of.end.tolist() if end < run.duration]
         record = run.rows(np.array([max(over, default=run.duration)]), energies=False)
         velocities.append(run.plan.layout.centre_velocities(record)[:, 0])
-    # Bodies that loads press together are at rest below a share of what their impulse would give.
     known = [body.known_mass for body in one.plan.bodies if body.known_mass is not None]
     rest = _AT_REST * float(sizes[0, :, 1].max(initial=0.0)) / min(known, default=np.inf)
     fastest = max(speed, rest, float(np.abs(velocities).max(initial=0.0)))
@@ -83,7 +80,7 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
 
 
 def touch_alike(one: Events, other: Events) -> bool:
-    """Return whether a contact touches as often in two runs; with fixed steps any touch counts."""
+    """Return whether a contact has equally many touches in two runs; with fixed steps all count."""
     if not (one.touches and other.touches):
         return one.contact_count == other.contact_count
     least = LESSER * max(impulse for of in (one, other) for impulse, _ in of.touches)
@@ -96,23 +93,23 @@ def _impulses(of: Events) -> FloatArray:
 
 
 def _least(run: DenseRecorder) -> FloatArray:
-    """The impulse of the least touch that matters, of each contact, N s."""
+    """Least impulse of a touch that counts, for each contact, N s."""
     largest = np.array([_impulses(of).max(initial=0.0) for of in run.events])
     least: FloatArray = LESSER * np.maximum(largest, LESSER * largest.max(initial=0.0))
     return least
 
 
 class _Touches(NamedTuple):
-    """The touches of a contact that matter, arrays of shape (touches,).
+    """The touches of a contact that count, arrays of shape (touches,).
 
     Attributes
     ----------
     start, end : ndarray
-        s.
+        Start and end of each touch, s.
     pace : ndarray
-        See `Events.touches`.
+        Relative rate at which it begins; see `Events.touches`.
     apart : ndarray
-        Length of the gaps within each that do not count, s.
+        Sum of the gaps within it that do not count, s.
     """
 
     start: FloatArray
@@ -134,7 +131,7 @@ def _touches(of: Events, least: float) -> _Touches:
 
 
 def _times_apart(ones: _Touches, others: _Touches) -> float:
-    """The largest difference of start or end, relative to the time itself."""
+    """Largest difference of start, end or sum of gaps, relative to the touch's end."""
     if not ones.start.size:
         return 0.0
     latest = np.maximum(ones.end, others.end)

@@ -1,8 +1,8 @@
 """A run of the adaptive method, and its dense record.
 
-In contact the forces over a step are polynomials through eight Radau nodes. What they do to the
-bodies is exact in modes, so only the forces have to be resolved. Between contacts the motion has a
-closed form and nothing is stepped.
+In contact the forces over a step are polynomials through eight Radau nodes. The modal response to
+these is exact, so that steps need to resolve only the forces. Between contacts the motion is known
+in closed form, without steps.
 """
 
 from __future__ import annotations
@@ -21,41 +21,41 @@ from ..scene import Scenario
 from .events import Events
 from .motion import Motion
 
-# Samples for curves: within each step of contact, and in free motion over the whole record.
+# Numbers of samples of a curve: within each step in contact, and in free motion per record.
 _PER_STEP = 8
 _IN_FREE_MOTION = 240
 
-# Rates of forces, and accelerations, are central differences over these shares of the shortest
-# contact: a smooth force has moved far more than its rounding in the first, and its curve not yet
-# bent; with the second, relative errors are 1e-7 by the rates of the forces, and 1e-6 by the curves
-# of smooth ones.
+# Intervals of central differences, relative to the shortest contact, for the rates of forces and
+# for accelerations. Over the first a smooth force changes nearly linearly and far more than its
+# rounding errors. With the second, relative errors are 1e-7 from the rates of the forces and 1e-6
+# from the curvature of smooth forces.
 _DIFFERENCE, _RESOLUTION = 1e-6, 1e-3
 
-# Curves of more values than these fill the memory, not the screen.
+# Largest number of values in a curve's record, to limit memory; no screen shows more.
 _MOST_VALUES = 2e7
 
 
 @record
 class DenseRecorder:
-    """An adaptive run as a :class:`Recorder`: exact at any time.
+    """The :class:`Recorder` of an adaptive run, accurate at any time.
 
     Attributes
     ----------
     plan : Scenario
-        What was run.
+        Plan of the run.
     rtol : float
-        The requested tolerance.
+        Relative tolerance of the run.
     scene : tuple of (bodies, contacts)
-        As the core takes them.
+        Core's tuples of the bodies and contacts.
     track : object
-        The core's own record.
+        Record of the core.
     events : tuple of Events
-        Of each contact; an interval that the record cuts off ends with it, one that would begin
-        there is none.
+        Events of each contact. An interval that the record cuts off ends with the record; one that
+        would begin at its end is left out.
     steps, rejected : int
-        Steps of contact taken, and rejected.
+        Number of accepted and of rejected steps in contact.
     seconds : float
-        How long the run took, s.
+        Computing time of the run, s.
     """
 
     plan: Scenario
@@ -93,7 +93,7 @@ class DenseRecorder:
 
     @property
     def times(self) -> FloatArray:
-        """Times that draw smooth curves and hold the peaks and the ends of contacts."""
+        """Times for smooth curves, s, which include those of peaks and of ends of contacts."""
         start, length, contacts = self._steps
         pressed, most = contacts > 0.0, _most_times(self.plan.layout.rows)
         per_step = min(_PER_STEP, max(1, most // max(1, int(pressed.sum()))))
@@ -126,7 +126,7 @@ class DenseRecorder:
         return forces
 
     def modes(self, times: FloatArray, body: int) -> ArrayPair:
-        """Return a body's modes x and their rates v, shape (n, len(times)), at ascending times."""
+        """Return a body's modal coordinates and rates, (n, len(times)), at ascending times."""
         found = np.empty((len(times), 2, len(self.plan.modal[body].omega)))
         _core.track_read(self.track, np.ascontiguousarray(times), 3, body, found)
         return found[:, 0].T, found[:, 1].T
@@ -145,22 +145,22 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
     plan : Scenario
     rtol : float
     most_steps : int, optional
-        The run is given up after about as many.
+        Approximate number of steps after which the run fails.
 
     Raises
     ------
     ConvergenceError
-        If the tolerance cannot be met; with the time.
+        If the tolerance cannot be met; the error states the time.
     LawLimitError
-        If a contact goes deeper than its law stands for; with its number.
+        If a contact exceeds the largest indentation of its law; the error has its number.
     MemoryLimitError
-        If the run's steps, up to a GiB of them, do not fit into memory.
+        If the run's steps, up to 1 GiB, do not fit into memory.
     """
     began = perf_counter()
     laws: dict[int, CoreLaw] = {}
     contacts: list[tuple[Any, ...]] = []
     for contact in plan.contacts:
-        if id(contact.law) not in laws:  # each law is packed once
+        if id(contact.law) not in laws:  # contacts may share a law
             laws[id(contact.law)] = contact.law.for_core()
         contacts.append(contact.for_core(laws[id(contact.law)]))
     bodies, moving, oblique, pull = [], [], plan.oblique is not None, plan.pull
@@ -189,7 +189,7 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
 
 
 def _filled(times: FloatArray, duration: float) -> FloatArray:
-    """Ascending times, and even ones between any two that are far apart for the record."""
+    """Ascending times, with evenly spaced ones added in intervals that are long for the record."""
     apart = np.diff(times)
     parts = 1 + (_IN_FREE_MOTION * (apart / duration)).astype(np.intp)
     number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -200,9 +200,10 @@ def _filled(times: FloatArray, duration: float) -> FloatArray:
 def _slips(
     track: Any, contacts: Sequence[tuple[float, float]], number: int
 ) -> tuple[tuple[float, float], ...]:
-    """The intervals in which all of a contact slips, by its number.
+    """Intervals of full slip of the contact `number`.
 
-    The core's rows are a contact, a time, s, and 1 where all of it slips from then on, or 0.
+    Each row of the core's record is the number of a contact, a time, s, and 1 if full slip begins
+    then, or 0 if it ends.
     """
     rows = np.frombuffer(_core.track_slips(track)).reshape(-1, 3)
     _, times, slips = rows[rows[:, 0] == number].T
@@ -211,17 +212,17 @@ def _slips(
     for start, end in contacts:
         spans = np.clip(np.stack([times, ends], axis=1)[slips > 0.0], start, end)
         for first, last in spans[spans[:, 1] > spans[:, 0]].tolist():
-            if found and found[-1][1] == first > start:  # from one row to the next
+            if found and found[-1][1] == first > start:  # continues the last interval
                 first = found.pop()[0]
             found.append((first, last))
     return tuple(found)
 
 
 def _most_times(rows: int) -> int:
-    """Times of a curve of so many rows, roughly, beyond which they are thinned out."""
+    """Approximate largest number of times of a record with `rows` rows."""
     return max(1000, int(_MOST_VALUES / rows))
 
 
 def _thinned(times: FloatArray, most: int) -> FloatArray:
-    """Every so many of the times, at most about so many."""
+    """Regular selection of about `most` times at most."""
     return times[:: 1 + len(times) // most]

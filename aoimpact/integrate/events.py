@@ -1,8 +1,8 @@
-"""The events of a recorded contact: its intervals, its peak, its impulse.
+"""The events of a recorded contact: its intervals, its peak force, its impulse.
 
-A solver with fixed steps knows the force and the indentation at its steps only; what lies between
-them is found here by interpolation of an order at least that of the solver (Newmark's second). A
-solver that locates its events itself hands them over as an :class:`Events` instead.
+A solver with fixed steps gives force and indentation only at its steps. Events between these are
+interpolated here, with at least the solver's order of accuracy (Newmark's second). The adaptive
+solver locates its events itself and makes :class:`Events` from them.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from ..base import ROUNDING, ArrayPair, FloatArray
 
-# Least curvature at both samples beside a peak, over that at the peak. With less, the force has
-# jumped or is not resolved. A jump bends the curve up on one side of it, down on the other, and no
-# further out. Half a sine of N steps has cos(π/N) there, so that four steps are enough.
+# Least ratio of the curvature at either sample beside a peak to that at the peak for which a
+# parabola is fitted; with less at both, the force jumps or is not resolved. A jump changes the
+# curvature only at the samples next to it. Half a sine of N steps has the ratio cos(π/N), so that
+# four steps suffice.
 _LEAST_CURVATURE = 0.5
 
 
@@ -28,18 +29,18 @@ class Events(NamedTuple):
     Attributes
     ----------
     peak_force, peak_time : float
-        The largest force [N] and when it acts [s]; 0.0 and the first time without any contact.
+        Largest force [N] and its time [s]; 0.0 and the first time without any contact.
     contacts : tuple of (float, float)
         Start and end [s] of each contact, in order. A contact that the record cuts off ends where
         the record does.
     impulse : float
         Integral of the force over the record [N s].
     slips : tuple of (float, float), or None
-        Start and end [s] of every interval in which all of the contact slips; None of a contact
-        without friction, or of coefficient 0.
+        Start and end [s] of every interval of full slip; None for a contact without friction, or
+        of coefficient 0.
     touches : sequence of (float, float)
-        Of each contact in an adaptive run its impulse [N s], and the rate at which it begins, times
-        its length, relative to how deep it goes.
+        Impulse [N s] and pace of each contact of an adaptive run. The pace is the initial rate of
+        indentation times the contact's duration, relative to the largest indentation.
     """
 
     peak_force: float
@@ -69,29 +70,29 @@ class Events(NamedTuple):
         return next(spans, self.contacts[-1]) if self.contacts else None
 
     def last_until(self, end: float) -> bool:
-        """Return whether the last contact lasts until the record's end [s], which cuts it off."""
+        """Return whether the last contact lasts until `end` [s], the end of the record."""
         return bool(self.contacts) and self.contacts[-1][1] >= end * (1.0 - ROUNDING)
 
 
 def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     """Return the largest force and its time, to second order in the step.
 
-    Each local maximum is the top of the parabola through its sample and the two beside it (the
-    time is then right to O(dt²), the force to O(dt³)). Where the parabolas around both of
-    those are less than half as curved, the sample itself is taken: the force has jumped or bent
-    there, and no parabola tells how far it rose. One of the two may be so where a law unloads
-    stiffer than it loads.
+    Each local maximum is the top of the parabola through its sample and the two beside it; the
+    error of the time is then O(dt²), of the force O(dt³). If the curvature at both neighbours is
+    less than half that at the maximum, the force has a jump or kink, of which a parabola does not
+    show the height, and the sample itself is taken. The curvature at one neighbour may be smaller:
+    a law may be stiffer in unloading than in loading.
     """
     best = int(np.argmax(force))
     if force[best] <= 0.0:
         return 0.0, float(t[0])
     here, bend = force[1:-1], np.diff(force, 2)
-    beside = np.pad(bend, 1, constant_values=np.inf)  # not known beyond the record
+    beside = np.pad(bend, 1, constant_values=np.inf)  # unknown at the ends of the record
     beside = np.minimum(beside[:-2], beside[2:])  # negative, as all are at a peak
     peaks = (here >= force[:-2]) & (here >= force[2:]) & (beside <= _LEAST_CURVATURE * bend)
     middle = 1 + np.flatnonzero(peaks)
     top, shift = parabola_tops(force, middle)
-    # A parabola's top is never below its sample: if the largest sample has one, it is among these.
+    # A parabola's top is never below its sample, so that the larger of the two is the peak.
     winner = int(np.argmax(top)) if top.size else 0
     if top.size and top[winner] >= force[best]:
         at = middle[winner]
@@ -100,7 +101,7 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
 
 
 def parabola_tops(values: FloatArray, middle: NDArray[np.intp]) -> ArrayPair:
-    """Return heights and places, in steps, of the tops of the parabolas around samples `middle`."""
+    """Return heights and offsets, in steps, of the tops of parabolas around samples `middle`."""
     before, here, after = values[middle - 1], values[middle], values[middle + 1]
     slope, bend = 0.5 * (after - before), 2.0 * here - before - after
     shift = np.divide(slope, bend, out=np.zeros(len(middle)), where=bend != 0.0)
@@ -112,12 +113,12 @@ def find_contacts(
 ) -> tuple[tuple[float, float], ...]:
     """Return start and end of every interval in which the force acts.
 
-    A contact starts and ends at a zero of the indentation, found between two samples by Hermite's
-    cubic through values and rates. Where a law's force vanishes while there is still indentation,
-    the end is where the falling force, extrapolated, reaches zero. Contacts or gaps shorter than a
-    step cannot be seen.
+    A contact starts and ends at a zero of the indentation, located between two samples by cubic
+    Hermite interpolation. If a law's force vanishes at a positive indentation, the contact ends at
+    the zero of the falling force, extrapolated linearly. Contacts or gaps shorter than a step are
+    not detected.
     """
-    closed = force != 0.0  # a law that pulls is in contact while it does
+    closed = force != 0.0  # also while a law pulls
     change = np.diff(closed.astype(np.int8))
     first, last = np.flatnonzero(change == 1), np.flatnonzero(change == -1)
     zeros = np.append(_zeros(t, indentation, rate, np.append(first, last)), t[[0, -1]])
@@ -134,9 +135,9 @@ def find_contacts(
 def _zeros(
     t: FloatArray, indentation: FloatArray, rate: FloatArray, steps: NDArray[np.intp]
 ) -> FloatArray:
-    """Where the indentation is zero in [t_i, t_(i+1)] of each step; t_i if it is not in between.
+    """Time in [t_i, t_(i+1)] at which the indentation is zero, for each step; t_i if there is none.
 
-    Bodies touch from the start then, or are indented already, with a law that takes hold only now.
+    There is none if bodies touch from the start, or if the law gives no force before.
     """
     before, after = indentation[steps], indentation[steps + 1]
     found = t[steps].copy()
@@ -144,7 +145,7 @@ def _zeros(
         two = slice(steps[at], steps[at] + 2)
         cubic = scipy.interpolate.CubicHermiteSpline(t[two], indentation[two], rate[two])
         roots = cubic.roots(extrapolate=False)
-        rounded = t[two][np.abs(indentation[two]).argmin()]  # at an end but for rounding
+        rounded = t[two][np.abs(indentation[two]).argmin()]  # rounding hides a root at an end
         found[at] = roots[0] if len(roots) else rounded
     return found
 
@@ -156,23 +157,24 @@ def find_slips(
     left: FloatArray,
     ahead: FloatArray,
 ) -> tuple[tuple[float, float], ...]:
-    """Return start and end of every interval in which all of a contact slips, within `contacts`.
+    """Return start and end of every interval of full slip within `contacts`.
 
-    Where slip of all begins, the share that sticks goes to zero as before, on a straight line; or,
-    where all of it has stuck until then, `left` does. Where it ends, `ahead` goes through zero.
+    Full slip begins at the zero of `stuck`, extrapolated linearly from before or, if the contact
+    was in full stick, at that of `left`. It ends at a zero of `ahead`.
 
     Parameters
     ----------
     t : (n,) array
-        Times, increasing [s].
+        Ascending times [s].
     contacts : tuple of (float, float)
+        Start and end of each contact [s].
     stuck : (n,) array
-        Share of the contact within which it sticks.
+        Size of the stick zone relative to the contact, from 0 to 1.
     left : (n,) array
-        Bound of friction less friction itself [N].
+        Bound of the friction force minus its magnitude [N].
     ahead : (n,) array
-        Rate of the slide along friction less that of the largest stretch before slip, μ/(G*/E*)
-        times that of the indentation [m/s].
+        Sliding velocity along the friction force minus the rate of the largest stretch without
+        slip, which is μ/(G*/E*) times the rate of the indentation [m/s].
     """
     found: list[tuple[float, float]] = []
     for start, end in contacts:
@@ -184,7 +186,8 @@ def find_slips(
                 turns.append(_drawn_on(t, stuck if stuck[i - 1] < 1.0 else left, i))
             else:
                 before, after = float(ahead[i - 1]), float(ahead[i])
-                share = before / (before - after) if after < before else 0.0  # < 0 by the steps
+                # Negative if the sign has changed before the steps show stick.
+                share = before / (before - after) if after < before else 0.0
                 step = float(t[i] - t[i - 1])
                 turns.append(float(t[i - 1]) + step * max(-1.0, min(share, 1.0)))
         turns += [end] if len(turns) % 2 else []
@@ -193,7 +196,7 @@ def find_slips(
 
 
 def _drawn_on(t: FloatArray, values: FloatArray, i: int) -> float:
-    """Where in [t_(i-1), t_i] values before it reach zero, on a straight line."""
+    """Time in [t_(i-1), t_i] at which the values before, extrapolated linearly, reach zero."""
     before, last = float(values[i - 2]) if i > 1 else 0.0, float(values[i - 1])
     if last >= before:
         return float(t[i])

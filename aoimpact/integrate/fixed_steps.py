@@ -1,4 +1,4 @@
-"""A scene by Newmark's rule: with a given step, or with the step that a tolerance asks for."""
+"""Newmark's rule: with a given step, or with a step that meets a tolerance."""
 
 from __future__ import annotations
 
@@ -31,27 +31,29 @@ from .motion import SteppedMotion
 from .settings import DRAWN, Newmark
 from .steperror import StepError, time_error
 
-# A record larger than this is a mistake in dt more often than a wish.
+# Largest size of a record: a larger one most likely comes from a wrong dt.
 _MOST_BYTES = 4 * GIB
 
-# Steps within a contact of the first attempt, where no dt is given.
+# Number of steps within a contact in the first attempt, if no dt is given.
 _FIRST_STEPS = 50
 
-# The precision of friction's stretches with the first step; it goes with the square of a step, so
-# that its error is seen with that of the rule, of which it is a hundredth. With 0.02, a third,
-# springs that are left out give back 4e-8 of the energy. Most: curves are drawn at all.
+# Relative precision of friction's stretches (`Contact.for_core`) with the first step, and largest
+# one that the core accepts. It is proportional to the square of the step, so that the error
+# estimate includes its error, a hundredth of the rule's. With 0.02 it would be a third, and springs
+# that are left out would give back 4e-8 of the energy.
 _PRECISION, _ROUGHEST = 4e-4, 0.1
 
-# These make an error of second order 4^16 = 4e9 times smaller: what is left does not converge.
+# Largest number of halvings of the step. They reduce an error of second order by 4^16 = 4e9; an
+# error that remains does not converge.
 _MOST_HALVINGS = 16
 
-# Length of the step that finds the forces at t = 0, relative to the run's: nothing that has mass
-# moves in it.
+# Length of the step that finds the forces at t = 0, relative to the run's, in which coordinates
+# with mass do not move.
 _INSTANT = 2.0**-10
 
-# Factor by which that step is shortened, maximum number of shortenings, and relative change of the
-# forces at which to stop: they change with the square of its length. Of 132 random runs on
-# massless points 104 need no second shortening, 19 up to five, and 9 take all six.
+# Factor by which that step is shortened, largest number of shortenings, and relative change of the
+# forces at which to stop, which is proportional to the square of the step. Of 132 random runs with
+# massless points 104 need no second shortening, 19 up to five, and 9 all six.
 _SHORTENED, _MOST_SHORTENED, _SAME_START = 2.0**-4, 6, 1e-6
 
 
@@ -61,21 +63,21 @@ _Start = tuple[FloatArray | None, FloatArray | None]
 
 @record
 class SteppedRecorder(Frozen):
-    """A run with fixed steps as a :class:`Recorder`, to be read at those.
+    """The :class:`Recorder` of a run with fixed steps.
 
     Attributes
     ----------
     plan : Scenario
-        What was run.
+        Plan of the run.
     rule : Newmark
     dt : float
-        s.
+        Time step, s.
     times : ndarray, shape (times,)
-        s.
+        Times of the steps, s.
     record : ndarray, shape (rows, times)
-        As the core wrote it: :class:`RecordLayout` tells its rows apart.
+        Record of the core, with the rows of :class:`RecordLayout`.
     seconds : float
-        How long the run took, with those that its error is estimated from, s.
+        Computing time, including the runs for the error estimate, s.
     """
 
     plan: Scenario
@@ -106,7 +108,7 @@ class SteppedRecorder(Frozen):
         return self._between(self.plan.layout.pushes(self.record), times)
 
     def _between(self, rows: FloatArray, times: FloatArray) -> FloatArray:
-        """Rows of the record at times, s, on straight lines between the steps."""
+        """Rows of the record at times, s, interpolated linearly between the steps."""
         found = [np.interp(times, self.times, row) for row in rows]
         return np.array(found).reshape(len(rows), len(times))
 
@@ -122,13 +124,13 @@ class SteppedRecorder(Frozen):
                 size = np.maximum(np.linalg.norm(of.tangential, axis=0), np.finfo(float).tiny)
                 ahead = (of.tangential * slide).sum(axis=0) / size - mu / ratio * rate
                 slips = find_slips(t, spans, of.stuck, mu * of.force - size, ahead)
-            # The momentum that average acceleration passes on in each step, exactly.
+            # With average acceleration, the exact momentum that the steps transfer.
             impulse = float(np.trapezoid(of.force, t))
             found.append(Events(*find_peak(t, of.force), spans, impulse, slips))
         return tuple(found)
 
     def rates(self, contact: int) -> FloatArray:
-        """Return the rates of a contact's indentation and slides, m/s, shape (size, times)."""
+        """Return the rates of a contact's indentation and slides, m/s, (contact.size, times)."""
         of = self.plan.contacts[contact]
         one, other = (
             self.plan.layout.body(self.record, body).port_velocities[port : port + of.size]
@@ -141,17 +143,17 @@ class SteppedRecorder(Frozen):
 
 
 def solve_newmark(plan: Scenario, rule: Newmark) -> tuple[SteppedRecorder, float | None]:
-    """Run a scene with fixed steps; return the run and its error, from runs with larger steps.
+    """Run a scene with fixed steps; return the run and its error estimate, if there is one.
 
     Raises
     ------
     ConvergenceError
-        If the step cannot be solved or the error estimate cannot be brought down to `rtol`.
+        If a step cannot be solved, or the error estimate does not fall to `rtol`.
 
     Warns
     -----
     AOImpactWarning
-        If the step is too large for any digit to be right.
+        If the step is too large for any accurate digit.
     """
     began, length, rtol = perf_counter(), plan.duration, rule.rtol
     if rule.dt is None and plan.layout.slides and rtol < 4.0 * DRAWN:
@@ -182,7 +184,7 @@ def solve_newmark(plan: Scenario, rule: Newmark) -> tuple[SteppedRecorder, float
 def _to_tolerance(
     step: Callable[..., SteppedRecorder], first: float, rtol: float, plan: Scenario
 ) -> tuple[SteppedRecorder, StepError]:
-    """Halve the step until three successive ones agree."""
+    """Halve the step until runs with three successive steps agree."""
     before = [_trial(step, 0.5 * first), _trial(step, first)]
     for halving in range(2, _MOST_HALVINGS + 2):
         dt = first / 2**halving
@@ -191,7 +193,7 @@ def _to_tolerance(
         if isinstance(fine, SteppedRecorder):
             if error.share <= rtol:
                 return fine, error
-            # Coarser runs are needed for their contacts only: the other memory is freed.
+            # Comparisons with coarser runs use only the rows of contacts.
             fine = replace(fine, record=plan.layout.of_contacts(fine.record).copy())
         before = [fine, before[0]]
     raise ConvergenceError(
@@ -203,7 +205,7 @@ def _to_tolerance(
 def _trial(
     step: Callable[..., SteppedRecorder], dt: float, *, energies: bool = False
 ) -> SteppedRecorder | ConvergenceError:
-    """Run with steps that may be too long: to be solved, or not to gain energy at a touch."""
+    """Return a run, or the error of one whose step is too long to be solved."""
     try:
         return step(dt, energies=energies)
     except (IterationError, NotFiniteError) as error:
@@ -211,7 +213,7 @@ def _trial(
 
 
 def _error(*runs: SteppedRecorder | ConvergenceError) -> StepError:
-    """The error of the first of runs with dt, 2 dt and 4 dt."""
+    """Error of the first of three runs, with dt, 2 dt and 4 dt."""
     solved = [run for run in runs if isinstance(run, SteppedRecorder)]
     if len(solved) < len(runs):
         failed = next(run for run in runs if isinstance(run, ConvergenceError))
@@ -228,28 +230,28 @@ def newmark_run(
     start: _Start = (None, None),
     energies: bool = False,
 ) -> SteppedRecorder:
-    """Run the core once: the least whole number of steps of `dt` that covers the record.
+    """Run the core once, with the least number of steps of `dt` that covers the record.
 
     Parameters
     ----------
     plan : Scenario
     rule : Newmark
     dt : float
-        s.
+        Time step, s.
     duration : float, optional
-        That of the plan by default, s.
+        Duration of the record, s; by default that of the plan.
     start : (forces, rates), optional
-        Contact forces, N, and their rates, N/s, shape (pushes,). By default the laws give them,
-        which is wrong where a contact point without mass meets a law that depends on the rate.
+        Contact forces at t = 0, N, and their rates, N/s, shape (pushes,). By default they follow
+        from the laws, which is wrong for a massless contact point with a rate-dependent law.
     energies : bool, optional
-        Whether to record them.
+        True to record energies.
 
     Raises
     ------
     InputError
         If the record would not fit in memory.
     ConvergenceError
-        If the solution leaves the range of numbers; with the time.
+        If the solution overflows.
     """
     duration = plan.duration if duration is None else duration
     steps = _steps(plan, rule, dt, duration)
@@ -283,7 +285,7 @@ def newmark_run(
 
 
 def _steps(plan: Scenario, rule: Newmark, dt: float, duration: float) -> int:
-    """The least number of steps of `dt` that covers `duration`, both in s."""
+    """Least number of steps of `dt` that covers `duration`, both in s; checks the memory."""
     steps = duration / dt * (1.0 - ROUNDING)
     needed = 8.0 * plan.layout.rows * (steps + 1.0)
     if needed > _MOST_BYTES:
@@ -298,12 +300,13 @@ def _steps(plan: Scenario, rule: Newmark, dt: float, duration: float) -> int:
 
 
 def _start(plan: Scenario, rule: Newmark) -> _Start:
-    """The contact forces just after t = 0, and their rates.
+    """Contact forces just after t = 0, and their rates; None if the laws determine them.
 
-    Where a contact point has no mass, the bodies' state does not determine it: its place, or
-    under a damper its velocity, follows from the balance of all forces. Two very short steps
-    find it: the first contains the jump, if there is one; the second gives the rates. Both are
-    shortened until the forces change no more, or only by rounding: a damper's force fades fast.
+    The bodies' state does not determine the displacement of a massless contact point, or with a
+    damper its velocity: it follows from the balance of all forces. It is found by two very short
+    steps, of which the first contains the jump, if there is one, and the second gives the rates.
+    Since a damper's force may decay fast, both are shortened until the forces change no more, or
+    only by rounding errors.
     """
     found: _Start = None, None
     if not any(body.massless for body in plan.bodies):
@@ -329,7 +332,7 @@ def _start(plan: Scenario, rule: Newmark) -> _Start:
 
 
 def first_step(plan: Scenario) -> float:
-    """A fiftieth of the shortest contact that rigid bodies would have, s."""
+    """Return a fiftieth of the shortest contact of rigid bodies, or less, s."""
     shortest = plan.duration / 20.0
     if plan.fastest == 0.0:
         return shortest
@@ -340,10 +343,10 @@ def first_step(plan: Scenario) -> float:
 
 
 def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
-    """Estimate how long a contact of a rigid `mass`, kg, at `velocity`, m/s, lasts, s.
+    """Return the estimated duration of the contact of a rigid `mass`, kg, at `velocity`, m/s; in s.
 
-    Three times the largest indentation over the velocity: 2.94 for Hertz (Johnson, Contact
-    Mechanics, eq. 11.25), π for a linear law.
+    It is 3 times the ratio of largest indentation to velocity; the factor is 2.94 for Hertz's law
+    (Johnson, Contact Mechanics, eq. 11.25) and π for a linear one.
     """
     try:
         return 3.0 * law.stroke(0.5 * mass * velocity * velocity) / velocity

@@ -1,8 +1,8 @@
-"""How one body moves in a run, in the coordinates of its model, at any times.
+"""The motion of one body in a run, in the coordinates of its model, at any times.
 
-An adaptive run is dense: its states are read off. A run with fixed steps records the forces and no
-states. Seen from one body it is linear, and forces over time are prescribed: Newmark's rule with
-these takes the body through the very states that it had in the run.
+The record of an adaptive run has the states at any time. A run with fixed steps records the forces,
+but no states. A single body is linear, with prescribed forces, so that Newmark's rule with the same
+steps repeats the states that it had in the run.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ if TYPE_CHECKING:
 
 @record
 class Motion:
-    """A body in a run, its coordinates q and the forces on its ports.
+    """The coordinates q of a body in a run, and the forces on its ports.
 
     Attributes
     ----------
     run : Recorder
     body : int
-        Its number in the scene.
+        Number of the body in the scene.
     resolution : float
-        Time over which rates are taken, s: forces are smooth over it, or linear in it.
+        Interval of differences in time, s, over which forces are smooth, or linear.
     instant : float
-        The same for rates of the forces, s.
+        Interval of differences for the rates of the forces, s.
     """
 
     run: Any
@@ -51,19 +51,19 @@ class Motion:
         return found
 
     def force_rate(self, times: FloatArray) -> FloatArray:
-        """Return their rates, N/s."""
+        """Return the rates of `force`, N/s, (p, times)."""
         after = np.minimum(times + self.instant, self.duration)
         before = np.maximum(times - self.instant, 0.0)
         rate: FloatArray = (self.force(after) - self.force(before)) / (after - before)
         return rate
 
     def observed(self, rows: Any, times: FloatArray) -> ArrayPair:
-        """Return rows @ q and rows @ q̇ at `times`, s; q and q̇ themselves where rows is None."""
+        """Return rows @ q and rows @ q̇ at `times`, s; q and q̇ themselves if `rows` is None."""
         u, v = self.run.modes(times, self.body)
         return (u, v) if rows is None else (rows @ u, rows @ v)
 
     def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
-        """Return rows @ q̈; of modes it follows from the forces."""
+        """Return rows @ q̈ at `times`, s; an adaptive run gets it from the forces instead."""
         raise NotImplementedError
 
 
@@ -80,10 +80,10 @@ class SteppedMotion(Motion):
         return np.asarray(self._seen(rows, times)[2])
 
     def _seen(self, rows: Any, times: FloatArray) -> FloatArray:
-        """rows @ q, q̇ and q̈, shape (3, rows, times).
+        """Products of `rows` with q, q̇ and q̈, shape (3, rows, times).
 
-        Between two steps everything is linear in time. The equations of motion, which are linear
-        too, hold there as they do at the steps, and the error is of the rule's own order.
+        They are interpolated linearly between two steps. The linear equations of motion hold there
+        as at the steps, and the error has the order of the rule.
         """
         last = len(self.run.times) - 1
         place = np.clip(times / self.run.dt, 0.0, float(last))
@@ -105,10 +105,11 @@ class SteppedMotion(Motion):
         return self.run.plan.stepped(self.body).equations
 
     def _states(self, last: int) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
-        """u, v and a at the steps 0 … last."""
+        """Displacement, velocity and acceleration at the steps 0 … last."""
         body, dt, rule = self._equations, self.run.dt, self.run.rule
         beta, gamma = rule.beta, rule.gamma
-        forces = self.force(self.run.times)[: body.B.shape[1]]  # a wall has no weight
+        # A wall has no column for the weight.
+        forces = self.force(self.run.times)[: body.B.shape[1]]
         matrix = body.M + gamma * dt * body.C + beta * dt**2 * body.K
         inverse = factorize(matrix, what="M + γ dt C + β dt² K")
         u, v = body.u0, body.v0
@@ -124,9 +125,9 @@ class SteppedMotion(Motion):
 
 
 def _at_start(body: Equations, forces: FloatArray, inverse: Factorization) -> FloatArray:
-    """The accelerations that the forces give at t = 0; without mass there are none.
+    """Accelerations at t = 0 from the balance of forces; 0 of massless coordinates.
 
-    Where a singular M does not determine them, those of the first step.
+    If M without these is singular, the accelerations of the first step are taken.
     """
     left = body.B @ forces - body.K @ body.u0 - body.C @ body.v0
     heavy = np.flatnonzero(body.M.diagonal() > 0.0)

@@ -1,30 +1,27 @@
-"""The record that a solver leaves of a run, to be read at times.
+"""The record of a run, from which histories are read.
 
-Both kinds have the same attributes and methods:
+Both kinds of recorders have the same attributes and methods:
 
 solver : str
-    How time was integrated.
+    Description of the time integration.
 seconds : float
-    Run time, s.
+    Computing time of the run, s.
 duration : float
     Length of the record, s.
 times : ndarray
-    Times at which to draw it, s.
+    Times for smooth curves, s.
 marks : ndarray
-    Times at which the run itself is most exact, s: the ends of its steps.
+    Ends of the steps, s, at which the run is most accurate.
 events : tuple of Events
-    Events of each contact; found between the steps where the solver does not locate them.
+    Events of each contact; interpolated between the steps if the solver does not locate them.
 dense : bool
-    True if it can be read at any times.
+    True if the record is accurate at any time, not only at the steps.
 rows(times, energies)
-    The record at times, shape (rows, n), for the caller to write on. `RecordLayout` tells its rows
-    apart.
-forces(times)
-    Contact forces at times, N, shape (contacts, n).
+    Record at times, shape (rows, n), which the caller may modify; for its rows see `RecordLayout`.
 pushes(times)
     Contact forces with those of friction, N; see `RecordLayout.pushes`.
 motion(body)
-    The motion of a body at any times, in the coordinates of its model: a `Motion`.
+    The `Motion` of a body at any times, in the coordinates of its model.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""The settings of both methods of time integration, and shares of a tolerance.
+"""The settings of both methods of time integration, and constants that they share.
 
-The measurements are over random impacts and scenes with a known answer; the tests repeat some of
-them on fewer. Two more tolerances are shared out elsewhere: that of a quantity of interest among
-models, time and mesh, by accuracy/choice.py; that of a run among what a step does wrong, in the
-core, by csrc/adaptive (the table in csrc/README.md).
+Constants were measured on random impacts and scenes with a known solution; tests repeat some of the
+measurements on fewer. Tolerances are divided in two other places: accuracy/choice.py divides that
+of a quantity of interest between models and time integration, csrc/adaptive that of a run between
+the errors of a step (see the table in csrc/README.md).
 """
 
 from __future__ import annotations
@@ -13,30 +13,31 @@ from functools import partial
 
 from ..base import boolean, checked, positive, within
 
-# The smallest tolerance that may be given: double precision has no more digits.
+# Smallest tolerance, in view of the digits of double precision.
 TIGHTEST = 1e-13
 
-# A contact, or a touch, with less than this share of the largest one's peak or impulse is measured
-# by that share: whether bodies that move on side by side graze each other is rounding. The core
+# Least peak or impulse of a contact, or a touch, that errors are relative to, as a share of the
+# largest one: rounding errors decide if bodies that move on side by side graze each other. The core
 # has the same rule (step.h).
 LESSER = 0.01
 
-# The finest precision to which a contact with friction draws its stretches, as a share of the
-# largest: some 700 springs, 1150 of a ball that has rolled for 1800 periods of its tangential
-# vibration, each of which leaves two, and the core has room for 2048. An impact's friction errs by
-# 0.01 to 0.14 of the precision along one line, and by up to 0.7 of it where the slide turns.
+# Finest precision of a contact's tangential stretches, relative to the largest one. It takes some
+# 700 springs of the 2048 that the core has room for, and 1150 for a ball that has rolled for 1800
+# periods of its tangential vibration, each of which leaves two. The relative error of an impact's
+# friction is 0.01 to 0.14 of the precision for motion along one line, and up to 0.7 of it for a
+# slide that changes its direction.
 DRAWN = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True)
 class Adaptive:
-    """Integrate to a tolerance.
+    """Adaptive time integration to a tolerance.
 
     Parameters
     ----------
     rtol : float, optional
-        Relative error of peak force, contact times and impulse, and of velocities relative to the
-        largest initial one; from 1e-13 up to, not including, 1.
+        Relative tolerance of peak force, contact times and impulse, and of velocities relative to
+        the largest initial one; from 1e-13 up to, not including, 1.
 
     Raises
     ------
@@ -45,29 +46,29 @@ class Adaptive:
 
     Notes
     -----
-    The peak force and the impulse are those of each contact over the record; of one that has less
-    than a hundredth of the largest contact's, the error is relative to that hundredth. Contact
-    times, start and end, have the relative error `rtol` of the end; velocities are those of
-    the centres of mass after contacts, relative to the largest initial one or, where gravity and
-    loads make greater ones, to those; of bodies at rest, to a thousandth of what the impulse of
-    their contacts would give them. A velocity or displacement at a given time of a long record
-    suffers from the error of that time as well: g rtol t for a ball that bounces under gravity g.
+    Peak force and impulse are those of each contact over the record; their errors are relative to
+    at least a hundredth of the largest contact's. Errors of the start and end of a contact are
+    relative to its end. Velocities are those of centres of mass after contacts; their errors are
+    relative to the largest initial velocity, or a larger one that gravity and loads cause, and for
+    bodies at rest to a thousandth of the velocity that the impulse of their contacts would give
+    them. A velocity or displacement at a given time of a long record suffers from the error of the
+    contact times as well: for a ball that bounces under gravity g, by g rtol t.
 
     Scenes of several contacts are run to 0.3 of `rtol`, since bodies that meet at a small part of
-    their speeds multiply errors. From the second contact of two bodies on, errors grow with each.
-    Then the scene is run again with a smaller tolerance, in most cases once, until two runs agree
-    to `rtol`; the last of them is the result. Where rounding or chaotic motion leaves no tolerance
-    small enough, a warning is given, and `error.time` is how far the result may be off; 1.0 means
-    that no digit is reliable.
+    their speeds multiply errors. From the second contact of two bodies on, errors grow with each
+    contact. Such a scene is run again with a smaller tolerance, in most cases once, until two runs
+    agree to `rtol`; the last run is the result. If rounding errors or chaotic motion prevent
+    agreement, a warning is given, and `error.time` estimates the error; 1.0 means that no digit is
+    reliable.
 
-    With friction an elastic contact's memory follows the motion within each step. Velocities and
-    spins have the error `rtol`, or 1e-5 where that is less: `error.time` says so. Momentum is kept
-    to rounding and energy to `rtol`. Friction of damped laws is refused, and of bodies whose
-    contact points have no mass.
+    With friction, the state of an elastic contact follows the motion within each step. Velocities
+    and spins have the error `rtol`, but at least 1e-5, which `error.time` includes. Momentum is
+    conserved to rounding errors, energy to `rtol`. Friction with damped laws, or with massless
+    contact points, is refused.
 
-    Touches that have together less than a hundredth of the impulse of a contact's largest one do
-    not count. Bodies at rest side by side begin to press each other at no certain time when a wave
-    reaches them: the start of such a touch is when its force is no longer rounding.
+    Touches that together have less than a hundredth of the impulse of a contact's largest one do
+    not count. If a wave reaches bodies at rest side by side, their contact has no definite start;
+    it is taken as the time when its force exceeds rounding errors.
 
     Examples
     --------
@@ -91,21 +92,21 @@ class Newmark:
     Parameters
     ----------
     dt : float, optional
-        Largest time step, s. The step taken is the largest that makes a whole number of steps of
-        the record: `dt` itself where it does. If not given, the step is halved until the estimated
-        error is below `rtol`.
+        Largest time step, s. The step taken is the largest one not above `dt` that divides the
+        duration of the record. By default the step is halved until the estimated error is below
+        `rtol`.
     beta, gamma : float, optional
-        β > 0 and γ ≥ 1/2. The default, β = 1/4 and γ = 1/2 (average acceleration), is of second
-        order, keeps the energy of a linear system and is stable for any step, as is every rule
-        with 2β ≥ γ.
+        Parameters of the rule, β > 0 and γ ≥ 1/2. The default, β = 1/4 and γ = 1/2 (average
+        acceleration), is of second order, conserves the energy of a linear system and is stable for
+        any step, as is every rule with 2β ≥ γ.
     rtol : float, optional
-        Relative error of peak force and impulse of each contact to aim at when `dt` is not given;
-        of a contact with less than a hundredth of the largest, relative to that hundredth.
+        Relative tolerance of peak force and impulse of each contact if `dt` is not given. Errors
+        are relative to at least a hundredth of the largest contact's values.
     estimate : bool, optional
-        Whether to run again with twice and four times the step, at three quarters of the cost, to
-        estimate that error. The estimate is some three times the error where forces are smooth,
-        and no less where touches, jumps and contact points without mass lower the order. Times of
-        touch and release are known to within a step's interpolation and are not part of it.
+        True to estimate the error from two more runs, with twice and four times the step, which
+        cost three quarters of the run. The estimate is some three times the error of smooth forces,
+        and no less if touches, jumps or massless contact points reduce the order. It does not
+        include the errors of times of touch and release, which are interpolated within a step.
 
     Raises
     ------
@@ -130,5 +131,5 @@ class Newmark:
     def __post_init__(self) -> None:
         if self.dt is not None:
             checked(self, dt=partial(positive, unit="s"))
-        checked(self, beta=positive, gamma=partial(within, low=0.5))  # below, energy is fed in
+        checked(self, beta=positive, gamma=partial(within, low=0.5))  # lower values add energy
         checked(self, rtol=partial(within, low=TIGHTEST, high=1.0, below=True), estimate=boolean)

@@ -1,12 +1,12 @@
-"""How far a run with fixed steps may be off, from runs with twice and four times its step.
+"""Error estimate of a run with fixed steps, from runs with twice and four times its step.
 
-Newmark's rule is of second order where forces are smooth. A touch or a release within a step, a law
-that jumps, and a contact point without mass make it less, and errors at two steps may agree by
-chance. So three steps are compared, in the peak, in the force around it and in the impulse; and
-what no comparison shows is looked for: a jump of the force at a touch, touches between steps or in
-vibration that steps do not resolve, and what loads do between the steps. The forces of friction are
-compared as well. The curves of its stretches are drawn to a precision that goes with the square of
-the step, as the error of the rule does.
+Newmark's rule is of second order for smooth forces. Touches or releases within a step, laws that
+jump and massless contact points reduce the order, and errors of two steps may agree by chance.
+Therefore runs with three steps are compared, in the peak force, the force around the peak and the
+impulse, and in the same of friction. The precision of its stretches is proportional to the square
+of the step, as the error of the rule. Errors that no comparison shows are bounded separately: jumps
+of the force at a touch, touches between steps or in vibration that steps do not resolve, and
+changes of loads between steps.
 """
 
 from __future__ import annotations
@@ -24,40 +24,41 @@ from .settings import DRAWN, LESSER
 if TYPE_CHECKING:
     from .fixed_steps import SteppedRecorder
 
-# The relative error of a run with fixed steps from which on no digit is claimed.
+# Largest relative error estimate that is reported; above it the error is set to 1.
 _NO_DIGIT = 0.2
 
-# Newmark's error estimate: the share of the peak force above which the force itself is compared
-# between two steps, since the difference of two peaks may vanish by chance. Over 1488 impacts the
-# true error exceeds the estimate in 0.7 % (at most 1.8 times); 0.95 gives 1.5 % (3.6 times), and
-# comparing all of the force makes the median estimate 9 times the error instead of 5.6.
+# Force relative to its peak above which two runs' forces are compared at each step, since the
+# difference of the peaks alone may vanish by chance. Over 1488 impacts the true error exceeds the
+# estimate in 0.7 % (at most 1.8 times); with 0.95 in 1.5 % (3.6 times). Comparing all of the force
+# makes the median estimate 9 times the error instead of 5.6.
 _AROUND_PEAK = 0.8
 
-# A law that gives more than this share of the peak at next to no indentation jumps there.
-# A third or three times either leaves all of 1488 estimates as they are.
+# Indentation relative to the largest one, and force there relative to the peak above which a law is
+# taken to jump at the touch. A third or three times either value changes none of 1488 estimates.
 _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
 
-# Friction of less than this share of the normal force is rounding of it.
+# Friction force relative to the normal force below which it is a rounding error.
 _NO_FRICTION = 1e-9
 
-# An impulse of friction that turns back is measured by this share of that of its size.
+# Least impulse of friction that errors are relative to, as a share of the integral of the force's
+# magnitude: the impulse of a force that reverses may vanish.
 _TURNED = 0.1
 
-# ω dt of a mode that steps resolve: a period in twelve of them.
+# Largest ω dt of modes that steps resolve, which is twelve steps per period.
 _RESOLVED = 0.5
 
 
 class StepError(NamedTuple):
-    """An estimate of the largest relative error of peak force and impulse of all contacts.
+    """Estimate of the largest relative error of peak force and impulse of all contacts.
 
-    The forces of friction count as well.
+    Friction forces are included.
 
     Attributes
     ----------
     share : float
-        1.0 where no digit is known.
+        Relative error; 1.0 if no digit is accurate.
     why : str
-        What it is mostly made of, as a sentence.
+        Clause that names the main cause.
     """
 
     share: float
@@ -79,8 +80,8 @@ def time_error(
     Parameters
     ----------
     fine, coarse, coarser : SteppedRecorder
-        With steps dt, 2 dt and 4 dt. Of contacts with less than a hundredth of the largest peak or
-        impulse the error is relative to that hundredth.
+        Runs with steps dt, 2 dt and 4 dt. Errors are relative to at least a hundredth of the
+        largest peak or impulse of all contacts.
     """
     plan = fine.plan
     unseen, missed = StepError(_unseen_loads(fine), _LOADS), _missed_forces(fine, coarse)
@@ -95,7 +96,7 @@ def time_error(
         return StepError(1.0, _CHANGES)
     scales = _scales(peaks)
     alone = peaks * [_touch_error(fine, contact) for contact in range(len(peaks))] / scales
-    # At second order this change is three times the error, and a quarter of the one before.
+    # For an error of second order, `near` is three times the error, and a quarter of `far`.
     found = max(
         StepError(max(near, far / 4.0), _CHANGES),
         StepError(float(alone.max()), _SUDDEN),
@@ -106,13 +107,13 @@ def time_error(
 
 
 def _scales(sizes: FloatArray) -> FloatArray:
-    """Scales of errors, shape (contacts, …): their sizes, or a hundredth of the largest."""
+    """Values that errors are divided by, (contacts, …): sizes of at least 1/100 of the largest."""
     least = LESSER * np.maximum(sizes.max(axis=0), np.finfo(float).tiny)
     return np.asarray(np.maximum(sizes, least))
 
 
 def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
-    """The largest relative change from a run to that with twice the step; None if too short."""
+    """Largest relative change from a run to that with twice the step; None with too few steps."""
     shared = min(len(theirs.times), (len(ours.times) + 1) // 2)
     if shared < 3:
         return None
@@ -132,10 +133,10 @@ def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
 
 
 def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[float, float], ...]:
-    """The change and the size of the peak and of the impulse of a force, shape (axes, times)."""
+    """Change and size of the peak, then of the impulse, of a force with shape (axes, times)."""
     every, rubs = t[::2], len(ours) > 1
     size, other = (np.linalg.norm(of, axis=0) if rubs else of[0] for of in (ours, theirs))
-    # Where slip of all begins, friction has a corner, of which no parabola tells the top.
+    # Friction has a kink at the start of full slip, where a parabola does not give the peak.
     peaks = [of.max() if rubs else find_peak(at, of)[0] for at, of in ((t, size), (every, other))]
     around = np.maximum(size[::2], other) >= _AROUND_PEAK * max(peaks)
     away = np.linalg.norm(ours[:, ::2] - theirs, axis=0)
@@ -148,18 +149,18 @@ def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[
 
 
 def _touch_error(run: SteppedRecorder, contact: int) -> float:
-    """Bound the relative error of a peak force from touches at which the force jumps.
+    """Return a bound of the relative error from touches at which the force jumps.
 
-    A step detects a touch only at its end. Up to one step of the jump is then missing: as momentum
-    of the touch, and, where the jump is the peak, as what the force has lost since. Two runs may
-    miss the same, so their difference does not show it.
+    A step detects a touch only at its end, so that up to one step of the force after a jump is
+    missing: its momentum and, if the jump is the peak, the decrease of the force since then. Two
+    runs may miss the same, which their difference does not show.
     """
     law, bodies = run.plan.contacts[contact].law, run.plan.bodies
     force, indentation = run.plan.layout.contact(run.record, contact)[:2]
     peak = float(force.max())
     first = 1 + np.flatnonzero((force[1:] > 0.0) & (force[:-1] == 0.0))
     if force[0] == peak > 0.0 and not force[1:2].any():
-        return 1.0  # a damper stops the bodies within the first step, however long: all runs agree
+        return 1.0  # a damper stops the bodies within the first step, in all runs alike
     if len(first) == 0:
         return 0.0
     # A body with mass arrives with its previous velocity and may lose most of it within the step.
@@ -174,17 +175,18 @@ def _touch_error(run: SteppedRecorder, contact: int) -> float:
         impulse = run.dt * float(np.add.reduceat(force, first).max())
         worst.append(2.0 * float(jump.max()) * run.dt / impulse)
         top = int(force.argmax())
-        if top in first or top - 1 in first:  # a first sample at rounding has no force yet
+        if top in first or top - 1 in first:  # the first sample may only be a rounding error
             worst.append(abs(float(force[min(top + 1, len(force) - 1)]) - peak) / peak)
     return min(1.0, max(0.0, *worst))
 
 
 def _unseen_loads(run: SteppedRecorder) -> float:
-    """Loads that the steps do not see, as a share of the largest impulse or peak force.
+    """Error from changes of loads within steps, relative to the largest impulse or peak force.
 
-    A step takes a load at its ends. A pulse within one is missed, whatever runs are compared: its
-    impulse, and, where a contact point without mass hands it on at once, what it exceeds the ends
-    by. If a damper lets what a load does to a contact fade, a jump between the ends is missed, too.
+    A step uses the load at its ends. All compared runs miss a pulse within a step: its impulse and,
+    at a massless contact point, which transfers it at once, its excess over the values at the ends.
+    If a contact has a damper, the effect of a load decays, and a jump between the ends is missed,
+    too.
     """
     t, plan, sums = run.times, run.plan, scipy.integrate.cumulative_trapezoid
     forces = plan.layout.forces(run.record)
@@ -211,12 +213,13 @@ def _unseen_loads(run: SteppedRecorder) -> float:
 
 
 def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray:
-    """Largest excess of each contact's force between steps over that at any step, N.
+    """Bound of each contact's force between steps minus its largest force at a step, N.
 
-    Between steps the indentation rises as the parabola through three of them does, and is off by no
-    more than it changes with twice the step. A load displaces a mode by r f / ω², and makes it
-    vibrate by at most as much for all that f changes, and by r / ω³ for all that its slope changes;
-    steps that are long beside the mode's period follow the displacement alone.
+    Between steps the indentation follows the parabola through three of them, with an error of at
+    most its change with twice the step. A load f displaces a mode by r f / ω². The amplitude of
+    vibration that it causes is at most r / ω² times the sum of changes of f, and at most r / ω³
+    times the sum of changes of its slope. Steps longer than the mode's period show only the
+    displacement.
     """
     plan, missed = fine.plan, np.zeros(len(fine.plan.contacts))
     size = [_unresolved(plan, body, fine.dt) for body in range(len(plan.bodies))]
@@ -231,9 +234,10 @@ def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray
 
 
 def _highest_crest(free: BoolArray, ours: FloatArray, coarse: FloatArray) -> float:
-    """The largest indentation at which a contact without force turns back, or the record ends.
+    """Largest indentation at which a contact without force turns back, or the record ends, m.
 
-    free : whether it has none, at each step; ours, coarse : indentations with dt and 2 dt.
+    `free` is True at steps without force; `ours` and `coarse` are the indentations with the steps
+    dt and 2 dt.
     """
     before, here, after = ours[:-2], ours[1:-1], ours[2:]
     turns = free[:-2] & free[1:-1] & free[2:] & (here > before) & (here >= after)
@@ -248,7 +252,7 @@ def _highest_crest(free: BoolArray, ours: FloatArray, coarse: FloatArray) -> flo
 
 
 def _unresolved(plan: Scenario, body: int, dt: float) -> FloatArray:
-    """The largest vibration of a body's ports in modes that steps do not resolve, m, (ports,)."""
+    """Largest vibration of a body's ports in modes that steps do not resolve, m, (ports,)."""
     model, load, slowest = plan.bodies[body], plan.load_on(body), _RESOLVED / dt
     pull = 0.0 if plan.preload else float(np.linalg.norm(plan.pull))
     if model.wall or (load is None and pull == 0.0):

@@ -1,4 +1,4 @@
-"""A scene to a tolerance: one run, and tighter ones where errors grow from touch to touch."""
+"""Adaptive runs to a tolerance: one run, and tighter ones if errors grow from touch to touch."""
 
 from __future__ import annotations
 
@@ -14,53 +14,54 @@ from .comparison import difference, most_touches
 from .dense import DenseRecorder, adaptive_run
 from .settings import TIGHTEST, Adaptive
 
-# The smallest with which a run still errs less than with a larger one: it shows how well a run at
-# TIGHTEST does.
+# Smallest tolerance of a run at which its error still decreases; it shows the error of a run at
+# TIGHTEST.
 FLOOR = 0.01 * TIGHTEST
 
-# Where two adaptive runs differ by more than this, errors do not grow as their causes do, and no
-# digit is claimed. With a third of this 1.3 % more steps are taken; with seven times as much a
-# scene of 784 touches is given up that another run confirms. Chaos is seen with three times as
-# much, too; with 1, an error of 0.07 is claimed where two runs differ by 0.27.
+# Largest difference of two adaptive runs for which errors are assumed proportional to their causes;
+# above it the error is set to 1. A third of this value costs 1.3 % more steps. With seven times as
+# much, a scene of 784 touches fails that another run confirms. Three times as much still detects
+# chaos; with 1, the estimate is 0.07 where two runs differ by 0.27.
 LINEAR = 0.03
 
-# Safety factor of two adaptive runs. The one with the smaller tolerance errs less, in proportion to
-# the tolerance but for this factor, by which single contacts miss or exceed theirs. A second run
-# with a tolerance smaller by this factor, and by the number of touches, confirms itself unless
-# errors multiply. Over 61 scenes of 2 to 58 touches and five tolerances the largest true error is
-# 0.19 of the tolerance; with 3 it is 1.7, and 30 costs 8 % more steps.
+# Safety factor of the comparison of two adaptive runs: errors are proportional to the tolerance,
+# except for this factor by which single contacts fall below or exceed theirs. A second run, with a
+# tolerance smaller by this factor and the number of touches, confirms itself unless errors
+# multiply. Over 61 scenes of 2 to 58 touches and five tolerances the largest true error is 0.19 of
+# the tolerance; with 3 it is 1.7, and 30 costs 8 % more steps.
 SPREAD = 10.0
 
-# The share of the tolerance with which a scene of several contacts is run. Bodies that meet after
-# other contacts, at a twentieth of their speeds, make twenty times the error of theirs: two of 6000
-# scenes were 11 and 17 tolerances off. It costs 13 % more steps over 306 such scenes;
-# 0.1 costs 22 %, and in one of 30 scenes of dashpots on a massless point no step meets it at 1e-9.
+# Share of the tolerance to which a scene of several contacts is run. Bodies that meet after other
+# contacts at a twentieth of their speeds multiply these contacts' errors by twenty: with 1, errors
+# of two of 6000 scenes were 11 and 17 times the tolerance. It costs 13 % more steps over 306 such
+# scenes; 0.1 costs 22 %, and in one of 30 scenes of dashpots on a massless point no step meets it
+# at 1e-9.
 SEVERAL = 0.3
 
-# Error of a contact by rounding. It adds up over like contacts, and tighter runs share it. The most
-# found was 2.0e-15 a bounce, of 200 balls on a floor against their closed form.
+# Relative rounding error per contact. It adds up over equal contacts, and tighter runs have the
+# same. The largest one found was 2.0e-15 per bounce, for 200 balls on a floor with a closed form.
 ROUNDING = 12.0 * float(np.finfo(float).eps)
 
-# A tighter run has this tolerance at most. Two that are looser may take the same steps through a
-# first touch, which is hardly longer than a step; they agree in its error then, which the touches
-# after it multiply: in one of 3000 scenes by 1e5. It costs 13 % more steps over 1200 scenes to a
-# tolerance of 6e-5, and none from 1e-6 down.
+# Largest tolerance of a tighter run. With larger ones two runs may take the same steps through a
+# first touch that is hardly longer than a step. Both then have the same error, which later touches
+# multiply: in one of 3000 scenes by 1e5. It costs 13 % more steps over 1200 scenes with a tolerance
+# of 6e-5, and none with 1e-6 or less.
 OTHER_STEPS = 1e-7
 
-# A tighter run that takes this many times the steps of the first is ended: twice what a method of
-# order 15 needs for fifteen digits. With 3, six of 305 results are lost that another run gives;
-# more waits longer for runs that confirm nothing, in proportion.
+# Largest number of steps of a tighter run, in units of the first run's: twice what a method of
+# order 15 needs for fifteen digits. With 3, six of 305 results are lost that another run confirms;
+# larger values wait proportionally longer for runs that confirm nothing.
 PATIENCE = 20
 
-# How well friction is followed under any tolerance, as a share of its bound, where directions turn:
-# the core draws the stretches of a contact to 4e-6. Of 40 impacts on four bodies, the velocities of
-# runs at 1e-6 and at 1e-8 differ by at most 3e-7 of the speed; of a ball that begins to slip at the
-# touch itself by 7e-6.
+# Least error of friction at any tolerance, relative to its bound, if directions change: the core's
+# precision of a contact's stretches is 4e-6. In 40 impacts on four bodies, velocities of runs with
+# tolerances of 1e-6 and 1e-8 differ by at most 3e-7 of the speed, and by 7e-6 for a ball that slips
+# from the touch on.
 FRICTION = 1e-5
 
-# Steps up to which a run with a user's law is followed, 200 contacts or more. One takes 10 to 100,
-# and 6000 where the force scatters by 1e-3 of the tolerance. Where that is as large as the
-# tolerance, the contact is not over after 20 000, which take five seconds.
+# Largest number of steps of a run with a user's law, enough for 200 contacts. A contact takes 10 to
+# 100 steps, and 6000 if the force scatters by 1e-3 of the tolerance. If it scatters by as much as
+# the tolerance, the contact does not end within 20 000 steps, which take five seconds.
 MOST_CALLED = 20_000
 
 # Energy growth above this factor means a faulty law or run, not integration error.
@@ -70,16 +71,16 @@ GAIN = 1.5
 def solve_adaptive(plan: Scenario, rule: Adaptive) -> tuple[DenseRecorder, float | None]:
     """Run a scene to a tolerance; return the run and its relative error, if known.
 
-    Several contacts take a smaller tolerance: two bodies may meet, after others, at a small part of
-    their speeds. From the second touch of a contact on, errors grow with each; and a contact that
-    pulls may end so slowly that small errors make large ones of its end. Then tighter runs follow
-    until one meets the tolerance.
+    Scenes of several contacts are run to a smaller tolerance: after other contacts, two bodies may
+    meet at a small part of their speeds. From the second touch of a contact on, errors grow with
+    each touch. A contact that pulls may end so slowly that its end is ill-conditioned. In both
+    cases tighter runs follow until one meets the tolerance.
 
     Raises
     ------
     ConvergenceError
-        If the tolerance cannot be met, with the time, as under a user's law that scatters by more;
-        or contacts are too short for the clock.
+        If the tolerance cannot be met, such as with a user's law that scatters by more, or if
+        contacts are too short for the resolution of time.
 
     Warns
     -----
@@ -105,14 +106,12 @@ def solve_adaptive(plan: Scenario, rule: Adaptive) -> tuple[DenseRecorder, float
 
 
 def _refuse_gain(plan: Scenario, run: DenseRecorder) -> None:
-    """Refuse a run in which bodies got more energy than there was.
-
-    That is what the rounding of time makes of contacts that are over within its last digits.
+    """Raise if the bodies have gained energy, due to contacts as short as rounding errors of time.
 
     Raises
     ------
     ConvergenceError
-        With the shortest touch.
+        If the final energy exceeds `GAIN` times the initial one.
     """
     fed = plan.weighed or plan.loads or plan.preload
     if fed or any(contact.law.by_caller for contact in plan.contacts):
@@ -135,11 +134,11 @@ def _refuse_gain(plan: Scenario, run: DenseRecorder) -> None:
 def _confirmed(
     plan: Scenario, first: DenseRecorder, rtol: float, touches: int
 ) -> tuple[DenseRecorder, float | None]:
-    """Return the run of the smallest tolerance that was needed, and its error, if known."""
+    """Run with smaller tolerances until two runs agree; return the last and its error, if known."""
     speed = max(map(abs, plan.velocities))
     rounding = ROUNDING * touches
     best, tolerance, error = first, first.rtol, math.inf
-    # Errors add up from touch to touch, where they do not multiply.
+    # Errors at least add up from touch to touch.
     wanted = min(rtol / (SPREAD * touches), OTHER_STEPS)
     while True:
         wanted = max(wanted, FLOOR)
