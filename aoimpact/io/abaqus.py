@@ -620,11 +620,9 @@ class Scope:
         nodes, self.places = labels[kept], places[kept]
         self.known["NSET"] = nodes, np.arange(len(nodes))
         for i, block in enumerate(self.elements):
-            rows = raw.rows_of(nodes, block.nodes)
-            for element, node in np.argwhere(rows < 0)[:1]:
-                label, missing = int(block.labels[element]), block.nodes[element, node]
-                why = f"element {label} has node {missing}, which is not defined"
-                raise block.keyword.error(why)
+            rows = raw.cells_of(
+                nodes, block.labels, block.nodes, lambda _, why, of=block: of.keyword.error(why)
+            )
             self.elements[i] = replace(block, nodes=rows)
         labels = raw.joined(block.labels for block in self.elements)
         for label in labels[raw.repeats(labels)[:1]].tolist():

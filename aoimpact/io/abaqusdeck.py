@@ -98,8 +98,7 @@ class Keyword:
         """Refuse an option that is not known: it may change the mesh."""
         for name in self.options:
             if name not in known:
-                why = "; is there a comma too many?" if name.isdigit() else ""
-                raise self.error(f"the option {name} is not supported{why}")
+                raise self.error(f"the option {name} is not supported (or a comma before it)")
 
     def integers(self, row: int, texts: Collection[str]) -> list[int]:
         """Return integers of a data line; the row is the line's number, for errors."""

@@ -304,10 +304,7 @@ def _mesh(
     blocks, first = [], 0
     for type_, labels, nodes, members in elements:
         kind = _KINDS[type_]
-        cells = raw.rows_of(tags, nodes)
-        for row, column in np.argwhere(cells < 0)[:1]:
-            why = f"element {labels[row]} has node {nodes[row, column]}, which is not there"
-            raise ValueError(why)
+        cells = raw.cells_of(tags, labels, nodes, lambda _, why: ValueError(why))
         cells = right_handed(kind, places, cells[:, _ORDERS.get(kind, slice(None))])
         blocks.append(RawBlock(kind, cells, labels))
         for tag, own in members.items():

@@ -24,10 +24,10 @@ from ..base import (
     finite_array,
     held_warnings,
     integers,
-    positive,
     require,
     sp,
     warn,
+    within,
 )
 from ..fem import AnyMaterial, Damping, FEModel, OneMaterial, audited, checked_labels
 from ..linalg import factorize, sound_matrix
@@ -150,12 +150,7 @@ def read_matrices(
     ...     read_matrices(files["K"], files["M"], nodes=body.nodes)
     FEModel(108 dofs, 36 nodes, 27 kg, free)
     """
-    units = []
-    for unit, value, of in (("length", length, "m"), ("mass", mass, "kg")):
-        units.append(positive(unit, value, unit=of))
-        if not _UNITS[0] <= units[-1] <= _UNITS[1]:
-            raise InputError(f"{unit} must be a unit, from {_UNITS[0]:g} to {_UNITS[1]:g} {of}")
-    metres = units[0]
+    metres, kilograms = within("length", length, *_UNITS), within("mass", mass, *_UNITS)
     if (mesh is None) != (material is None):
         raise InputTypeError("mesh and material, of the surface: give both or none")
     stiffness, inertia = _chosen(K, M)
@@ -164,7 +159,7 @@ def read_matrices(
         labels = _given_labels(dofs, stiffness, inertia)
     with naming(called):
         only = nodes is None and mesh is None
-        pair = _free(*_joined(stiffness, inertia, labels), *units)
+        pair = _free(*_joined(stiffness, inertia, labels), metres, kilograms)
         stiff, heavy, labels = _condensed(*pair, rotations=only)
     places: Places | None = None
     from_file = isinstance(mesh, (str, os.PathLike))
@@ -360,8 +355,7 @@ def _free(K: Any, M: Any, labels: IntArray | None, length: float, mass: float) -
     keep = ~((K.diagonal() >= _HOLDING) | ((abs(K) + abs(M)).sum(axis=1) == 0.0))
     if not keep.any():
         raise InputError("no dof has stiffness or mass and is free to move")
-    if not keep.all():
-        K, M, labels = _kept(K, M, labels, keep)
+    K, M, labels = _kept(K, M, labels, keep)
     if labels is not None:  # rotations belong to moments, of one length more
         D = sp.diags_array(np.where(labels[:, 1] > 3, length, 1.0))
         K, M = D @ K @ D, D @ M @ D
@@ -416,14 +410,9 @@ def _coordinates(
         numbers = used
     missing = np.setdiff1d(used, numbers)
     if len(missing):
-        cause = "is it another model's file?"
-        if missing[0] > numbers.max():
-            cause = (
-                "are they inner nodes of elements, as of CalculiX' C3D8I? Take other elements, or "
-                "leave nodes out"
-            )
+        cure = "Is it another model's file? Of CalculiX' C3D8I, with inner nodes, leave nodes out"
         of = f"{len(missing)} nodes of {called}, the first {missing[0]},"
-        raise InputError(f"nodes: {of} are not there: {cause}")
+        raise InputError(f"nodes: {of} are not there. {cure}")
     # Nodes without rows are no supports if the body is free without them.
     if len(numbers) > len(used) and FEModel(**given).mass is not None:
         keep = np.isin(numbers, used)

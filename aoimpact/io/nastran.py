@@ -28,6 +28,7 @@ from .raw import (
     RawBlock,
     RawMatrix,
     RawMesh,
+    cells_of,
     joined,
     labelled,
     listed,
@@ -222,10 +223,8 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
         numbers = part.integers(first, nodes_in(kind))
         missing = (numbers == 0).any(axis=1)
         part.refuse_first(missing, "nodes are missing; give all midside nodes or none")
-        rows = rows_of(grids.labels, numbers)
-        for row, column in np.argwhere(rows < 0)[:1].tolist():
-            raise part.refused(row, f"node {numbers[row, column]} is not there")
-        cells = rows[:, UPRIGHT_FIRST.get(kind, slice(None))]
+        cells = cells_of(grids.labels, labels, numbers, part.refused)
+        cells = cells[:, UPRIGHT_FIRST.get(kind, slice(None))]
         yield Entries(part, RawBlock(kind, cells, labels), properties, kinds[-1])
 
 
@@ -458,7 +457,7 @@ _ISOTROPIC = 0.01
 class NastranDeck:
     """Case control and bulk data, nodes, and elements block by block as the mesh has them.
 
-    Materials are made once each, for the source of the last `read`.
+    `source` is that of the last `read`.
     """
 
     control: list[Line]
@@ -466,7 +465,6 @@ class NastranDeck:
     grids: Grids
     parts: list[Entries]
     source: Source = field(init=False)
-    _made: dict[tuple[int, bool], Solid] = field(default_factory=dict)
 
     @property
     def sections(self) -> str:
@@ -553,24 +551,20 @@ class NastranDeck:
             why = f"material {label} is none of {', '.join(_MATERIALS)}"
             raise card.error(f"{why}; give it by read_sections(given=)")
         bar = _DIMENSIONS[1].fullmatch(card.name) is not None
-        at = label, bar
-        if at not in self._made:
-            for entry in ("MATT1", "MATT8", "MATT11"):
-                if label in self.cards(self.bulk.cards(entry)):
-                    raise own.error(f"it depends on temperature by {entry}, which is not supported")
-            if label in self.cards(self.bulk.cards("MATS1")):
-                self.source.left_out.append(f"material {label} is elastic, without its MATS1")
-            make, density, damping = _MATERIALS[own.name]
-            if own.real(damping, "GE", 0.0):
-                self.source.left_out.append(f"material {label} has no damping, GE is left out")
-            if not (rho := own.real(density, "RHO", 0.0) * self.weight):
-                cure = f"give read_sections(given={{'material {label}': Material(...)}})"
-                raise own.error(f"RHO is 0 or blank; write it, or {cure}")
-            if bar and own.name == "MAT1" and own.text(1) and own.real(2, "G", 0.0):
-                own = replace(own, fields=[*own.fields[:3], "", *own.fields[4:]])  # whatever NU is
-            with refusing(own.error):
-                self._made[at] = make(self.source, own, rho)
-        return self._made[at]
+        if label in self.cards(self.bulk.cards("MATT1", "MATT8", "MATT11")):
+            raise own.error("it depends on temperature by its MATT, which is not supported")
+        if label in self.cards(self.bulk.cards("MATS1")):
+            self.source.left_out.append(f"material {label} is elastic, without its MATS1")
+        make, density, damping = _MATERIALS[own.name]
+        if own.real(damping, "GE", 0.0):
+            self.source.left_out.append(f"material {label} has no damping, GE is left out")
+        if not (rho := own.real(density, "RHO", 0.0) * self.weight):
+            cure = f"give read_sections(given={{'material {label}': Material(...)}})"
+            raise own.error(f"RHO is 0 or blank; write it, or {cure}")
+        if bar and own.name == "MAT1" and own.text(1) and own.real(2, "G", 0.0):
+            own = replace(own, fields=[*own.fields[:3], "", *own.fields[4:]])  # whatever NU is
+        with refusing(own.error):
+            return make(self.source, own, rho)
 
     # ------------------------------------------------------------ fields of elements
 

@@ -182,6 +182,15 @@ def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
     return np.where(known[rows] == wanted, rows, -1)
 
 
+def cells_of(known: IntArray, labels: IntArray, nodes: IntArray, refuse: Any) -> IntArray:
+    """Return elements by the rows of their nodes' labels; refuse one of which a node is missing."""
+    rows = rows_of(known, nodes)
+    for row, column in np.argwhere(rows < 0)[:1].tolist():
+        why = f"element {labels[row]} has node {nodes[row, column]}, which is not there"
+        raise refuse(row, why)
+    return rows
+
+
 def repeats(labels: IntArray) -> IntArray:
     """Return the rows whose label another row before them has, in the order of the labels."""
     order = np.argsort(labels, kind="stable")

@@ -76,8 +76,7 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
         blocks.append(Block(found[0].kind, np.hstack(cells), block.first, signs))
     made = copy(mesh)
     nodes = np.vstack([mesh.nodes, np.zeros((len(used), 3))])
-    object.__setattr__(made, "nodes", nodes)
-    object.__setattr__(made, "blocks", tuple(blocks))
+    vars(made).update(nodes=nodes, blocks=tuple(blocks))
     return made, np.concatenate(members)[first[used]], shared
 
 

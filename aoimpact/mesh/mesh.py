@@ -156,19 +156,17 @@ class Mesh(Frozen):
         ]
         for block in blocks:
             _check_elements(nodes, block, *labels)
-        checked = {
-            "nodes": nodes,
-            "cells": table,
-            "kind": blocks[0].kind if len(blocks) == 1 else "mixed",
-            "node_sets": _sets("node_sets", self.node_sets, len(nodes), "node"),
-            "cell_sets": _sets("cell_sets", self.cell_sets, first, "element"),
-            "node_labels": labels[0],
-            "cell_labels": labels[1],
-            "left_out": dict(instance("left_out", self.left_out, Mapping)),
-            "blocks": tuple(blocks),
-        }
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+        vars(self).update(
+            nodes=nodes,
+            cells=table,
+            kind=blocks[0].kind if len(blocks) == 1 else "mixed",
+            node_sets=_sets("node_sets", self.node_sets, len(nodes), "node"),
+            cell_sets=_sets("cell_sets", self.cell_sets, first, "element"),
+            node_labels=labels[0],
+            cell_labels=labels[1],
+            left_out=dict(instance("left_out", self.left_out, Mapping)),
+            blocks=tuple(blocks),
+        )
         super().__post_init__()
 
     @property
@@ -197,8 +195,7 @@ class Mesh(Frozen):
         :meta private:
         """
         made = copy(self)
-        blocks = tuple(block for block in self.blocks if block.element.thin == thin)
-        object.__setattr__(made, "blocks", blocks)
+        vars(made)["blocks"] = tuple(of for of in self.blocks if of.element.thin == thin)
         return made
 
     @property
@@ -370,21 +367,14 @@ def _check_elements(
     nodes: FloatArray, block: Block, node_labels: IntArray | None, cell_labels: IntArray | None
 ) -> None:
     """Refuse elements that are there twice, have no volume, are inverted, or repeat a corner."""
-    cells = block.cells
-
-    def element(row: int) -> int:
-        """Number by which a user knows the element."""
-        number = block.first + row
-        return number if cell_labels is None else int(cell_labels[number])
-
-    def nodes_of(row: int) -> list[int]:
-        own: list[int] = (cells[row] if node_labels is None else node_labels[cells[row]]).tolist()
-        return own
-
+    cells, number = block.cells, np.r_[block.numbers]
+    elements = number if cell_labels is None else cell_labels[number]  # as their user knows them
+    names = np.arange(len(nodes)) if node_labels is None else node_labels
     corners = np.sort(cells[:, : block.element.n_corners], axis=1)
     both = np.stack(twins(corners), axis=1)
     for earlier, later in both[:1]:  # stiffness and mass would count twice
-        two = f"element {element(later)} repeats {element(earlier)}, nodes {nodes_of(earlier)}"
+        of = names[cells[earlier]].tolist()
+        two = f"element {elements[later]} repeats {elements[earlier]}, nodes {of}"
         raise MeshError(f"{len(both)} of {len(cells)} elements are there twice: {two}. Remove them")
     repeats = (corners[:, 1:] == corners[:, :-1]).any(axis=1)
     if block.element.thin:
@@ -404,7 +394,8 @@ def _check_elements(
     ):
         for row in np.flatnonzero(bad)[:1].tolist():
             centre = ", ".join(f"{x:.4g}" for x in nodes[cells[row]].mean(axis=0))
-            first = f"the first is element {element(row)} near ({centre}) m, nodes {nodes_of(row)}"
+            of = names[cells[row]].tolist()
+            first = f"the first is element {elements[row]} near ({centre}) m, nodes {of}"
             raise MeshError(f"{int(bad.sum())} of {len(cells)} elements {what}; {first}. {how}")
 
 
