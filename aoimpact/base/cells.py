@@ -10,7 +10,7 @@ from .checks import written_file
 
 
 def aligned(rows: Iterable[Sequence[str]], *, left: Collection[int] = ()) -> list[str]:
-    """Return a line for each row, columns side by side and to the right, but those in `left`."""
+    """Return a line per row with columns aligned: flush right, but for those in `left`."""
     columns = []
     for number, cells in enumerate(zip(*rows, strict=True)):
         width = max(map(len, cells))
@@ -26,7 +26,7 @@ def write_csv(path: Any, heading: Iterable[str], rows: Iterable[Iterable[Any]]) 
     Raises
     ------
     InputTypeError, InputError
-        If `path` is not one of a file that can be written; see `written_file`.
+        If `path` cannot be written to; see `written_file`.
     """
     with (
         written_file(path) as given,

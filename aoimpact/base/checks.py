@@ -35,14 +35,14 @@ ComplexArray = npt.NDArray[np.complex128]
 FilePath = str | os.PathLike[str]
 ArrayPair = tuple[FloatArray, FloatArray]
 
-# Takes an argument's name and value, and returns the value in the form that is kept.
+# Function of an argument's name and value that returns the value in the form that is kept.
 Check = Callable[[str, Any], Any]
 
-# In SI units: squares and cubes of what is not larger are numbers, and so are products of two.
+# Largest magnitude of inputs in SI units: products of up to three of these do not overflow.
 HUGE = 1e100
 
-# Relative differences that are rounding: of results in double precision, some thousand roundings of
-# 1e-16 with room to spare; and of numbers that were printed with ten digits.
+# Relative differences that count as rounding: of results in double precision, some thousand
+# roundings of 1e-16 with room to spare; and of numbers that were printed with ten digits.
 ROUNDING, PRINTED = 1e-12, 1e-9
 
 
@@ -61,7 +61,7 @@ def real(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> fl
         If it is NaN, or infinite where that has no meaning.
     """
     if type(value) is float and math.isfinite(value):
-        return value  # the common case: asking for what else is a real number takes far longer
+        return value  # the common case; the checks below take far longer
     if not isinstance(value, numbers.Real) or isinstance(value, (bool, np.bool_)):
         raise InputTypeError(f"{name} must be a real number, got {_short(value)}")
     try:
@@ -171,14 +171,14 @@ def nearest(value: str, options: Iterable[str]) -> str:
 
 
 def spelled(made: Any, module: str) -> Any:
-    """Return a public function or class that says which keyword was meant by a misspelt one.
+    """Return a public function or class whose errors on misspelt keywords suggest the right one.
 
     Parameters
     ----------
     made : callable
-        A class is changed in place, its methods with it.
+        Function or class; a class and its methods are changed in place.
     module : str
-        Its public place, where pickle finds a function.
+        Public module of a function, in which pickle finds it.
     """
     if isinstance(made, type):
         for name, of in list(vars(made).items()):
@@ -206,7 +206,7 @@ def spelled(made: Any, module: str) -> Any:
 
 
 def called(value: str, options: Iterable[str]) -> str | None:
-    """Return the option that is `value`, or else the only one that is so in another case."""
+    """Return the option equal to `value`, or else the only one equal but for case, or None."""
     same = [option for option in options if option.casefold() == value.casefold()]
     return value if value in same else same[0] if len(same) == 1 else None
 
@@ -245,14 +245,14 @@ def file_path(name: str, value: Any) -> Path:
 
 @contextmanager
 def written_file(path: Any, name: str = "path") -> Iterator[Path]:
-    """Yield the argument `path` as that of a file, or a folder, that is written meanwhile.
+    """Yield the argument `path` of a file or folder to write; failures to write raise InputError.
 
     Raises
     ------
     InputTypeError
         If it is no path; see `file_path`.
     InputError
-        If it is none that can be written to.
+        If the file or folder cannot be written to.
     """
     file = file_path(name, path)
     try:
@@ -287,15 +287,15 @@ def finite_array(
 ) -> FloatArray:
     """Return `value` as a C-contiguous native float64 array without NaN or infinity.
 
-    Integer, float32, big-endian, strided and read-only arrays are converted; what is in the
-    right form already is returned as it is, not copied.
+    Integer, float32, big-endian and strided arrays are converted; an array in the right form
+    already is returned as it is, not copied.
 
     Parameters
     ----------
     shape : sequence of int or None, optional
         The shape wanted; None stands for any length along that axis.
     most : float, optional
-        The largest magnitude that can be computed with.
+        Largest magnitude allowed.
 
     Raises
     ------
@@ -331,13 +331,13 @@ def unit_vector(name: str, value: Any) -> FloatArray:
     scale = float(np.abs(vector).max())
     if scale == 0.0:
         raise InputError(f"{name} must not be the zero vector")
-    # Scaled first: the square of 1e-200 would vanish.
+    # Scaled first: the square of 1e-200 would underflow.
     scaled = vector / scale
     return scaled / np.linalg.norm(scaled)
 
 
 def place(name: str, value: Any) -> FloatArray:
-    """Return `value`, m, (3,), as a place whose distance from others is a number.
+    """Return `value`, m, (3,), as a place whose distance from others does not overflow.
 
     Raises
     ------
@@ -358,7 +358,7 @@ def integers(
 ) -> IntArray:
     """Return `value` as a new array of integers of that shape, where None stands for any length.
 
-    what: in words, for messages.
+    `what`: description of the entries for messages.
 
     Raises
     ------
@@ -368,12 +368,12 @@ def integers(
 
 
 def inertia_tensor(name: str, value: Any, *, most: float) -> FloatArray:
-    """Return the tensor of inertia of a body, kg m², shape (3, 3), of three moments or of itself.
+    """Return the inertia tensor of a body, kg m², shape (3, 3), from itself or three moments.
 
     Raises
     ------
     InputTypeError, InputError
-        If no body has it, or an entry exceeds `most`.
+        If no body can have it, or an entry exceeds `most`.
     """
     given = finite_array(name, value, unit="kg m²", most=most)
     if given.shape not in ((3,), (3, 3)):
@@ -394,10 +394,10 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
     Parameters
     ----------
     name : str
-        The argument.
+        Name of the argument.
     value : array_like of int
     count : int or None
-        Number of them; None where numbers are labels, which may be any.
+        Number of nodes; None if the numbers are labels, which may be any.
     what : str, optional
         Noun for messages.
 
@@ -421,7 +421,7 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
 def _array(
     name: str, value: Any, what: str, kinds: str, shape: Sequence[int | None] | None
 ) -> npt.NDArray[Any]:
-    """Return an array of such kinds of entries and of that shape."""
+    """Return `value` as an array; refuse other kinds of dtype and other shapes."""
     if np.ma.is_masked(value):
         raise InputTypeError(f"{name} has masked entries; fill or remove them first")
     try:
@@ -440,12 +440,12 @@ def _array(
 
 
 def writable_folder(path: FilePath) -> Path:
-    """Make a folder, or find that it is there, and that files can be made in it.
+    """Make a folder unless it exists, and check that files can be made in it.
 
     Raises
     ------
     InputError
-        If not.
+        If the folder cannot be made or written to.
     """
     with written_file(path, "folder") as folder:
         folder.mkdir(parents=True, exist_ok=True)
@@ -459,7 +459,7 @@ def writable_folder(path: FilePath) -> Path:
 
 
 def checked(record: Any, /, **checks: Check | tuple[type[Any], ...]) -> None:
-    """Check fields of a frozen dataclass that is being made: by a function, or for classes."""
+    """Check fields of a frozen dataclass in its __post_init__, by a function or for classes."""
     for name, check in checks.items():
         value = getattr(record, name)
         if isinstance(check, tuple):
@@ -476,15 +476,15 @@ def read_only(array: FloatArray) -> FloatArray:
 
 @dataclass_transform(frozen_default=True, eq_default=False)
 def record(made: type[T]) -> type[T]:
-    """Return a class as a frozen dataclass that is compared by identity: arrays have no truth."""
+    """Return a class as a frozen dataclass compared by identity: arrays have no truth value."""
     return dataclass(frozen=True, eq=False)(made)
 
 
 class Frozen:
     """Makes the arrays of a dataclass, and those in its tuples and mappings, read-only.
 
-    Also when it is unpickled or copied: NumPy forgets it then. A class with a `__post_init__` of
-    its own calls this one at its end.
+    NumPy drops the flag of arrays that are unpickled or copied, so it is set again. A class with a
+    `__post_init__` of its own calls this one at its end.
     """
 
     def __post_init__(self) -> None:
@@ -504,7 +504,7 @@ def _freeze(items: tuple[Any, ...] | dict[Any, Any]) -> None:
 
 
 class Kept:
-    """The results that were last asked for, `most` of them, by their keys."""
+    """Cache of the `most` results that were last used, by their keys."""
 
     def __init__(self, most: int) -> None:
         self._most = most
@@ -512,7 +512,7 @@ class Kept:
         self._lock = RLock()
 
     def get(self, key: Hashable, make: Callable[[], T]) -> T:
-        """Return what is kept under a key, or else what `make` returns."""
+        """Return the result kept under a key; if there is none, make and keep it."""
         with self._lock:
             found: T = self._found.pop(key) if key in self._found else make()
             self._found[key] = found
@@ -522,16 +522,16 @@ class Kept:
 
 
 class Found(Mapping[str, Any]):
-    """Values by name, each of which is found when it is first read.
+    """Mapping of names to values, each of which is computed when it is first read.
 
     Parameters
     ----------
     names : callable
         Returns the names.
     find : callable
-        Returns the value of a name; raises KeyError where there is none.
+        Returns the value of a name; raises KeyError if there is none.
     known : mapping, optional
-        Values that have been found; their names come last.
+        Values that are known already; their names come last.
     """
 
     def __init__(

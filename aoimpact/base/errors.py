@@ -1,7 +1,7 @@
 """The package's exceptions and its one warning.
 
-Each exception is also the built-in kind that a caller expects, so that ``except ValueError``
-works for callers who do not know `AOImpactError`.
+Each exception also derives from the built-in one that a caller expects, so that ``except
+ValueError`` works for callers who do not know `AOImpactError`.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class MeshError(InputError):
 
 
 class LawLimitError(InputError):
-    """A contact goes deeper than its law stands for: beyond its patch, or its table.
+    """A contact goes deeper than its law is valid: beyond its patch, or its table.
 
     Attributes
     ----------
     contact : int or None
-        Its number in the scene; None where it is not a run that failed.
+        Number of the contact in the scene; None if the error is not from a run.
     """
 
     def __init__(self, message: str, contact: int | None = None) -> None:
@@ -65,7 +65,7 @@ class RoomError(InputError):
     reason : str
         The obstacle and its place.
     cure : str
-        The remedy where no patch fits.
+        Remedy if no patch fits.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class RoomError(InputError):
 
 
 class MissingFileError(MeshError, FileNotFoundError):
-    """A mesh or matrix file is not there."""
+    """A mesh or matrix file does not exist."""
 
 
 class SceneFileError(InputError):
@@ -97,11 +97,11 @@ class ConvergenceError(AOImpactError, RuntimeError):
 
 
 class NotFiniteError(ConvergenceError):
-    """Infinity or NaN came up in a run."""
+    """Infinity or NaN occurred in a run."""
 
 
 class IterationError(ConvergenceError):
-    """An iteration did not converge, as where a step is far too long."""
+    """An iteration did not converge, for example because a step is far too long."""
 
 
 class WorkerError(AOImpactError, RuntimeError):
@@ -109,7 +109,7 @@ class WorkerError(AOImpactError, RuntimeError):
 
 
 class MissingPackageError(AOImpactError, ImportError):
-    """An optional package that this needs is not installed."""
+    """An optional package that a function needs is not installed."""
 
 
 class AOImpactWarning(UserWarning):
@@ -142,7 +142,7 @@ def optional_package(name: str, what: str, otherwise: str = "") -> Any:
         ) from None
 
 
-# Modules in which no line of a caller is: this package, and what it calls itself through, such as
+# Modules whose frames `warn` skips: this package, and libraries that it is called through, such as
 # functools.cached_property.
 _PASSED = {__name__.partition(".")[0], "numpy", "scipy", *sys.stdlib_module_names} - {"__main__"}
 
@@ -151,7 +151,7 @@ _held: ContextVar[list[str] | None] = ContextVar("aoimpact_held_warnings", defau
 
 @contextmanager
 def held_warnings() -> Iterator[list[str]]:
-    """Hold this thread's warnings back and list them, for someone else to issue."""
+    """Collect this thread's warnings in the yielded list instead of issuing them."""
     messages: list[str] = []
     token = _held.set(messages)
     try:
@@ -174,7 +174,7 @@ def warn(message: str) -> None:
     warnings.warn(message, AOImpactWarning, stacklevel=level)
 
 
-# The codes of the C core (enum aoi_status): one table, code -> exception class and what it means.
+# Exception class and meaning of each status of the C core (enum aoi_status).
 _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     1: (InputError, "an argument is out of its range"),
     2: (
@@ -241,7 +241,7 @@ def core_error(
     indentation, rate : float, optional
         State at which a contact law gave no force, m and m/s; NaN: not known.
     contact : int, optional
-        That went deeper than its law stands for; negative: not known.
+        Number of the contact that went deeper than its law is valid; negative: not known.
     """
     kind, text = _CORE.get(code, (AOImpactError, f"unknown status {code} of the core"))
     when = f" at t = {time:.6g} s" if time >= 0.0 else ""

@@ -10,15 +10,15 @@ from .errors import MemoryLimitError
 
 GIB = 2.0**30
 
-# Control groups of version 2 (containers): what the group may use, and what it uses.
+# Folder of the memory limit and use of a container, by version 2 of control groups.
 _CGROUP = Path("/sys/fs/cgroup")
 
 
 def available() -> float:
     """Return the memory available now, bytes; infinite if the system does not report it.
 
-    It is the least of what the machine has free, what a container leaves of its limit, and what a
-    limit of this process (``ulimit -v``, batch systems) leaves.
+    It is the least of the machine's free memory and of what is left of the limits of a container
+    and of this process (``ulimit -v``, batch systems).
     """
     found = [float("inf")]
     with suppress(OSError, ValueError, AttributeError, ImportError):  # as on macOS and Windows

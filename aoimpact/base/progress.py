@@ -41,7 +41,7 @@ def bar(
     from tqdm import tqdm  # slow to import
 
     options: dict[str, Any] = {"delay": _DELAY, "leave": False, "miniters": 0}
-    notebook = False  # its kernel draws what is written; standard error is no terminal
+    notebook = False  # a notebook shows the bar, though its standard error is no terminal
     if "ipykernel" in sys.modules:
         from IPython import get_ipython  # type: ignore[attr-defined, unused-ignore]
 
@@ -59,7 +59,7 @@ def bar(
 
 
 def advance(unit: str, n: float = 1) -> None:
-    """Go on by `n` in the outermost bar, if it counts these."""
+    """Advance the outermost bar by `n`, if it counts in `unit`."""
     outer = getattr(_open, "bar", None)
     if outer is not None and outer.unit == " " + unit:
         outer.update(n)

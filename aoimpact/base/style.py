@@ -29,9 +29,9 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), (0, (3, 1)
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """In this context new figures and axes look as those of this package.
+    """Give new figures and axes the style of this package within the context.
 
-    It gives back what it has set and no more, unlike ``rc_context``: a notebook's backend turns
+    Only the settings made here are restored, unlike by ``rc_context``: a notebook's backend turns
     interactive with its first figure, and would show no other if that were undone.
     """
     import matplotlib.pyplot as plt
@@ -72,7 +72,7 @@ def given_axes(ax: Any) -> Axes:
     Raises
     ------
     InputTypeError
-        If it is no Axes.
+        If `ax` is neither Axes nor None.
     """
     import matplotlib.axes
 
@@ -89,13 +89,13 @@ def label(name: str, unit: str) -> str:
 
 
 def legend(ax: Axes) -> None:
-    """Name the curves within the axes, where they hide least of them."""
+    """Draw the legend within the axes, where it hides least of the curves."""
     if ax.get_legend_handles_labels()[1]:
         ax.legend(loc="best", fontsize="small")
 
 
 def error_axes(ax: Axes, across: str, up: str) -> Axes:
-    """Return axes with curves of errors on them, labelled, both logarithmic."""
+    """Return the axes of curves of errors, after labelling them and making both logarithmic."""
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.margins(x=0.05)  # markers at both ends
@@ -114,19 +114,19 @@ def draw_curves(
     curves: list[Curve],
     kwargs: dict[str, Any] | None = None,
 ) -> Axes:
-    """Draw curves of one quantity on axes that are labelled with fitting units, and return these.
+    """Draw curves of one quantity on axes labelled with suitable SI prefixes; return the axes.
 
     Parameters
     ----------
     ax : Axes or None
-        None stands for those of a new figure. Axes with curves of these units keep their prefixes.
+        None makes a new figure. Axes that are labelled in these units keep their prefixes.
     across : (values, name, unit)
-        The horizontal axis.
+        Quantity on the horizontal axis.
     name, unit : str
-        The vertical axis.
+        Quantity on the vertical axis.
     curves : list of (values, keywords of ``Axes.plot``)
     kwargs : dict, optional
-        For all curves.
+        Keywords of ``Axes.plot`` for all curves.
     """
     axes = given_axes(ax)
     x, x_name, x_unit = across

@@ -1,4 +1,4 @@
-"""Work by several threads, for calls that release the GIL; the same results by any number."""
+"""Calls that release the GIL, run by several threads; results do not depend on their number."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ _PREFIX = "aoimpact"
 def at_once(calls: Sequence[Callable[[], Any]]) -> None:
     """Make all calls, and return when all have ended.
 
-    The caller's thread takes its share. Calls from within one of them are made one by one: a thread
-    of a pool that waited for others of it might wait for ever. After an error, which is raised,
+    The caller's thread takes its share. Calls made from within one of the calls run one by one,
+    since threads of a pool that wait for each other may deadlock. After an error, which is raised,
     some calls may not have been made.
     """
     inside = threading.current_thread().name.startswith(_PREFIX)
@@ -46,7 +46,7 @@ def _one_by_one(calls: Sequence[Callable[[], Any]]) -> None:
 
 
 def _cores() -> int:
-    """Return how many cores this process may use now; OMP_NUM_THREADS holds here as for BLAS."""
+    """Return how many cores this process may use; OMP_NUM_THREADS limits them, as in BLAS."""
     whose = getattr(os, "sched_getaffinity", None)
     cores = len(whose(0)) if whose is not None else os.cpu_count() or 1
     wanted = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()  # "4,2": nested levels
@@ -55,5 +55,5 @@ def _cores() -> int:
 
 @cache
 def _pool(process: int, count: int) -> ThreadPoolExecutor:
-    """Return the threads of a process; a forked one has none of its parent's."""
+    """Return the pool of the process of that id: a forked one has none of its parent's threads."""
     return ThreadPoolExecutor(count - 1, thread_name_prefix=_PREFIX)

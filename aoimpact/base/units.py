@@ -11,7 +11,7 @@ import math
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 
-# A factor and a unit with its prefix: a value in SI units times the factor is a number of the unit.
+# Factor and unit with a prefix: a value in SI units times the factor is the number in that unit.
 Scale = tuple[float, str]
 
 

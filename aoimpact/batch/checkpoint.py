@@ -1,10 +1,10 @@
 """A file of finished cases, from which a sweep that was stopped resumes.
 
-It is text: a line of JSON for each case, with its digest, its numbers and its warnings. Nothing in
-it is executed. Cases are found by a digest of their content, the same in every process whatever has
-been cached since, so they may be changed, added or reordered. Lines are only added, each by a
-single write: sweeps may share a file, and a process that is killed leaves at most its last line
-incomplete, which is ignored. Cases that failed are not kept: they are run again.
+The file is text, with a line of JSON for each case: its digest, its numbers and its warnings.
+Nothing in it is executed. Cases are identified by a digest of their content, without caches and the
+same in every process, so that cases may be changed, added or reordered. Lines are only added, each
+by a single write: sweeps may share a file, and a process that is killed leaves at most its last
+line incomplete, which is ignored. Cases that failed are not kept: they are run again.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ Outcome = tuple[Any, tuple[str, ...]]
 
 _HEAD = b'{"aoimpact": "checkpoint"}\n'
 
-# Bytes: two among a million million cases are taken for one with a chance of 1e-15.
+# Length of a digest, bytes: two of 10¹² cases have the same digest with a probability of 1e-15.
 _SIZE = 16
 
-# Bodies that are digested once; a sweep shares a handful.
+# Number of bodies whose digests are kept; the cases of a sweep share a handful of bodies.
 _MOST_REMEMBERED = 16
 
 
@@ -42,12 +42,12 @@ class Checkpoint:
     Parameters
     ----------
     path : path
-        Made if it is not there.
+        The file, which is made if it does not exist.
 
     Raises
     ------
     InputError
-        If the file is something else, or cannot be opened.
+        If the file is no checkpoint, or cannot be opened.
 
     Warns
     -----
@@ -102,7 +102,7 @@ class Checkpoint:
     def put(self, digest: str, outcome: Outcome) -> None:
         """Write the outcome of a case that has not failed; it survives if the process is killed.
 
-        `get` has it when the file is opened again.
+        `get` returns the outcome after the file has been opened again.
         """
         value, messages = outcome
         if not isinstance(value, Exception):
@@ -111,7 +111,7 @@ class Checkpoint:
 
 
 def as_json(value: Any) -> Any:
-    """Return what a function kept as a checkpoint gives it back: numbers, texts, lists and dicts.
+    """Return a kept value as a checkpoint will restore it: numbers, strings, lists and dicts.
 
     Raises
     ------
@@ -127,14 +127,15 @@ def as_json(value: Any) -> Any:
 
 
 class Digests:
-    """Digests of cases; bodies that many of them share are digested once.
+    """Digests of cases; bodies that many cases share are digested once.
 
     Parameters
     ----------
     key : str or None
-        Stands for the code of all functions, which count by their names then; None refuses them.
+        Text that stands for the code of all functions, which are identified by their names; None
+        refuses functions.
     shared : optional
-        Belongs to every case.
+        Value that enters the digest of every case.
     """
 
     def __init__(self, key: str | None, shared: Any = None) -> None:
@@ -147,7 +148,7 @@ class Digests:
         Raises
         ------
         InputTypeError
-            If it has a function and there is no key, or something that cannot be looked into.
+            If it has a function and there is no key, or an object whose content cannot be read.
         """
         if isinstance(value, Mapping):
             value = dict(sorted(value.items(), key=repr))
@@ -165,11 +166,11 @@ class Digests:
 
 
 class _Content(pickle.Pickler):
-    """Pickles what values are made of, equal ones alike: neither their caches nor any code."""
+    """Pickles the content of values without caches and code; equal values give equal bytes."""
 
     def __init__(self, file: io.BytesIO, digests: Digests) -> None:
         super().__init__(file, protocol=5)
-        self.fast = True  # two parts count the same whether or not they are one object
+        self.fast = True  # no memo: equal parts give the same bytes even if one object is shared
         self._digests = digests
 
     def reducer_override(self, value: Any) -> Any:
@@ -185,7 +186,7 @@ class _Content(pickle.Pickler):
             content = value.tolist() if value.dtype.hasobject else value.tobytes()
             parts = value.dtype.str, value.shape, content
         elif dataclasses.is_dataclass(kind) or (hasattr(value, "__dict__") and not callable(value)):
-            model = isinstance(value, FEModel)  # which is as it was made, unlike a scene
+            model = isinstance(value, FEModel)  # does not change after it is made, unlike a scene
             parts = self._digests.once(value) if model else _parts(value)
         elif callable(value):
             if self._digests.key is None:
@@ -197,7 +198,7 @@ class _Content(pickle.Pickler):
 
 
 def _parts(value: Any) -> list[Any]:
-    """Return what an object is made of, but for what is computed when it is first read."""
+    """Return the attributes of an object, without those that are computed when first read."""
     if dataclasses.is_dataclass(value):
         fields = dataclasses.fields(value)
         return [getattr(value, of.name) for of in fields if not of.metadata.get("identity")]

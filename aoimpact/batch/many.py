@@ -40,14 +40,14 @@ from ..results import QUANTITIES, look_up
 from .checkpoint import Checkpoint, Digests, Outcome, as_json
 from .plain import PLAIN_NUMBERS, plain_numbers
 
-# Seconds that one task should take, in our threads and in other executors: far above the cost of
-# handing it over, and short enough that all workers finish together.
+# Intended time of one task, s, in our threads and in other executors: far above the cost of handing
+# it over, and short enough that all workers finish together.
 _TASK_HERE, _TASK_AWAY = 0.015, 0.1
 
-# Tasks per worker: one that runs and one that waits.
+# Submitted tasks per worker: one that runs and one that waits.
 _AHEAD = 2
 
-# More threads than any machine serves at once.
+# Maximum number of threads, more than any machine runs at once.
 _MOST_THREADS = 4096
 
 
@@ -66,40 +66,40 @@ def simulate_many(
     ----------
     cases : iterable
         Dicts of `simulate`'s keywords, or pairs (scene, duration) or (scene, keywords), a dict of
-        those of its ``simulate``. Impacts on one contact point share its models where their
-        contacts last about as long and are about as wide; each has its own error. Without
-        `quantity` and `rtol` models are chosen for the peak force.
+        those of its ``simulate``. Impacts on one contact point share its models if their contacts
+        last about as long and are about as wide; each has its own error. Without `quantity` and
+        `rtol` models are chosen for the peak force.
     workers : int or executor, optional
         Threads (the core runs without Python's lock), or anything with ``.submit``: executors of
         concurrent.futures and mpi4py.futures, a dask.distributed Client. The results are the same
         to the last bit whoever computes them.
     keep : names or function, optional
-        Numbers to keep of each case instead of its result, which holds whole histories: names of
-        numbers, such as ("peak_force", "impulse", "error.time"), for a dict of these, each with
-        its error, such as "impulse_error" (`ErrorParts.total`), and "impulse_controlled",
-        where models are chosen; in scenes of each contact or body. Or a function of the result,
-        which other processes must be able to import. Impacts of two AO models of which only named
-        numbers are kept run many in one call of the core.
+        Numbers to keep of each case instead of its result, which holds whole histories. Names, such
+        as ("peak_force", "impulse", "error.time"), keep a dict of these numbers, in scenes for each
+        contact or body. If models are chosen, each has its error, such as "impulse_error"
+        (`ErrorParts.total`), and "impulse_controlled". A function of the result must be importable
+        by other processes. Impacts of two AO models run many in one call of the core if only named
+        numbers are kept.
     checkpoint : path, optional
         A file that keeps finished cases, a line of JSON each: the same call resumes where an
         earlier one was stopped or killed. Cases are recognised by their content; one that has
         changed or failed is computed again. It needs `keep`; arrays that a function keeps become
         lists.
     key : str, optional
-        Stands for the code of the functions that a case or `keep` has, for the checkpoint: change
-        it with them. Without one, a checkpoint refuses functions.
+        Text that stands, in the checkpoint, for the code of functions in a case or `keep`: change
+        it with them. Without a key, a checkpoint refuses functions.
     progress : bool, optional
         True to show a progress bar on a terminal when it takes longer than a second.
 
     Returns
     -------
     list
-        In the order of the cases: results, or what was kept of them, or exceptions.
+        Results in the order of the cases, or what was kept of them, or exceptions.
 
     Raises
     ------
     InputError, InputTypeError
-        If there are no cases, or an argument other than a case makes no sense.
+        If there are no cases, or an argument other than a case is invalid.
     WorkerError
         If a worker is lost, or cannot be given its cases.
 
@@ -141,14 +141,14 @@ def run_cases(
     key: str | None,
     progress: bool,
 ) -> Iterator[Any]:
-    """Check the other arguments of `simulate_many`, and yield what comes of each case.
+    """Check the other arguments of `simulate_many`, and yield the value or error of each case.
 
     Parameters
     ----------
     cases : iterable
-        As of `simulate_many`; an exception stands for a case that could not be made.
+        As in `simulate_many`; an exception stands for a case that could not be made.
     total : int or None
-        Number of the cases, where it is known.
+        Number of the cases, if it is known.
     """
     boolean("progress", progress)
     if key is not None:
@@ -158,11 +158,11 @@ def run_cases(
         raise InputError(
             "checkpoint keeps no whole results; name numbers, such as keep='peak_force'"
         )
-    if isinstance(job.keep, Named):  # a name that is no number of a result
+    if isinstance(job.keep, Named):  # refuse a name that is no number of a result
         mass = rigid(mass=1.0)
         hit = simulate(mass, mass, 1.0, law=Linear(k=1.0), duration=5.0)
         for name in job.keep.names:
-            there = hasattr(hit, name.partition(".")[0])  # other names only the cases have
+            there = hasattr(hit, name.partition(".")[0])  # other results may have other names
             if there and name not in QUANTITIES and not re.search(r"\.\d", name):
                 look_up(hit, name, "keep")
     if not callable(getattr(workers, "submit", None)):
@@ -211,16 +211,16 @@ def _items(
 
 @dataclass(frozen=True)
 class _Job:
-    """Runs cases and keeps what is wanted of them; returns exceptions instead of raising.
+    """Runs cases and keeps the wanted numbers; returns exceptions instead of raising them.
 
-    stored: whether a checkpoint keeps it, so that it has to be such as JSON holds.
+    `stored`: whether a checkpoint keeps the values, which must then be such as JSON holds.
     """
 
     keep: Keep | None
     stored: bool = False
 
     def __call__(self, items: Sequence[_Item]) -> tuple[list[Outcome | None], float]:
-        """The outcomes, None for those that are known, and the seconds that they took."""
+        """Return the outcomes, None for cases that are known, and the time taken, s."""
         start = time.perf_counter()
         together: Sequence[Any] = [None] * len(items)
         if isinstance(self.keep, Named) and PLAIN_NUMBERS.issuperset(self.keep.names):
@@ -266,7 +266,7 @@ def _run(case: Any) -> Any:
     if isinstance(case, Mapping):
         points = any(isinstance(of, ContactPoint) for of in case.values())
         if points and case.get("rtol") is None and case.get("quantity") is None:
-            case = {**case, "quantity": "peak_force"}  # all of the force takes larger models
+            case = {**case, "quantity": "peak_force"}  # the whole history needs larger models
         check_keywords("case", simulate, case)
         return simulate(**case)
     if isinstance(case, (tuple, list)) and len(case) == 2 and hasattr(case[0], "simulate"):
@@ -278,7 +278,7 @@ def _run(case: Any) -> Any:
 
 
 def _portable(error: Exception) -> Exception:
-    """An exception that can be pickled, without its traceback, which would keep arrays alive."""
+    """Return an exception that can be pickled, without its traceback, which keeps arrays alive."""
     error.__traceback__ = error.__context__ = error.__cause__ = None
     try:
         pickle.loads(pickle.dumps(error))
@@ -293,8 +293,8 @@ def _run_tasks(workers: Any, task: _Job, items: Iterable[_Item]) -> Iterator[tup
     Parameters
     ----------
     workers : int or executor
-        Threads, or what has ``submit`` as `concurrent.futures.Executor`: a dask.distributed Client,
-        an executor of mpi4py.futures.
+        Number of threads, or an object with ``submit`` as in `concurrent.futures.Executor`: a
+        dask.distributed Client, an executor of mpi4py.futures.
 
     Raises
     ------
@@ -308,7 +308,7 @@ def _run_tasks(workers: Any, task: _Job, items: Iterable[_Item]) -> Iterator[tup
             submit, most = None, 1
         elif isinstance(workers, int):
             threads = ThreadPoolExecutor(workers, thread_name_prefix="aoimpact")
-            stack.callback(threads.shutdown, wait=False)  # nor does an interrupt wait
+            stack.callback(threads.shutdown, wait=False)  # so that an interrupt does not wait
             submit, most = threads.submit, _AHEAD * workers
         else:
             submit, most = workers.submit, _AHEAD * _width(workers)
@@ -320,7 +320,7 @@ def _run_tasks(workers: Any, task: _Job, items: Iterable[_Item]) -> Iterator[tup
                 return
             batch, future = under_way.popleft()
             outcomes, seconds = _asked(workers, future.result) if submit else task(batch)
-            # As many items as take the time wanted, which grows slowly.
+            # As many items as take the intended time, and at most four times as many as before.
             wanted = target * len(batch) / seconds if seconds > 0.0 else math.inf
             size = int(max(1.0, min(wanted, 4.0 * len(batch))))
             yield from zip(batch, outcomes, strict=True)
@@ -340,7 +340,7 @@ def _asked(workers: Any, ask: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def _width(executor: Any) -> int:
-    """Number of workers of an executor; of cores where that is not known."""
+    """Return the number of workers of an executor, or of cores if that is not known."""
     for name in ("num_workers", "_max_workers"):
         if isinstance(number := getattr(executor, name, None), int) and number > 0:
             return number

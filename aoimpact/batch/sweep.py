@@ -37,10 +37,10 @@ from .many import check_keywords, run_cases
 
 Column = NDArray[Any]
 
-# Each number stands in a column of its own and in the structured array.
+# Memory per number, bytes: each is in a column of its own and in the structured array.
 _BYTES_PER_NUMBER = 16.0
 
-# Rows of a printed table: what they hold is seen, and the note below stays on the screen.
+# Maximum rows of a printed table, few enough that the note below stays on the screen.
 _SHOWN = 10
 
 _OTHERWISE = "take .data, a structured array, or .to_csv(path)"
@@ -53,14 +53,14 @@ class SweepTable(Frozen):
     Attributes
     ----------
     data : structured array, shape (cases,)
-        Read-only; a field for each parameter and each quantity.
+        Read-only table, with a field for each parameter and each quantity.
     parameters, quantities : tuple of str
         Names of the columns.
     shape : tuple of int
-        Numbers of values of the parameters: a column reshaped to it is an array over the grid.
+        Number of values of each parameter: a column reshaped to it is an array over the grid.
     errors : dict of int to exception
-        By row that failed; its quantities are NaN. A number that does not exist is NaN as well: the
-        restitution of bodies that have not parted.
+        Exceptions by failed row, whose quantities are NaN. Numbers that do not exist are NaN as
+        well, such as the restitution of bodies that have not parted.
 
     Examples
     --------
@@ -90,7 +90,7 @@ class SweepTable(Frozen):
         return self.parameters + self.quantities
 
     def _filled(self) -> dict[str, Column]:
-        """All columns by name, and "error" where cases failed."""
+        """Return all columns by name, and "error" if cases failed."""
         columns = {name: self.data[name] for name in self.columns}
         if self.errors:
             columns["error"] = np.full(len(self), "", dtype=object)
@@ -99,7 +99,7 @@ class SweepTable(Frozen):
         return columns
 
     def to_pandas(self) -> Any:
-        """Return a pandas DataFrame of all columns, and "error" where cases failed.
+        """Return a pandas DataFrame of all columns, and "error" if cases failed.
 
         Raises
         ------
@@ -119,7 +119,7 @@ class SweepTable(Frozen):
     def to_xarray(self) -> Any:
         """Return an xarray Dataset: quantities over the parameters, which are its dimensions.
 
-        Each quantity has its unit as attribute "units"; "error" is there where cases failed.
+        Each quantity has its unit as attribute "units"; there is an "error" if cases failed.
 
         Raises
         ------
@@ -190,24 +190,24 @@ def sweep(
     ----------
     base : function, dict, scene file or scene
         A function, called with the parameters as keywords, that returns a case of `simulate_many`;
-        a dict of `simulate`'s keywords, of which the grid sets some; a scene file or its path, with
-        parameters by their dotted place in it, such as "velocity" (of its impact) or
-        "bodies.beam.contact.point"; or a scene, of whose ``simulate`` the parameters are keywords.
+        a dict of `simulate`'s keywords, to which the parameters are added; a scene file or its
+        path, with parameters named by their dotted place in it, such as "velocity" (of its impact)
+        or "bodies.beam.contact.point"; or a scene, with keywords of its ``simulate`` as parameters.
     grid : mapping of str to sequence
         Values of each parameter; the last one varies fastest.
     keep : names or function, optional
-        Quantities for the columns, as of `simulate_many`, with columns such as "restitution_error"
-        and "restitution_controlled" beside them where models are chosen: 1 where that error is
-        within the tolerance, 0 where nobody controlled it. A function returns a number, or a
-        dict of numbers with the same names for each result.
+        Quantities for the columns, as in `simulate_many`. If models are chosen, there are also
+        columns such as "restitution_error", and "restitution_controlled": 1 if that error is within
+        the tolerance, 0 if it was not controlled. A function returns a number, or a dict of numbers
+        with the same names for each result.
     workers, checkpoint, key, progress : optional
-        As of `simulate_many`. Cases are made in this process, one after the other.
+        As in `simulate_many`. Cases are made in this process, one after the other.
 
     Returns
     -------
     SweepTable
-        One row a combination; NaN where a case failed, with its exception in ``.errors``, and
-        where there is no such number.
+        One row per combination; NaN if a case failed, with its exception in ``.errors``, or if a
+        number does not exist.
 
     Raises
     ------
@@ -254,7 +254,7 @@ def sweep_file(
     scene : SceneFile
         With a [sweep].
     workers, checkpoint : optional
-        As of `sweep`; by default those of the file. A path in the file starts in its folder.
+        As in `sweep`; by default those of the file. A path in the file is relative to its folder.
 
     Raises
     ------
@@ -301,7 +301,7 @@ def _cases(make: Any, grid: Mapping[str, Sequence[Any]]) -> Iterator[Any]:
 
 
 def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
-    """Return what makes a case of named parameters; refuse unknown names."""
+    """Return the function that makes a case of named parameters; refuse unknown names."""
     if isinstance(base, (str, os.PathLike)):
         base = read_scene(base)
     if isinstance(base, SceneFile):
@@ -325,18 +325,18 @@ def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
 def _table(
     grid: Mapping[str, Sequence[Any]], values: Iterable[Any], names: Sequence[str]
 ) -> SweepTable:
-    """Fill a table with what was kept of each combination of a grid, in its order.
+    """Return the table of the values kept of each combination of a grid, in its order.
 
-    names: of the numbers that are kept, if they are known.
+    `names`: names of the kept numbers, if they are known.
 
     Raises
     ------
     InputError, InputTypeError
-        If what was kept is not the same numbers for every case, or names a parameter.
+        If not all cases have the same numbers, or a number has the name of a parameter.
     """
     axes = np.meshgrid(*map(_column, grid.values()), indexing="ij")
     shape, count = axes[0].shape, axes[0].size
-    # Errors are known of some cases only.
+    # Filled with NaN, since only some cases have estimated errors.
     columns = defaultdict[str, Column](lambda: np.full(count, math.nan))
     errors: dict[int, Exception] = {}
     for i, value in enumerate(values):
@@ -368,7 +368,7 @@ def _table(
 
 
 def _column(values: Sequence[Any]) -> Column:
-    """Numbers as numbers, text as text, anything else as the objects themselves."""
+    """Return values as an array of numbers or text, anything else as an array of objects."""
     single = (bool, int, float, str, np.generic)
     kinds = {np.asarray(one).dtype.kind if isinstance(one, single) else "O" for one in values}
     if kinds <= set("iuf") or kinds in ({"b"}, {"U"}):
@@ -384,7 +384,7 @@ def _heading(name: str) -> str:
 
 
 def _text(value: Any, digits: str = "{}") -> str:
-    """All digits of numbers, or as many as are asked for; of others what they call themselves."""
+    """Return a number with all digits or those asked for, or the label or place of an object."""
     if isinstance(value, float):
         return digits.format(value)
     if isinstance(value, ContactPoint) and value.point is not None:

@@ -1,7 +1,8 @@
-"""The whole body in a run: displacement and stress over time, pictures, files.
+"""Whole bodies in a run: displacement and stress over time, sensors, pictures, files.
 
-A body's motion is found again from the recorded contact forces (response.py). `results` offers it
-as attributes of a run's bodies, `accuracy` takes stresses and their errors; `testrig` uses it, too.
+The motion of a body is recomputed from the recorded contact forces (response.py). `results` offers
+it as attributes of a run's bodies; `accuracy` takes stresses and their errors from here, and
+`testrig` filtered accelerations.
 """
 
 from .channel import Channel, zero_phase

@@ -1,8 +1,8 @@
-"""The filter of a measuring channel, and accelerations behind it.
+"""Filter of a measuring channel, and filtered accelerations.
 
-SAE J211-1, appendix C: a Butterworth filter of two poles, forward and backward, so that no phase is
-shifted. An acceleration after an impact has no finite bandwidth: the more modes a model has, the
-larger it is at any moment. Behind a filter it converges as other histories do.
+SAE J211-1, appendix C: a Butterworth filter of two poles, run forward and backward for zero phase
+shift. The acceleration after an impact has no finite bandwidth: it grows with the number of modes
+of a model. The filtered acceleration converges as other histories do.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ import numpy as np
 
 from ..base import ArrayPair, FloatArray, InputError, checked, positive, warn, with_unit
 
-# SAE J211-1, appendix C: each of two poles over the class's frequency. The two passes are together
-# 3 dB down at 1.65 times the class.
+# Corner frequency of a single pass, the pole, over the frequency of the class (SAE J211-1, appendix
+# C). Both passes together are 3 dB down at 1.65 times the class.
 _POLE = 2.0775
 
-# Pole over the frequency of -3 dB of two passes of a Butterworth filter of order 2.
+# Pole over the frequency at which two passes of a Butterworth filter of order 2 are 3 dB down.
 _POLE_OF_CORNER = math.pow(math.sqrt(2.0) - 1.0, -0.25)
 
-# Share of a start or an end that is left after the settling time.
+# Share of a transient at either end that is left after the settling time.
 _SETTLED = 1e-4
 
-# Samples in a period of the pole. Of a plate whose acceleration is 40 times what passes CFC 1000,
-# 200 are 1.5e-3 off, and 1000 5e-5.
+# Samples per period of the pole, and minimum number in a record. For a plate whose acceleration is
+# 40 times what passes CFC 1000, the error is 1.5e-3 with 200 per period, and 5e-5 with 1000.
 _SAMPLES, _LEAST_SAMPLES = 1000, 1000
 
-# Samples beyond which a filter is taken for a mistake.
+# Number of samples beyond which a filter is taken for a mistake.
 _MOST = 20_000_000
 
 
@@ -41,7 +41,8 @@ class Channel:
     Parameters
     ----------
     cfc : float, optional
-        The class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same formula.
+        Channel frequency class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same
+        formula.
     corner : float, optional
         In place of the class, the frequency where the signal is 3 dB down, Hz.
 
@@ -78,12 +79,12 @@ class Channel:
 
     @property
     def frequency_class(self) -> float:
-        """The channel frequency class, Hz, also of a corner."""
+        """Channel frequency class, Hz, also if a corner was given."""
         return self.pole / _POLE
 
     @property
     def settling_time(self) -> float:
-        """Time after which a start or an end is forgotten to 1e-4, s: 2.07 periods of the pole.
+        """Time in which a transient at either end decays to 1e-4, s: 2.07 periods of the pole.
 
         The poles of a Butterworth filter of order 2 decay as exp(-ω t/√2).
         """
@@ -93,15 +94,15 @@ class Channel:
 def zero_phase(values: FloatArray, channel: Channel, rate: float) -> FloatArray:
     """Return evenly sampled values behind a channel's filter, in the shape (n, ...) of `values`.
 
-    Both ends are continued by the settling time, odd about the end sample, as SciPy's `filtfilt`
-    does.
+    Both ends are extended by the settling time, by odd reflection about the end sample, as in
+    SciPy's `filtfilt`.
 
     Parameters
     ----------
     values : ndarray, shape (n, ...)
     channel : Channel
     rate : float
-        Samples a second, Hz.
+        Sampling rate, Hz.
 
     Raises
     ------
@@ -132,16 +133,15 @@ def filtered_acceleration(
 ) -> FloatArray:
     """Return the acceleration of a motion behind a channel's filter, m/s², shape (times, ...).
 
-    It is sampled by the second differences of the displacement, which are its means under
-    triangles, so that little aliases. The motion is steady before the record. What comes after it
-    is not known, so that the acceleration is NaN in the last settling time: the filter runs
-    backward as well.
+    Its samples are second differences of the displacement, which are means of the acceleration
+    weighted by triangles, so that there is little aliasing. Before the record the velocity is
+    constant. What follows the record is not known, and the filter runs backward as well, so that
+    the acceleration is NaN within the settling time of the end.
 
     Parameters
     ----------
     motion : callable
-        Times, s, within the record, to displacements and velocities, m and m/s, of shape
-        (times, ...).
+        Times within the record, s ↦ displacement, m, and velocity, m/s, of shape (times, ...).
     duration : float
         Length of the record, s.
     channel : Channel
@@ -156,7 +156,7 @@ def filtered_acceleration(
     Warns
     -----
     AOImpactWarning
-        If less than the settling time of it is known.
+        If the acceleration is known for less than the settling time.
     """
     _check_long_enough(channel, duration)
     if duration < 2.0 * channel.settling_time:

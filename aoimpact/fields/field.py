@@ -1,4 +1,4 @@
-"""How a struck body moves and which stress it carries, at chosen times."""
+"""Displacement, velocity and stress of a whole body at chosen times, pictures and files."""
 
 from __future__ import annotations
 
@@ -39,22 +39,22 @@ from ..fem import (
 )
 from ..mesh import Mesh, meshio_of_all_kinds, plane_of
 
-# Largest displacement by default, as a share of the bodies' size: it shows the motion and leaves
-# the shape. It is rounded down to a round factor, so that 3 to 8 % are seen.
+# Largest drawn displacement over the bodies' size by default, which shows the motion and keeps the
+# shape recognisable. The factor on displacements is rounded down, so that it is 3 to 8 %.
 _SHOWN = 0.08
 
-# Percentile of the stresses with the last colour: those under a contact would leave the rest of the
-# body in one colour.
+# Percentile of stress at which the colours end: with the peak under a contact, the rest of the body
+# would be in one colour.
 _COLOURED = 98.0
 
-# Pixels; videos need multiples of 16.
+# Size of a picture, pixels; videos need multiples of 16.
 _WINDOW = 960, 720
 
 _OTHERWISE = "write files for ParaView: to_vtu(path)"
 
 DOWN = (0.0, 0.0, -1.0)
 
-# Direction to the camera: along two axes across the direction of travel, and against it.
+# Direction to the camera: components along two axes across `down`, and against it.
 _VIEW = (0.55, -0.75, 0.5)
 
 
@@ -68,9 +68,9 @@ class Shown:
     points : ndarray, shape (n_nodes, 3)
         Places of its nodes, undeformed, m.
     displacement : ndarray, shape (k, n_nodes, 3)
-        m.
+        Displacement of the nodes at k times, m.
     von_mises : ndarray, shape (k, n_nodes)
-        Pa; NaN for a rigid body.
+        Von Mises stress, Pa; NaN for a rigid body.
     """
 
     mesh: Mesh
@@ -96,7 +96,7 @@ def picture(
     down : sequence of float
         Direction that points down.
     scale : float, optional
-        Factor on displacements; by default 1, 2 or 5 times a power of ten that shows them.
+        Factor on displacements; by default that of `enlargement`.
 
     Returns
     -------
@@ -154,14 +154,14 @@ def write_movie(
     times: FloatArray,
     scale: float | None,
 ) -> Path:
-    """Write a movie of bodies, with the direction that points down, a frame a time.
+    """Write a movie with one frame per time; `shown` returns the bodies and what points down.
 
     Raises
     ------
     MissingPackageError
         If a package that draws or writes it is not installed.
     InputError
-        If the path does not end in .gif or .mp4, or its folder is not there.
+        If the path does not end in .gif or .mp4, or its folder does not exist.
     """
     file, speed = _in_folder(path), positive("fps", fps, unit="Hz")
     kind = file.suffix.lower()
@@ -192,7 +192,7 @@ def _in_folder(path: FilePath) -> Path:
 
 
 def enlargement(bodies: Sequence[Shown]) -> float:
-    """Return 1, 2 or 5 times a power of ten that makes displacements visible."""
+    """Return the factor, 1, 2 or 5 times a power of ten, that makes displacements visible."""
     size = float(np.linalg.norm(np.ptp(np.concatenate([body.points for body in bodies]), axis=0)))
     largest = max(float(np.linalg.norm(body.displacement, axis=-1).max()) for body in bodies)
     if largest == 0.0:
@@ -214,10 +214,10 @@ def write_series(
     Parameters
     ----------
     path : path
-        Its suffix, .vtu or .pvd or none, does not count.
+        A suffix .vtu or .pvd is ignored.
     mesh : Mesh
     times : ndarray, shape (k,)
-        s; the timesteps that ParaView shows.
+        Times that ParaView shows, s.
     data : mapping of str to ndarray, shape (k, n_nodes, ...)
     of_cells : mapping of str to ndarray, shape (k, n_cells), optional
         Data of the elements.
@@ -225,7 +225,7 @@ def write_series(
     Raises
     ------
     InputError
-        If the folder is not there.
+        If the folder does not exist.
     """
     from xml.sax.saxutils import quoteattr  # would bring urllib and ssl with it
 
@@ -235,7 +235,7 @@ def write_series(
     digits = len(str(len(times) - 1))
     names = [f"{stem.name}_{i:0{digits}d}.vtu" for i in range(len(times))]
     for i, name in enumerate(names):
-        # Double precision in binary: what is read back is what was written, to the last bit.
+        # Binary in double precision, which reads back bit for bit.
         meshio.Mesh(
             mesh.nodes,
             [(block.kind, block.cells) for block in mesh.blocks],
@@ -255,16 +255,16 @@ def write_series(
     return listing
 
 
-# Relative error from which on a history warns.
+# Relative error above which a history warns.
 _BADLY_WRONG = 0.2
 
-# Times of the record at which the largest value is looked for.
+# Number of even times of the record among which the largest value is searched.
 LOOKS = 200
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """The whole body at some times.
+    """Motion and stress of a whole body at some times.
 
     Attributes
     ----------
@@ -272,13 +272,14 @@ class Field:
     times : ndarray, shape (k,)
         s.
     displacement, velocity, rotation : ndarrays, shape (k, n_nodes, 3)
-        m, m/s and, of the nodes of shells and beams, rad.
+        Motion of the nodes: m, m/s and, for the nodes of shells and beams, rad.
 
     Notes
     -----
-    Its `error` is in the norm of strain energy, relative to the largest over the record. The force
-    may be right where this is large: a model fitted to a short contact need not vibrate as the body
-    does afterwards. The errors of mesh and contact (`Result.error`) add to it.
+    `error` is in the norm of strain energy, relative to the largest norm over the record. The
+    contact force may be right although this error is large: a model fitted to a short contact need
+    not vibrate as the body does afterwards. The errors of mesh and contact (`Result.error`) add to
+    it.
     """
 
     body: FEModel
@@ -286,15 +287,15 @@ class Field:
     displacement: FloatArray
     velocity: FloatArray
     rotation: FloatArray
-    # The `Response` of a body whose dofs, of all nodes, are then these, (k, dofs).
+    # The `Response` that this is from, and the dofs of all nodes at these times, (k, dofs).
     _response: Any = field(repr=False)
     _dofs: FloatArray = field(repr=False)
 
     @cached_property
     def error(self) -> FloatArray | None:
-        """Error by the body's model, relative to the largest over the record, (k,).
+        """Error due to the body's model, relative to the largest over the record, (k,).
 
-        It is the difference to the run with other elements; None of a full model.
+        It is the difference from the run with other elements; None for a full model.
         """
         found: FloatArray | None = self._response.field_error(self.times)
         return found
@@ -307,46 +308,46 @@ class Field:
     def stress(self, at: str = "nodes", *, layer: Any = None, part: str | None = None) -> Stress:
         """Return the stress.
 
-        Under a contact of solids it is that of Hertz's pressure in closed form; the rest is that of
-        the elements.
+        The local stress under a contact of solids is that of Hertz's pressure in closed form; the
+        rest is that of the elements.
 
         Parameters
         ----------
         at : {"nodes", "gauss"}, optional
-            "nodes": extrapolated from the Gauss points and averaged over the elements that meet
-            there, components of shape (k, n_nodes, 6); where materials meet, over those of the
-            stiffest. "gauss": at the Gauss points of the elements' stiffness, components of shape
-            (k, n_cells, n_gauss, 6), in a mixed mesh with nan where an element has fewer. Shells
-            and beams have it at the nodes.
+            "nodes": extrapolated from the Gauss points and averaged over the elements at a node, of
+            the stiffest material where materials meet; components of shape (k, n_nodes, 6).
+            "gauss": at the Gauss points of the elements' stiffness; components of shape
+            (k, n_cells, n_gauss, 6), nan beyond the points of an element of a mixed mesh. Shells
+            and beams have only "nodes".
         layer : str, (int, str) or (float, float), optional
-            In shells "top", where the elements' normals point, "middle" or "bottom"; by itself the
-            top. (3, "bottom") is the lower face of the fourth ply from the bottom, and stress there
-            is along the ply's axes: xx along the fibres, and nan where a body has no such ply.
-            In beams by itself where von Mises' stress is largest in the section. "top" and "bottom"
-            are the sides along the section's z axis, "left" and "right" those along y, "middle" is
-            the centroid, and (y, z) any place in the section, m. A round beam without an
-            orientation has no sides.
+            Place within shells: "top", to which the elements' normals point and the default,
+            "middle" or "bottom". (3, "bottom") is the lower face of the fourth ply from the bottom,
+            with stress along the ply's axes, xx along the fibres, and nan where there is no such
+            ply. Place within beams: by default that of the largest von Mises stress in the section;
+            "top" and "bottom" are the sides along the section's z axis, "left" and "right" those
+            along y, "middle" is the centroid, and (y, z) any point of the section, m. A round beam
+            without an orientation has no sides.
         part : str, optional
-            The group of elements whose stress it is, nan at other nodes: of a stiffener on a skin,
-            or of one of several members at a joint. By itself, where shells and beams meet that of
-            the stiffest shell, and of beams that of the member with the largest.
+            Group of elements whose stress is taken, with nan at other nodes: a stiffener on a skin,
+            or one of several members at a joint. By default, nodes of shells and beams have the
+            stress of the stiffest shell, nodes of several beams that of the most stressed member.
 
         Raises
         ------
         InputError
-            If the body has no elements and material: it was given by K and M; or there is no such
+            If the body was given by K and M, without elements and material, or there is no such
             `layer` or `part`.
 
         Warns
         -----
         AOImpactWarning
-            If a reduced model may give it badly wrong; see `error`.
+            If the stress by a reduced model may be badly wrong; see `error`.
 
         Notes
         -----
-        Stress of a beam is that of axial force, bending about both axes, torsion and shear force:
-        exact of round sections and rectangles under torsion (Saint-Venant), by Zhuravskii's formula
-        under shear. Of a `BeamSection` it is direct stress alone, at its points.
+        The stress of a beam is due to axial force, bending about both axes, torsion and shear
+        force. It is exact for round and rectangular sections in torsion (Saint-Venant), and by
+        Zhuravskii's formula in shear. A `BeamSection` has only direct stress, at its points.
 
         Examples
         --------
@@ -380,21 +381,22 @@ class Field:
     def to_vtu(self, path: FilePath) -> Path:
         """Write one .vtu file for each time, and a .pvd file that lists them, for ParaView.
 
-        At the nodes: displacement (m), velocity (m/s), stress (xx, yy, zz, xy, yz, xz), von_mises
-        and principal, all Pa. Of shells and beams also rotation (rad), stress_middle and
-        stress_bottom, with stress on the top of shells and where it is largest in beams. Of
-        elements the thickness (m) of shells, and von_mises_of_beams (Pa), the largest of each.
+        Data of the nodes: displacement (m), velocity (m/s), stress (xx, yy, zz, xy, yz, xz),
+        von_mises and principal, all Pa. Shells and beams also have rotation (rad), stress_middle
+        and stress_bottom; their stress is on the top of shells and where it is largest in beams.
+        Data of the elements: thickness (m) of shells, and von_mises_of_beams (Pa), the largest in
+        each element.
 
         Parameters
         ----------
         path : path
-            "beam", "beam.vtu" or "beam.pvd" gives beam.pvd and beam_0.vtu, beam_1.vtu …, in a
-            folder that is there.
+            "beam", "beam.vtu" or "beam.pvd" gives beam.pvd and beam_0.vtu, beam_1.vtu …, in an
+            existing folder.
 
         Returns
         -------
         Path
-            Of the .pvd file.
+            The .pvd file.
 
         Examples
         --------
@@ -429,7 +431,7 @@ class Field:
         return write_series(path, mesh, self.times, data, own)
 
     def _shown(self) -> Shown:
-        """Return the body as it is drawn: without its mean displacement where it has no support."""
+        """Return the body as it is drawn, without its mean displacement if it has no support."""
         mesh, _ = solid(self.body, "a picture")
         moved, free = self.displacement, self.body.free
         if free is None or np.count_nonzero(free < moved[0].size) == moved[0].size:
@@ -445,7 +447,7 @@ class Field:
         Parameters
         ----------
         which : int, optional
-            Which of the times.
+            Index of the time.
         scale : float, optional
             Factor on displacements; by default 1, 2 or 5 times a power of ten that shows the
             largest of all times.
@@ -476,7 +478,7 @@ class Field:
         return plotter
 
     def movie(self, path: FilePath, *, scale: float | None = None, fps: float = 15.0) -> Path:
-        """Write a movie of the body, a frame a time, as `plot` draws it.
+        """Write a movie of the body with one frame per time, drawn as by `plot`.
 
         `Result.movie` shows both bodies of an impact.
 
@@ -485,9 +487,9 @@ class Field:
         path : path
             Ending in .gif or .mp4.
         scale : float, optional
-            As for `plot`.
+            As in `plot`.
         fps : float, optional
-            Frames a second.
+            Frames per second.
 
         Returns
         -------
@@ -498,7 +500,7 @@ class Field:
         MissingPackageError
             If PyVista, imageio or, for .mp4, imageio-ffmpeg are not installed.
         InputError
-            If the body has no elements, or the path is no place for a movie.
+            If the body has no elements, or no movie can be written to the path.
 
         Examples
         --------
@@ -523,7 +525,7 @@ def solid(body: FEModel, what: str) -> tuple[Mesh, AnyMaterial]:
 
 
 def warn_if_wrong(what: str, times: FloatArray, error: FloatArray | None) -> None:
-    """Warn where a history may be badly wrong; `error` is relative, None where not known."""
+    """Warn if a history may be badly wrong; `error` is relative, None if it is not known."""
     if error is None or not (error > _BADLY_WRONG).any():
         return
     first, worst = times[np.argmax(error > _BADLY_WRONG)], np.nanmax(error)

@@ -1,9 +1,9 @@
-"""The response of a whole body in a run: its motion replayed, and recovered on all dofs.
+"""Response of a whole body in a run: its motion, recomputed from the forces on all dofs.
 
-A contact force F on a patch moves the elements about it as they can. Of that, F times
-`Compliance.mesh_field` stands for the field u_B of a half-space under Hertz's pressure, which is
-known in closed form for the present radius of the contact. It is put in place of the mesh's, so
-that displacement and stress are right under the contact, however large the elements are.
+A contact force F on a patch deforms the elements about it as far as their shape functions allow. F
+times `Compliance.mesh_field` is the part of this deformation that approximates the field u_B of a
+half-space under Hertz's pressure. The closed form of u_B for the current contact radius replaces
+it, so that displacement and stress are right under the contact, however large the elements are.
 """
 
 from __future__ import annotations
@@ -24,22 +24,23 @@ from ..reduction import PACE, FullModel, Recovery
 from ..scene import extraction_of
 from .field import LOOKS, Field
 
-# Steps of the correction's shift in a doubling of it: runs that differ little share factors.
+# Number of values per doubling to which the shift s of the recovery is rounded, so that runs that
+# differ little share factors.
 _SHIFTS = 4
 
-# Radius of a contact, over that of the patch, below which the force counts as one at a point: far
-# from it, closed forms would lose digits as the square of the distance over the radius.
+# Smallest contact radius in closed forms, over that of the patch: far from smaller contacts they
+# would lose digits as the square of the distance over the radius.
 _NARROWEST = 1e-2
 
-# Places and times that are worked on at once: some 100 MB.
+# Number of places times number of times evaluated together: some 100 MB.
 _AT_ONCE = 50_000
 
-# A rate is the difference over this share of the force.
+# Relative change of the force in the differences that give rates.
 _STEP = 1e-4
 
 
 def times_within(times: Any, end: float) -> FloatArray:
-    """Return ascending times within a record, s, shape (n,), which may be its end to rounding."""
+    """Return checked `times`, s, shape (n,), which ascend from 0 or later to `end` at most."""
     wanted = np.atleast_1d(finite_array("times", times, unit="s"))
     if wanted.ndim != 1 or (np.diff(wanted) < 0.0).any():
         raise InputError("times must be a flat list that ascends; ravel and sort them")
@@ -53,7 +54,7 @@ def times_within(times: Any, end: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Indentation:
-    """The half-space's field at one contact point of a body.
+    """Field of a half-space under Hertz's pressure at one contact point of a body.
 
     Attributes
     ----------
@@ -61,9 +62,9 @@ class Indentation:
         Number of the contact point.
     extraction : Compliance
     inward : float
-        1 where a positive force on the port pushes into the body, else -1.
+        1 if a positive force on the port pushes into the body, else -1.
     width : callable
-        Radius of the contact, m, under forces, N, shape (n,).
+        Forces, N, shape (n,) ↦ radius of the contact, m.
     """
 
     port: int
@@ -72,7 +73,7 @@ class Indentation:
     width: Callable[[FloatArray], FloatArray]
 
     def pressing(self, motion: Motion, times: FloatArray) -> ArrayPair:
-        """Return what presses into the body, N, and its rate, N/s, shape (n,) each."""
+        """Return the force pressing into the body, N, and its rate, N/s, shape (n,) each."""
         force = np.maximum(self.inward * motion.force(times)[self.port], 0.0)
         rate = self.inward * motion.force_rate(times)[self.port]
         return force, np.where(force > 0.0, rate, 0.0)
@@ -89,7 +90,7 @@ class Indentation:
         return u, stress
 
     def rate(self, x: FloatArray, force: FloatArray, rate: FloatArray) -> FloatArray:
-        """Return the rate of the displacement, m/s, (n, p, 3), where the force has that rate."""
+        """Return the rate of displacement, m/s, (n, p, 3), for a force, N, and its rate, N/s."""
         more, less = (self.at(x, (1.0 + step) * force)[0] for step in (_STEP, -_STEP))
         change = np.divide(rate, 2.0 * _STEP * force, out=np.zeros_like(rate), where=force > 0.0)
         return (more - less) * change[:, None, None]
@@ -97,25 +98,25 @@ class Indentation:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """A whole body at any time of a run.
+    """Motion of a whole body at any time of a run.
 
     Attributes
     ----------
     body : FEModel
     motion : Motion
-        Of the body's own dofs, or of its reduced model's coordinates.
+        Motion of the body's own dofs, or of its reduced model's coordinates.
     recovery : Recovery or None
-        From the reduced model's coordinates to the dofs; None where `motion` has these.
+        Map from the reduced model's coordinates to the dofs; None if `motion` is of the dofs.
     peak_time : float
-        When the largest force acts, s.
+        Time of the largest force, s.
     static_deflection : ndarray, shape (n_dofs,), or None
-        The part of the deflection at rest under load that `recovery` misses, m.
+        Part of the deflection at rest under load that `recovery` misses, m.
     indentations : sequence of Indentation
-        The half-space's fields at its contacts, in place of what the mesh makes of them.
+        Half-space fields at the body's contacts, which replace the mesh's approximations.
     damping : Damping or None
-        That of the body's model; that of modes acts on the free dofs alone.
+        Damping of the body's model; modal damping acts on the free dofs alone.
     gravity : ndarray, shape (3,)
-        m/s².
+        Acceleration of gravity, m/s².
     run : Run
     number : int
         Number of the body in the run.
@@ -139,15 +140,16 @@ class Response:
 
     @cached_property
     def others(self) -> list[Response]:
-        """The responses in the runs with other elements; none of a full model."""
+        """Responses of the body in the runs with other elements; none for a full model."""
         others = self.run.others if self.recovery is not None else []
         found = (response_of(of, self.number) for of in others)
         return [of for of in found if of is not None]
 
     def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
-        """Return what the ground's forces do along m motions of it, N or N m, shape (times, m).
+        """Return the work of the ground's forces along its m motions, N or N m, shape (times, m).
 
-        See `fem.Grounding`; of a body's own dofs by K X + C Ẋ + M Ẍ of those that are constrained.
+        See `fem.Grounding`. If `motion` is of the dofs, the forces are K X + C Ẋ + M Ẍ at the
+        constrained ones.
         """
         motion, known = self.motion, self.body.grounding
         alpha, beta = 0.0, 0.0
@@ -162,7 +164,7 @@ class Response:
         else:
             model, loads = self.recovery.model, self.recovery.loads
             q, rates = motion.observed(None, times)
-            # M Ẍ + C Ẋ is wanted: of modal damping, which acts on the free dofs, nothing is.
+            # M Ẍ + C Ẋ is needed. C is that of Rayleigh damping; modal damping acts on free dofs.
             inertia = (model.modes.T @ loads) @ motion.force(times)
             inertia = inertia - model.omega[:, None] ** 2 * (q + beta * rates)
             found = (of.inertia.T @ model.modes) @ inertia
@@ -177,7 +179,7 @@ class Response:
         assert body.nodes is not None
         own = slice(len(body.nodes))
         u, v = self.functionals(None, wanted)
-        everywhere = np.zeros((2, len(wanted), 2 * nodes.size))  # 0 where they are constrained
+        everywhere = np.zeros((2, len(wanted), 2 * nodes.size))  # 0 at constrained dofs
         everywhere[0][:, free], everywhere[1][:, free] = u.T, v.T
         (moved, turned), (speeds, _) = (
             of.reshape(len(wanted), 2, -1, 3).swapaxes(0, 1)[:, :, own] for of in everywhere
@@ -189,9 +191,10 @@ class Response:
     def half_space(
         self, places: FloatArray, times: FloatArray, *, rates: bool = True
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return what half-spaces under contacts add at places (p, 3): displacement, rate, stress.
+        """Return displacement, rate and stress of half-spaces under contacts at places (p, 3).
 
-        Shapes (times, p, 3) and (times, p, 6). Without the rates, which take twice as long, zeros.
+        Shapes (times, p, 3) and (times, p, 6). The rates, which take twice as long, are zero
+        without `rates`.
         """
         u, v, stress = (np.zeros((len(times), len(places), count)) for count in (3, 3, 6))
         for of in self.indentations:
@@ -203,12 +206,12 @@ class Response:
         return u, v, stress
 
     def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
-        """Return functionalᵀX by the model's own shapes, without what recovery adds to them.
+        """Return functionalᵀX by the model's own shapes, without those that recovery adds.
 
         Parameters
         ----------
         functional : ndarray, shape (n_dofs,)
-            On the body as it was given.
+            Functional on the dofs of the body as it was given.
         times : ndarray, shape (k,)
             s.
         """
@@ -217,7 +220,7 @@ class Response:
         return np.asarray(self.motion.observed(row[None], times)[0][0])
 
     def field_error(self, times: FloatArray) -> FloatArray | None:
-        """Return its relative error in the norm of strain energy, (k,); None if not known."""
+        """Return the field's relative error in strain-energy norm, (k,); None if not known."""
         if not self.others:
             return None
         looks, found = np.union1d(times, np.linspace(0.0, self.duration, LOOKS)), np.zeros(1)
@@ -234,9 +237,9 @@ class Response:
         return found
 
     def _parts(self, times: FloatArray) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
-        """Return the shapes that deform the body, (n_dofs, k), their amounts and rates, (k, times).
+        """Return shapes of the body's motion, (n_dofs, k), their amounts and rates, (k, times).
 
-        A full model's own motion is not among them.
+        The motion of a full model's own dofs is not included.
         """
         parts, motion, recovery = [], self.motion, self.recovery
         if recovery is not None:
@@ -245,7 +248,7 @@ class Response:
             parts.append((recovery.basis, np.vstack([q, force]), np.vstack([rates, change])))
             added = recovery.amounts(q, force), recovery.amounts(rates, change)
             parts.append((recovery.shapes, *added))
-        for of in self.indentations:  # what is left is smooth
+        for of in self.indentations:  # removes the mesh's approximation of the half-space
             force, rate = of.pressing(motion, times)
             shape = -of.extraction.mesh_field.reshape(-1, 1)[self.free]
             parts.append((shape, force[None], rate[None]))
@@ -256,7 +259,7 @@ class Response:
 
     @property
     def free(self) -> IntArray:
-        """The body's dofs among those of its nodes, whose places are known."""
+        """Numbers of the body's dofs among those of its nodes; refuses a body without nodes."""
         if self.body.free is None:
             raise InputError(
                 "the body has no nodes, so no place on it has coordinates: make it with "
@@ -282,17 +285,17 @@ class Response:
 
 
 def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:
-    """xᵀ `product` x of each column x of `amounts`; not below 0 by rounding."""
+    """Return xᵀ `product` x of each column x of `amounts`, not below 0 by rounding."""
     return np.asarray(np.maximum(np.einsum("it,it->t", amounts, product @ amounts), 0.0))
 
 
 def response_of(run: Any, body: int) -> Response | None:
-    """Return the response of a body, by its number, in a run; None without finite elements."""
+    """Return the response of body number `body` in a run; None without finite elements."""
     plan, recorder = run.plan, run.recorder
     both, model = zip(run.events, plan.contacts, strict=True), plan.bodies[body]
     ours = [events for events, contact in both if contact.touches(body)]
     peak = max(ours, key=lambda of: of.peak_force, default=None)
-    (start, end), peak_time = (0.0, recorder.duration), 0.0  # of a body that was not touched
+    (start, end), peak_time = (0.0, recorder.duration), 0.0  # for a body that was not touched
     if peak is not None and peak.peak_contact is not None:
         (start, end), peak_time = peak.peak_contact, peak.peak_time
     recovery = at_rest = None
@@ -303,7 +306,7 @@ def response_of(run: Any, body: int) -> Response | None:
         pace = math.exp2(round(_SHIFTS * math.log2(PACE / (end - start))) / _SHIFTS)
         recovery = Recovery(model.modal, model.modal.loads(plan.pull), pace)
         held = not model.modal.body.rigid_modes.shape[1]
-        if plan.preload and held:  # at rest all modes follow, the slow ones too: X = K⁻¹ B f
+        if plan.preload and held:  # at rest even slow modes are deflected: X = K⁻¹ B f
             q, forces = motion.observed(None, np.zeros(1))[0], motion.force(np.zeros(1))
             load = np.ascontiguousarray(recovery.loads @ forces)
             rest = recovery.model.body.inverse().solve(load)
@@ -319,7 +322,7 @@ def response_of(run: Any, body: int) -> Response | None:
             continue
         known, touched = extraction_of(contact.law, model, port), model.touched_at(port)
         if touched is None or touched.direction is None or not (known and known.splitting):
-            continue  # of a shell the mesh's own field is all that is known
+            continue  # for a shell only the mesh's own field is known
         if touched.body.mesh is None or touched.body.mesh.thin:
             continue  # shells beside the solids take the mesh's own field as well
         inward = float(np.sign(known.splitting.frame[2] @ touched.direction))

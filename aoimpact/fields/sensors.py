@@ -1,7 +1,7 @@
 """Sensors on a body: motion, strain and stress of a place, gauges, filtered motion, reactions.
 
-Each measures a function of the whole body's motion over time (`Response`), as a `History`, so that
-its error is judged where it measures.
+A sensor evaluates a function of the whole body's motion over time (`Response`) as a `History`,
+whose error is estimated for that function.
 """
 
 from __future__ import annotations
@@ -51,51 +51,52 @@ from .channel import Channel, filtered_acceleration
 from .field import LOOKS, Field, solid, warn_if_wrong
 from .response import Response, response_of
 
-# Share of a displacement over the length of the record below which a velocity is rounding.
+# Velocity, over the largest displacement per length of the record, below which it is rounding.
 _AT_REST = 1e-9
 
-# The error is so many times the difference to other elements. Of 458 histories on solids and shells
-# 99 % were then within it, half of them by eight times. With one difference 88 % were, and of
-# 20-node hexahedra, of which the next degree leaves most when they are long, 57 %.
+# Estimated error over the difference from the run with other elements. With 2, 99 % of 458
+# histories on solids and shells had a smaller error, half of them by eight times. With 1, 88 % had,
+# and 57 % of those on 20-node hexahedra, whose error the next degree reduces least if they are
+# long.
 _DIFFERENCES = 2.0
 
-# Even times of a record beyond which dt is taken for a mistake.
+# Number of even times in a record beyond which dt is taken for a mistake.
 _MOST_SAMPLES = 20_000_000
 
-# Places along a gauge on a shell at which its strain is taken.
+# Gauss points along a gauge on a shell, for its mean strain.
 _ALONG = 8
 
-# sin of the angle between a gauge and the surface beyond which it does not lie on it.
+# Largest sine of the angle between a gauge and the surface that it lies on.
 _OFF = 0.1
 
-# Distance of an end from the surface, over the gauge's length, beyond which it is off the body; the
-# same of its middle; and by how much of it an end may move along the gauge to its place on the
-# surface, which on a curved one is (length/radius)²/16 of it.
+# Over the gauge's length: largest distance of an end from the surface, largest distance of the
+# middle, and largest motion of an end along the gauge to its place on the surface, which is
+# (length/radius)²/16 on a curved surface.
 _BEYOND, _BESIDE, _SHORTER = 0.25, 0.1, 0.01
 
 
 T = TypeVar("T")
 
-# A source and times, s, to values of shape (n, ...).
+# Function of a source and times, s, that returns values of shape (n, ...).
 Seen = Callable[[Any, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """A quantity over time, and its error, each found when it is first read.
+    """A quantity over time, and its error, each computed when it is first read.
 
     Attributes
     ----------
     name : str
-        For messages.
+        Name of the quantity in messages.
     source : Response or Run
-        It is read from this, and compared with its `others`.
+        Source of the values; those of its `others` give the error.
     seen : callable
         Returns the values, shape (n, ...), of a source at times, s.
     t : ndarray, shape (n,)
-        s.
+        Times, s.
     displacement : callable, optional
-        The displacement, as `seen`, of which this is the rate.
+        For a velocity: the function, as `seen`, of the displacement of which it is the rate.
     """
 
     name: str
@@ -111,15 +112,15 @@ class History:
 
     @cached_property
     def error(self) -> FloatArray | None:
-        """Error by the body's model, relative to the largest value, (n,); None of a full model.
+        """Error due to the body's model, relative to the largest value, (n,); None if full.
 
-        The largest of all components: twice the differences to the runs with other elements.
+        It is twice the differences from the runs with other elements, in the worst component.
         """
         if not self.source.others:
             return None
         looks = np.union1d(self.t, np.linspace(0.0, self.source.duration, LOOKS))
         own, least = self.seen(self.source, looks), 0.0
-        if self.displacement is not None:  # a velocity that is rounding beside it
+        if self.displacement is not None:  # a smaller velocity is rounding
             most = float(np.abs(self.displacement(self.source, looks)).max())
             least = _AT_REST * most / self.source.duration
         largest = np.nanmax(np.abs(own), initial=least)
@@ -146,9 +147,9 @@ class Sensed:
     Attributes
     ----------
     t : ndarray, shape (n,)
-        s.
+        Times, s.
     points : ndarray
-        Where, on the undeformed body, m.
+        Places of the sensor on the undeformed body, m.
     """
 
     t: FloatArray
@@ -158,18 +159,18 @@ class Sensed:
 
     @cached_property
     def error(self) -> Mapping[str, FloatArray]:
-        """Errors by the body's model, each relative to the largest value, shape (n,), by name.
+        """Errors due to the body's model, each relative to the largest value, shape (n,), by name.
 
         A probe has errors of "displacement", "velocity", "stress" and "strain", a reaction those of
-        "force" and "moment"; each is that of the largest component. See `BodyResult.error`. A full
-        model has none.
+        "force" and "moment"; each is that of the worst component. See `BodyResult.error`. A full
+        model has no errors.
         """
         return errors_of(self._response, self._histories)
 
 
 @dataclass(frozen=True, eq=False)
 class SensedOnce:
-    """The history of one sensor; its error is found when it is first read."""
+    """The only history of a sensor; its error is computed when it is first read."""
 
     _history: History = field(repr=False)
 
@@ -180,15 +181,15 @@ class SensedOnce:
 
     @property
     def error(self) -> FloatArray | None:
-        """Error by the body's model, relative to the largest value, (n,); None of a full model.
+        """Error due to the body's model, relative to the largest value, (n,); None if full.
 
-        It is twice the difference to the run with other elements.
+        It is twice the difference from the run with other elements.
         """
         return self._history.error
 
 
 class Each(Generic[T]):
-    """Makes something once for each of the bodies of runs that are compared."""
+    """An object that prepares something once for each body of the runs that are compared."""
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle without what has been made."""
@@ -196,7 +197,7 @@ class Each(Generic[T]):
 
     @cached_property
     def of(self) -> Callable[[FEModel], T]:
-        """Return it of a body."""
+        """Function of a body that returns what `_make` prepares for it, and keeps it."""
         return cache(self._make)
 
     def _make(self, body: FEModel) -> T:
@@ -205,16 +206,16 @@ class Each(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class At(Each[sp.csr_array]):
-    """Motion along axes at places of a body, by rows of its dofs, (p k, n_dofs).
+    """Motion along axes at places of a body, by rows on its dofs, (p k, n_dofs).
 
     Attributes
     ----------
     places, axes : ndarrays, shapes (p, 3), (k, 3)
-        m, and unit vectors.
+        Coordinates, m, and unit vectors.
     shape : tuple of int
-        Of a motion at each time.
+        Shape of the motion at one time.
     nodes : ndarray of int, shape (p,), optional
-        The numbers of the nodes that the places are.
+        Numbers of the nodes, if the places are nodes.
     """
 
     places: FloatArray
@@ -226,7 +227,7 @@ class At(Each[sp.csr_array]):
         return motion_rows(body, place_rows(body, self.places, self.nodes), self.axes)
 
     def motion(self, response: Response, times: FloatArray, *, rates: bool = True) -> ArrayPair:
-        """Return displacement, m, and velocity, m/s; without `rates` this lacks half-spaces'."""
+        """Return displacement, m, and velocity, m/s, which lacks half-spaces without `rates`."""
         motion = response.functionals(self.of(response.body), times)
         added = response.half_space(self.places, times, rates=rates)
         u, v = (
@@ -244,31 +245,33 @@ class At(Each[sp.csr_array]):
         return self.motion(response, times)[1]
 
     def filtered(self, channel: Channel, response: Response, times: FloatArray) -> FloatArray:
-        """Return the acceleration behind a filter, m/s²."""
+        """Return the filtered acceleration, m/s²."""
         motion = partial(self.motion, response)
         return filtered_acceleration(motion, response.duration, channel, times)
 
     def elongation(self, response: Response, times: FloatArray) -> FloatArray:
-        """Return the elongation between two places over their distance."""
+        """Return the change of the distance between two places over the distance."""
         first, second = self.displacement(response, times).T
         return np.asarray((second - first) / np.linalg.norm(self.places[1] - self.places[0]))
 
 
 @dataclass(frozen=True, eq=False)
 class TensorAt(Each[tuple[StressRows, FloatArray]]):
-    """Stress, Pa, or strain at places of a body, and strain by stress there, (p, 6, 6), 1/Pa.
+    """Stress, Pa, or strain at places of a body, by rows on its dofs and by half-spaces.
 
-    The elements' part is by the body's dofs. Under contacts of shells there is no half-space.
+    It prepares for a body the rows, and the compliances, (p, 6, 6), 1/Pa, that give the strain of
+    half-spaces under contacts from their stress; zero for shells, which have no half-spaces.
 
     Attributes
     ----------
     places : ndarray, shape (p, 3)
-        m.
+        Coordinates, m.
     layer : Layer
-        Where in shells and beams.
+        Place within shells and beams.
     strain : bool, optional
+        Whether to return strain instead of stress.
     nodes : ndarray of int, shape (p,), optional
-        The numbers of the nodes that the places are.
+        Numbers of the nodes, if the places are nodes.
     """
 
     places: FloatArray
@@ -293,7 +296,7 @@ class TensorAt(Each[tuple[StressRows, FloatArray]]):
         return found.of_dofs(body.free), by_stress.reshape(-1, 6, 6)
 
     def __call__(self, response: Response, times: FloatArray) -> FloatArray:
-        """Return it in a run of the body, shape (times, p, 6)."""
+        """Return the stress or strain in a run of the body, shape (times, p, 6)."""
         rows, by_stress = self.of(response.body)
         found = rows.components(response.functionals(rows.rows, times)[0])
         added = response.half_space(self.places, times, rates=False)[2]
@@ -304,24 +307,24 @@ class TensorAt(Each[tuple[StressRows, FloatArray]]):
 
 @dataclass(frozen=True, eq=False)
 class Filtered(SensedOnce):
-    """Acceleration behind the filter of a channel.
+    """Filtered acceleration over time.
 
     Attributes
     ----------
     t : ndarray, shape (n,)
-        s.
+        Times, s.
     channel : Channel
-        Its frequency class or corner, Hz.
+        The filter: its frequency class or corner, Hz.
     """
 
     channel: Channel
 
     @property
     def acceleration(self) -> FloatArray:
-        """Acceleration, m/s², in the shape of `Probe.displacement`; warns where it may be wrong.
+        """Acceleration, m/s², in the shape of `Probe.displacement`; warns if it may be wrong.
 
-        It and its error are NaN over the filter's settling time before the end of the record; see
-        `Probe.filtered`.
+        The acceleration and its error are NaN over the filter's settling time before the end of the
+        record; see `Probe.filtered`.
         """
         return self._history.told()
 
@@ -333,16 +336,16 @@ class Gauge(SensedOnce):
     Attributes
     ----------
     t : ndarray, shape (n,)
-        s.
+        Times, s.
     ends : ndarray, shape (2, 3)
-        On the undeformed body, m; of a shell on the surface of its nodes.
+        Ends of the gauge on the undeformed body, m; on a shell, on the surface of its nodes.
     """
 
     ends: FloatArray
 
     @property
     def strain(self) -> FloatArray:
-        """Strain, shape (n,), positive in tension; warns where it may be wrong, see `error`."""
+        """Strain, shape (n,), positive in tension; warns if it may be wrong, see `error`."""
         return self._history.told()
 
 
@@ -353,9 +356,9 @@ class Probe(Sensed):
     Attributes
     ----------
     t : ndarray, shape (n,)
-        s.
+        Times, s.
     points : ndarray, shape (3,) or (p, 3)
-        Where, on the undeformed body, m.
+        The place, or several, on the undeformed body, m.
     """
 
     _at: At = field(repr=False)
@@ -364,8 +367,8 @@ class Probe(Sensed):
     def displacement(self) -> FloatArray:
         """Displacement, m, shape (n, p, 3).
 
-        Without the axis p for a single point, and without the last one for a given direction, along
-        which it is then measured. Warns where it may be badly wrong; see `error`.
+        A single point has no axis p. If a direction was given, the displacement is along it, and
+        the last axis is missing. Warns if it may be badly wrong; see `error`.
         """
         return self._histories["displacement"].told()
 
@@ -384,15 +387,16 @@ class Probe(Sensed):
 
     @cached_property
     def acceleration(self) -> FloatArray:
-        """Acceleration, m/s², in the shape of `displacement`, as the body's model has it.
+        """Unfiltered acceleration of the body's model, m/s², in the shape of `displacement`.
 
-        By central differences over a thousandth of the shortest contact, or over two fixed steps.
+        It is computed by central differences of the velocity over a thousandth of the shortest
+        contact, or over two fixed steps.
 
         Warns
         -----
         AOImpactWarning
-            It has no finite bandwidth, and no error that could be known: an impact excites modes up
-            to any frequency, each with as much acceleration. `filtered` converges.
+            Always: the acceleration has no finite bandwidth and no error estimate, since an impact
+            excites modes up to any frequency, each with as much acceleration. `filtered` converges.
         """
         warn(
             "acceleration after an impact grows with the number of modes, and has no error; take "
@@ -405,12 +409,12 @@ class Probe(Sensed):
         return np.asarray((change.T / (after - before)).T)
 
     def filtered(self, cfc: float | None = None, *, corner: float | None = None) -> Filtered:
-        """Return the acceleration behind a filter.
+        """Return the filtered acceleration.
 
-        SAE J211-1, appendix C: a Butterworth filter of two poles, forward and backward, so that no
-        phase is shifted. Before the record the body is at rest or moves steadily. What follows the
+        SAE J211-1, appendix C: a Butterworth filter of two poles, run forward and backward for zero
+        phase shift. Before the record the body is at rest or moves steadily. What follows the
         record is not known, so that the acceleration is NaN over the filter's settling time before
-        the end, the class's period: 1 ms for CFC 1000. Take a `duration` longer by that.
+        the end, one period of the class: 1 ms for CFC 1000. Take a `duration` longer by that.
 
         Parameters
         ----------
@@ -450,7 +454,8 @@ class Probe(Sensed):
     def stress(self) -> Stress:
         """The stress over time, of shape (n, p, 6), or (n, 6) for a single point.
 
-        Averaged at the nodes as `Field.stress`, between them by the elements' shape functions.
+        It is averaged at the nodes as in `Field.stress`, and interpolated between them by the
+        elements' shape functions.
 
         Raises
         ------
@@ -461,7 +466,7 @@ class Probe(Sensed):
 
     @property
     def strain(self) -> Strain:
-        """The strain over time, in the shape of `stress`; shears are those of the tensor.
+        """The strain tensor over time, in the shape of `stress`; shears are γ/2.
 
         Raises
         ------
@@ -478,11 +483,11 @@ class Reaction(Sensed):
     Attributes
     ----------
     t : ndarray, shape (n,)
-        s.
+        Times, s.
     centre : ndarray, shape (3,)
         Mean of the points, m.
     points : ndarray, shape (p, 3)
-        The held nodes, m.
+        Coordinates of the held nodes, m.
     """
 
     centre: FloatArray
@@ -490,7 +495,7 @@ class Reaction(Sensed):
 
     @property
     def force(self) -> FloatArray:
-        """Force on the body, N, shape (n, 3); warns where it may be badly wrong, see `error`."""
+        """Force on the body, N, shape (n, 3); warns if it may be badly wrong, see `error`."""
         return self._histories["force"].told()
 
     @property
@@ -511,15 +516,15 @@ class Reaction(Sensed):
 
 @dataclass(frozen=True, eq=False)
 class Work(Each[VirtualMotion]):
-    """Work of the ground's forces on some nodes along motions of these, N or N m, (times, m).
+    """Virtual work of the ground's forces on nodes along m motions, N or N m, (times, m).
 
     Attributes
     ----------
     nodes : ndarray of int
     centre : ndarray, shape (3,)
-        m.
+        Centre of rotation, m.
     ways : ndarray, shape (6, m)
-        The motions, by translations and rotations about the centre.
+        Translation and rotation about the centre, of the nodes in each of the motions.
     """
 
     nodes: IntArray
@@ -531,14 +536,15 @@ class Work(Each[VirtualMotion]):
         return grounding.virtual(grounding.resultants(self.nodes, self.centre) @ self.ways)
 
     def __call__(self, response: Response, times: FloatArray) -> FloatArray:
-        """Return it in a run of the body."""
+        """Return the work in a run of the body."""
         return response.work(times, self.of(response.body))
 
 
 def gauge_strain(body: FEModel, ends: FloatArray, along: FloatArray, layer: Layer) -> Any:
-    """Return what gives the strain between two ends from a response and times, s.
+    """Return the function of a response and times, s, that gives the strain between two ends.
 
-    On a shell it is the mean along the gauge on a layer, of solids the change of distance.
+    The strain is, on a shell, the mean along the gauge on a layer, and on solids the relative
+    change of the ends' distance.
     """
     if body.mesh is None or not body.mesh.thin:
         gauge = At(ends, along[None], (2,))
@@ -563,12 +569,12 @@ def _mean_strain(
 
 
 def acceleration_of(point: FloatArray, axis: FloatArray, channel: Channel) -> Any:
-    """Return what gives the acceleration of a point behind a filter."""
+    """Return the function of a response and times, s, for a point's filtered acceleration."""
     return partial(At(point[None], axis[None], ()).filtered, channel)
 
 
 def errors_of(source: Any, histories: Mapping[str, History]) -> Mapping[str, FloatArray]:
-    """Return the errors of histories by name; none of a full model."""
+    """Return the errors of histories by name; none for a full model."""
     if not source.others:
         return {}
     return Found(lambda: histories, lambda name: histories[name].error)
@@ -579,8 +585,8 @@ def gauge_ends(
 ) -> ArrayPair:
     """Return both ends of a gauge, shape (2, 3), m, and the unit vector from one to the other.
 
-    The ends lie on the surface: the mean strain along a chord is the change of its length. On a
-    curved surface that differs from the mean along the arc by (length/radius)²/24.
+    The ends lie on the surface, and the strain is that of the chord between them. On a curved
+    surface it differs from the mean along the arc by (length/radius)²/24.
     """
     if body.nodes is None:
         raise InputError(
@@ -619,9 +625,9 @@ def gauge_ends(
 
 
 def place_rows(body: FEModel, places: FloatArray, nodes: IntArray | None = None) -> sp.csr_array:
-    """Return the nodes' weights at places (p, 3), m, of a body, shape (p, n_nodes).
+    """Return the weights of a body's nodes at places (p, 3), m, shape (p, n_nodes).
 
-    Where the places are nodes, by their numbers.
+    `nodes`: numbers of the nodes, if the places are nodes.
     """
     assert body.nodes is not None
     if nodes is not None:
@@ -637,7 +643,7 @@ def place_rows(body: FEModel, places: FloatArray, nodes: IntArray | None = None)
 
 
 def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.csr_array:
-    """Return the motion along axes (k, 3) at places with the nodes' weights, (p k, n_dofs)."""
+    """Return rows (p k, n_dofs) of the motion along axes (k, 3) at places by nodes' weights."""
     assert body.free is not None
     rows = sp.csr_array(sp.kron(weights, axes))
     if body.mesh is None or not body.mesh.thin:
@@ -657,7 +663,7 @@ def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.cs
 
 
 class Measured:
-    """A body of a run, on which sensors measure and which is seen as a whole."""
+    """A body of a run, with methods for its sensors and its whole field."""
 
     label: str
     _run: Any
@@ -691,16 +697,16 @@ class Measured:
         point : array_like, shape (3,) or (p, 3), optional
             Coordinates in the undeformed body, m; anywhere in it or on its surface.
         direction : array_like, shape (3,), optional
-            Along which to measure, any length but zero; all three components if left out.
+            Direction of the measured motion, any length but zero; all three components if left out.
         nodes : str, callable or array_like, optional
             In place of `point`: the name of a node set, a function of all coordinates that returns
-            one bool for each, or numbers: labels, where the body's nodes have labels, else from 0.
+            one bool for each, or numbers: labels if the body's nodes have labels, else from 0.
         times : array_like, optional
-            Ascending, within the record, s; those of the result if left out.
+            Times, s, ascending, within the record; those of the result if left out.
         dt : float, optional
-            In place of `times`: the step of even times from 0 on, s, as spectra and filters take.
+            In place of `times`: step of even times from 0 on, s, as spectra and filters need.
         layer, part : optional
-            Where in shells and beams stress and strain are, and of which group of elements; see
+            Place within shells and beams, and group of elements, of stress and strain; see
             `Field.stress`.
 
         Raises
@@ -766,15 +772,15 @@ class Measured:
         Parameters
         ----------
         point : array_like, shape (3,)
-            Its middle on the undeformed body, m.
+            Middle of the gauge on the undeformed body, m.
         direction : array_like, shape (3,)
-            Along the surface, any length but zero.
+            Direction of the gauge along the surface, any length but zero.
         length : float
-            m.
+            Length of the gauge, m.
         times, dt
-            As of `probe`.
+            As in `probe`.
         layer, part : optional
-            On which face of a shell, "top" or "bottom", and of which group; see `Field.stress`.
+            Face of a shell, "top" or "bottom", and group of elements; see `Field.stress`.
 
         Raises
         ------
@@ -808,18 +814,18 @@ class Measured:
     ) -> Reaction:
         """Return the force of supports and springs on the body over time.
 
-        It has the force on the nodes that are held, its moment about their middle, and the force on
-        each of them. The reactions of all nodes together, the contact forces and the weight change
-        the body's momentum, to rounding, but for the drag α p of `Rayleigh` damping on its momentum
-        p, which acts from outside and is no reaction.
+        The reaction has the force on the held nodes, its moment about their mean place, and the
+        force on each node. The sum of all reactions, the contact forces and the weight is the rate
+        of the body's momentum p, to rounding, plus the drag α p of `Rayleigh` damping, an external
+        force that is no reaction.
 
         Parameters
         ----------
         nodes : str, callable or array_like, optional
-            As of `probe`, such as the name of the set that `fixed` or `springs` named; by default
-            all that is held.
+            As in `probe`, such as the name of a set in `fixed` or `springs`; by default all held
+            nodes.
         times, dt
-            As of `probe`.
+            As in `probe`.
 
         Raises
         ------
@@ -849,7 +855,7 @@ class Measured:
         return Reaction(wanted, points, response, histories, centre, held)
 
     def _sensed(self, times: Any, dt: float | None) -> tuple[Response, FloatArray, FEModel]:
-        """The response, the times that are asked for, s, and the body as it was given."""
+        """Return the response, the times that are asked for, s, and the body as it was given."""
         response = self._responding
         if dt is None:
             wanted = response.within(self._run.t if times is None else times)
@@ -870,7 +876,7 @@ class Measured:
         Parameters
         ----------
         times : float or array_like, optional
-            Ascending, within the record, s; when the force is largest, if left out.
+            Times, s, ascending, within the record; that of the largest force if left out.
 
         Raises
         ------

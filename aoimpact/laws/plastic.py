@@ -132,7 +132,7 @@ class Thornton(_Yielding, kind="thornton"):
     yield_force : float
         F_y, N, positive.
     relative_radius : float, optional
-        As of `Hertz`.
+        As in `Hertz`.
 
     Examples
     --------
@@ -344,7 +344,7 @@ class YangSun(HertzianLaw, kind="yang_sun", has_memory=True, unloading_power=2.5
     beta : float, optional
         Tan and Sun's β, above 0 and at most 1; without it, Yang and Sun's formula is used.
     relative_radius : float, optional
-        As of `Hertz`.
+        As in `Hertz`.
 
     Examples
     --------

@@ -47,7 +47,7 @@ class HuntCrossley(HertzianLaw, kind="hunt_crossley", depends_on_rate=True, damp
     n : float, optional
         Exponent, at least 1.
     relative_radius : float, optional
-        As of `Hertz`.
+        As in `Hertz`.
 
     Examples
     --------
@@ -127,7 +127,7 @@ class Tsuji(HertzianLaw, kind="tsuji", depends_on_rate=True, damped_by="alpha"):
     mass : float
         m, kg, positive: the reduced mass of the pair, m₁ m₂ / (m₁ + m₂).
     relative_radius : float, optional
-        As of `Hertz`.
+        As in `Hertz`.
 
     Examples
     --------
@@ -189,7 +189,7 @@ class KuwabaraKono(HertzianLaw, kind="kuwabara_kono", depends_on_rate=True, damp
     A : float
         Dissipation time of the material, s, not negative.
     relative_radius : float, optional
-        As of `Hertz`.
+        As in `Hertz`.
 
     Examples
     --------
