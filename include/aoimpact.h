@@ -1,16 +1,17 @@
 /* aoimpact: the anti-oscillator model of a body at its point of contact, and impacts in time.
  *
- * This header is what a C programmer may use, and its specification; examples/impact.c uses it. `make -C csrc` makes
- * build/core/libaoimpact.a and libaoimpact.so. "Paper" is E. Jacquelin, "On the rigid projectile model for low
- * velocity impacts"; equation numbers are its.
+ * This header is the interface for C programs, and its specification. examples/impact.c shows contacts without friction,
+ * examples/friction.c a contact with friction of a body that turns. `make -C csrc` makes build/core/libaoimpact.a and
+ * libaoimpact.so. "Paper" is E. Jacquelin, "On the rigid projectile model for low velocity impacts"; equation numbers
+ * refer to it.
  *
  * A system of bodies and contacts is described once (aoi_modes, aoi_law, aoi_contact, aoi_system) and linked; runs
- * in fixed steps (aoi_newmark) or to a tolerance (aoi_adaptive) take it as it is. What an adaptive run has written
- * (aoi_track) is read at any time (aoi_sampler), and tells when contacts began and ended.
+ * in fixed steps (aoi_newmark) or to a tolerance (aoi_adaptive) take it as it is. The output of an adaptive run
+ * (aoi_track) can be read at any time (aoi_sampler), and gives the intervals of contact (aoi_track_intervals).
  *
  * What the Python package adds: finite elements and their reduction, damped AO models as bodies, the compliance of
- * patches for a law, starts at rest under load, estimates of errors by more runs. An adaptive run here is one run:
- * from a contact's second touch on errors grow with each, and one more run with a tenth of rtol shows by how much.
+ * patches for a law, starts at rest under load, estimates of errors by more runs. An adaptive run here gives no such
+ * estimate: from a contact's second touch on errors grow with each, and another run with a tenth of rtol shows them.
  *
  * Rules that hold for every function
  *   Memory    The caller owns all memory. Nothing here allocates, frees, or keeps a pointer after it returns,
@@ -20,7 +21,7 @@
  *             may share them, but for a law with a note or with functions of the caller's. A run and a sampler
  *             are for one thread at a time.
  *   Units     SI: m, kg, s, N, J, rad/s; omega2 is an angular frequency squared, (rad/s)^2.
- *   Returns   AOI_OK (0) or one of the codes below; then the outputs are not to be used.
+ *   Returns   AOI_OK (0), or one of the codes below: the outputs are not to be used then.
  *   Systems   Functions that need a linked system return AOI_ERROR_ARGUMENT (sizes: 0) for an unlinked one.
  *   Arrays    Contiguous doubles; matrices by rows, [rows][columns].
  *   Pointers  May be NULL only where their paragraph says so, or when the array has length 0.
@@ -59,22 +60,24 @@ extern "C" {
 typedef enum aoi_status {
     AOI_OK = 0,
     AOI_ERROR_ARGUMENT,       /* a size, sign or parameter that the function's paragraph excludes */
-    AOI_ERROR_NOT_FINITE,     /* an infinity or NaN came up where none may be                     */
+    AOI_ERROR_NOT_FINITE,     /* an infinity or NaN where none may be                             */
     AOI_ERROR_NOT_POSITIVE,   /* a pivot, mass or stiffness that must be positive is not           */
     AOI_ERROR_NO_CONVERGENCE, /* an iteration reached its limit                                    */
     AOI_ERROR_SOLVER,         /* the caller's linear solver reported a failure                     */
     AOI_ERROR_TOLERANCE,      /* even the shortest step does not meet the tolerance                */
     AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */
-    AOI_ERROR_PATCH,          /* a contact goes deeper than its law holds: its patch, or its table */
+    AOI_ERROR_PATCH,          /* a contact goes deeper than its patch or table allows */
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
-    AOI_ERROR_LAW_JUMPS,      /* without the patch compliance the force is undefined: the law jumps */
-    AOI_ERROR_STOPPED,        /* the caller's pause said so                                        */
-    AOI_ERROR_FRICTION,       /* friction of a law that remembers or pulls, or, to a tolerance, that is damped or
-                                 beside a residual compliance                                       */
+    /* with its patch compliance taken out, the law has no force: it jumps */
+    AOI_ERROR_LAW_JUMPS,
+    AOI_ERROR_STOPPED,        /* the caller's pause returned nonzero                               */
+    /* friction with a law that remembers or pulls; in an adaptive run also with a damped law or a
+     * residual compliance */
+    AOI_ERROR_FRICTION,
     AOI_ERROR_SPRINGS         /* a contact with friction needs more springs than there is room for  */
 } aoi_status;
 
-/* AOI_VERSION of the library. */
+/* AOI_VERSION of the library that is linked. */
 AOI_API const char *aoi_version(void);
 
 /* A status in words: a constant string, never NULL. */
@@ -98,12 +101,13 @@ typedef struct aoi_star {
     const double *m, *k;
 } aoi_star;
 
-/* AOI_OK for a star as above with some mass in it, or what is wrong with it: AOI_ERROR_ARGUMENT without m or k. The
- * order of the oscillators is not looked at: for aoi_star_to_modal and aoi_star_modes k_i/m_i must ascend and be
- * distinct, else they return AOI_ERROR_ARGUMENT. */
+/* Checks a star. Returns AOI_OK if it is as above and has some mass, AOI_ERROR_ARGUMENT without m
+ * or k, AOI_ERROR_NOT_FINITE or AOI_ERROR_NOT_POSITIVE. The order of the oscillators is not
+ * checked: aoi_star_to_modal and aoi_star_modes need k_i/m_i ascending and distinct, and return
+ * AOI_ERROR_ARGUMENT otherwise. */
 AOI_API int aoi_star_check(const aoi_star *star);
 
-/* m_st = m0 + sum of m_i, eq. (10). */
+/* Static mass m_st = m0 + sum of m_i, eq. (10), kg. */
 AOI_API double aoi_star_static_mass(const aoi_star *star);
 
 /* Receptance u/f at the contact coordinate, 1 / (k0 - w^2 m0 - sum_i m_i w^2 w_i^2 / (w_i^2 - w^2)): infinite on a
@@ -177,7 +181,7 @@ enum { AOI_LAW_PARAMETERS = 9, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };
 typedef struct aoi_law aoi_law;
 struct aoi_law_values; /* the core's own */
 
-/* What a law gives: force [N], d force / d indentation [N/m], d force / d rate [N s/m]. */
+/* Value of a law: force [N], d force / d indentation [N/m], d force / d rate [N s/m]. */
 typedef struct aoi_law_value {
     double force, stiffness, damping;
 } aoi_law_value;
@@ -211,31 +215,33 @@ struct aoi_law {
      * continued where that is possible; not cut at zero. */
     void (*force)(const aoi_law *law, const double *memory, int piece, double indentation,
                   double rate, aoi_law_value *value);
-    /* The elastic energy that unloading from there would give back, J. */
+    /* Elastic energy that unloading from this indentation gives back, J. */
     double (*potential)(const aoi_law *law, const double *memory, double indentation);
-    /* NULL: piece 0 is all. Else the piece on which the motion goes on from an indentation, upward
-     * (rising) or downward, and its ends low < high; -+HUGE_VAL where there is none. */
+    /* NULL: the law has one piece, number 0. Else returns the piece on which the motion goes on
+     * from an indentation, upward (rising) or downward, and its ends low < high; -+HUGE_VAL where
+     * there is none. */
     int (*piece)(const aoi_law *law, const double *memory, double indentation, int rising,
                  double *low, double *high);
-    /* NULL: no memory. Else what a contact keeps after it has been at this indentation: called at
-     * the end of a step, and where the rate turns. */
+    /* NULL: no memory. Else updates the memory of a contact that has been at this indentation:
+     * called at the end of a step, and where the rate turns. */
     void (*remember)(const aoi_law *law, double indentation, double rate, double *memory);
-    /* NULL, or the force alone, where that is cheaper than with its derivatives. */
+    /* NULL, or returns the force alone, where that is cheaper than with its derivatives. */
     double (*alone)(const aoi_law *law, double indentation, double rate);
-    /* NULL: 0. Else the indentation at and below which there is no force. */
+    /* NULL: rest is 0. Else returns rest, the indentation at and below which there is no force. */
     double (*rest)(const aoi_law *law, const double *memory);
-    double parameter[AOI_LAW_PARAMETERS]; /* of aoi_law_create, and what follows from them; or the caller's */
+    double parameter[AOI_LAW_PARAMETERS]; /* of aoi_law_create, and derived ones; or the caller's */
     double compliance;   /* c [m/N] taken out: F = law(indentation + c F, rate); below 0: in series */
-    double limit;        /* deepest indentation at which that stands at rest: a run that goes deeper
-                            ends with AOI_ERROR_PATCH. Who sets a compliance sets this as well: to
+    double limit;        /* largest indentation for which the law holds at rate 0: a run that goes
+                            deeper ends with AOI_ERROR_PATCH. To be set with a compliance c: to
                             where c times the law's stiffness comes near 1, if it does           */
     int depends_on_rate; /* the force depends on the rate                                        */
     int turns;           /* loading and unloading differ: a step must end where the rate turns   */
-    int pulls;           /* negative forces are meant; the contact ends at rest only             */
+    int pulls;           /* negative forces are meant; a contact ends only at `rest`             */
     double *note;        /* NULL, or AOI_LAW_NOTE doubles, the first NaN before a run: indentation
                             and rate where the law gave no force, and the status that says why   */
 
-    /* The core's own, zero in a law of the caller's: force at some places at once, a table, a user's law. */
+    /* For the core alone, zero in a law of the caller's: forces at several places at once, a table,
+     * a user's law. */
     void (*together)(const aoi_law *law, const double *indentation, const double *rate,
                      struct aoi_law_values *values);
     const double *table;
@@ -256,24 +262,24 @@ struct aoi_law {
  *                                    D with force F back and up to it F ((d - p)/(D - p))^(3/2), D - p = F/(k D^(1/2))
  *   elastic_plastic: k, yield force, slope
  *                                    k d^(3/2) up to that force; slope (d - f/2) from f = (slope/(2 k))^2 on, which is
- *                                    at least 3.2 times the d of yield y; between, the cubic that meets both with their
+ *                                    at least 3.5 times the d of yield y; between, the cubic that meets both with their
  *                                    slopes; back and up as thornton, with p = D (1 - (y/D)^0.28) (1 - (y/D)^0.69)
  *   yang_sun: k, critical, beta      k d^(3/2); from D with force F back F ((d - p)/(D - p))^(5/2), and from p up to D
  *                                    with 3/2 for 5/2; p = D (1 - (critical/D)^(2/5)), or beta (D - critical) where
  *                                    beta is not 0 (at most 1), and 0 where D is less than critical
  * k, slope, yield force and critical are positive, what damps is not negative.
- * AOI_ERROR_ARGUMENT for an unknown name, a wrong count or a value out of range, or where
- * what follows from them is. */
+ * AOI_ERROR_ARGUMENT for an unknown name, a wrong count, or a value out of range, given or derived. */
 AOI_API int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
 
-/* A law through knots: cubics between them, a straight line past the last, which is the law's limit.
+/* Makes a law through knots: cubics between them, a straight line past the last, which is the law's
+ * limit.
  *   count  knots, >= 2
- *   table  4 x count, the caller's for as long as the law is used: indentations (ascending, from 0), forces (from 0,
- *          never falling), slopes there, and energies (the integral of the cubics)
+ *   table  4 x count, the caller's for as long as the law is used: indentations (ascending, from 0),
+ *          forces (from 0, never falling), slopes there, and energies (the integral of the cubics)
  * AOI_ERROR_ARGUMENT where these do not hold. */
 AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table);
 
-/* The caller's law.
+/* Makes the caller's law.
  *   user             copied
  *   depends_on_rate  1: the force depends on the rate
  *   pulls            1: negative forces are meant
@@ -284,7 +290,8 @@ AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depe
  * not finite, with a limit that is not positive. */
 AOI_API int aoi_law_check(const aoi_law *law);
 
-/* The force itself, for fixed steps and plots: zero at and below rest, and cut at zero unless the law pulls.
+/* Force of a law and its derivatives, as in fixed steps: zero at and below rest, and cut at zero
+ * unless the law pulls.
  *   memory       AOI_LAW_MEMORY, or NULL for a law without
  *   indentation  m
  *   rate         m/s; chooses between loading and unloading
@@ -293,93 +300,97 @@ AOI_API int aoi_law_check(const aoi_law *law);
 AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                           aoi_law_value *value);
 
-/* As law->potential, of the total indentation: less the c F^2/2 that is the bodies' own. Past the
- * limit of a law with a compliance, where it has no meaning, it grows on as over a straight line. */
+/* As law->potential, at the total indentation: c F^2/2, which is stored in the bodies, is not
+ * included. Past the limit of a law with a compliance, where it has no meaning, it grows as over a
+ * straight line. */
 AOI_API double aoi_law_potential(const aoi_law *law, const double *memory, double indentation);
 
 /* ------------------------------------------------------------------------------------ friction */
 
 /* Coulomb's friction in an elastic contact, which sticks in its middle and slips at its rim (Cattaneo, Mindlin). By
- * the method of dimensionality reduction (Popov and Hess) the contact is a row of springs. That of the depth x is
+ * the method of dimensionality reduction (Popov and Hess) the contact is a row of springs. The spring of depth x is
  * touched where the indentation d exceeds x. With K = dF/dd, its normal stiffness is dK(x); it presses with
  * (d - x) dK and resists a tangential stretch s with ratio s dK, as far as |s| <= mu/ratio (d - x):
  *     force = ratio * integral of s(x) dK(x) over 0 <= x <= d.
- * This is exact for a Hertzian contact of two like materials, but for the small part of slip across the force. Of
+ * This is exact for a Hertzian contact of two like materials, except for the small part of slip across the force. For
  * unlike materials Dundurs' constant is neglected: friction does not change the normal force. Another elastic law has
- * springs by its own K; a linear one has one. Of a law with a rate these are its K at rest, and the force of its rate is
- * spread as that of the springs: a share of both in the latter, share = F/F(rest), raises Coulomb's bound to
- * mu/ratio share (d - x). It is 1 of an elastic law. */
+ * the springs of its own K; a linear law has one. A law with a rate has the springs of its K at rate 0, and the force of
+ * the rate is distributed over them in proportion: share = F/F(rate 0) raises Coulomb's bound to mu/ratio share (d - x).
+ * For an elastic law share is 1. */
 typedef struct aoi_friction {
     aoi_law law;      /* the normal law, of its own indentation: without a compliance               */
     double mu, ratio; /* coefficient of friction; tangential over normal stiffness, Mindlin's G / E
                          of the pair: 2 (1 - nu)/(2 - nu) for like materials                       */
-    double precision; /* share of the largest stretch since the touch to which the curve of stretches
-                         is drawn                                                                  */
+    double precision; /* error of the curve of stretches, over the largest stretch since the touch  */
 } aoi_friction;
 
-/* Makes friction of a law. Its compliance and limit are left out: who has them passes the law's own indentation and
- * slide, which are those of the bodies plus compliance times force.
+/* Makes the friction of a law. The law's compliance and limit are left out: with these the
+ * functions below take the contact's own indentation and slide, which are those of the bodies plus
+ * compliance times force.
  *   law        it must neither have a memory nor turn or pull; copied
  *   mu         >= 0, at most 1e140 times the ratio
  *   ratio      > 0
- *   precision  in (0, 0.1]; some 1e-4
+ *   precision  in (0, 0.1]; 1e-4 is usual
  * AOI_ERROR_FRICTION for another law, AOI_ERROR_ARGUMENT for other numbers. */
 AOI_API int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision);
 
-/* The stretch of the spring at a depth, m; between two of these it runs straight. And force and stiffness of the normal
- * law at that depth. */
+/* A point of the curve of stretches over depth, which is straight between two of these: the stretch of the
+ * spring at a depth, m, along both tangents, and force and stiffness of the normal law there. */
 typedef struct aoi_stretch {
     double depth, along[2];
     double force, stiffness;
 } aoi_stretch;
 
-/* The memory of one contact with friction: the stretches of its springs, by ascending depth from 0 to the indentation,
- * where the stretch is 0. No springs, count = 0, where the bodies are apart. The caller sets room, at least 8, and two
- * arrays of that length; count = 0; and the indentation at which he begins, not above 0. From then on only the functions
- * below write to it, which do not check again what they have written. An impact holds some 2 over the
- * root of the precision. */
+/* Memory of one contact with friction: the stretches of its springs, by ascending depth from 0 to
+ * the indentation, where the stretch is 0; no springs, count = 0, where the bodies are apart. The
+ * caller sets room, at least 8, and two arrays of that length; count = 0; and the initial
+ * indentation, not above 0. From then on only the functions below write to it, which do not check
+ * again what they have written. An impact takes about 2/sqrt(precision) springs. */
 typedef struct aoi_friction_state {
     size_t room, count;
     aoi_stretch *spring, *spare;
     double indentation;
-    double reach, share; /* largest stretch since the touch, m; share of the normal force (above) */
+    double reach, share; /* largest stretch since the touch, m; share as above */
 } aoi_friction_state;
 
-/* What friction gives at the end of a path. The first body slides by slide against the second; force holds it back, and
- * pushes the second. */
+/* Friction at the end of a path on which the first body slides relative to the second. Its force
+ * acts on the second body, and reversed on the first. */
 typedef struct aoi_friction_value {
     double force[2];         /* N                                                                   */
     double by_slide[2][2];   /* d force / d slide, N/m                                              */
     double by_indentation[2]; /* d force / d indentation, N/m                                      */
     double by_share[2];      /* d force / d share, N                                                */
-    double stuck;            /* depth within which springs stick, m: the indentation where all do,
-                                0 where all slip                                                    */
-    double terms;            /* N: rounding of the force is relative to this                        */
+    /* depth within which springs stick, m: the indentation where all stick, 0 where all slip */
+    double stuck;
+    double terms;            /* magnitude to which the rounding of the force is relative, N         */
 } aoi_friction_value;
 
-/* The force after the bodies have moved straight from the state to an indentation and a share while they slid, m. The state is only
- * read. Exact for straight paths along one line (and reversals between them); where directions turn, to the precision,
- * for springs turn exactly. by_indentation leaves out how the turning depends on the indentation. */
+/* Friction after a straight path from the state to an indentation, m, and a share, with a slide, m.
+ * The state is only read. The result is exact for paths along one line, reversals included. Where
+ * directions turn, each spring turns exactly, and the force has the precision of the curve.
+ * by_indentation leaves out how the turning depends on the indentation. */
 AOI_API void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
                               double share, const double slide[2], aoi_friction_value *value);
 
-/* Adds springs to the state where such a path would turn neighbours apart. The force is not changed. For once in a
- * step, with a guess of its end: what aoi_friction_try gives is smooth from then on. AOI_ERROR_SPRINGS without room. */
+/* Adds springs to the state where such a path turns neighbours by different angles; the force does
+ * not change. To be called once in a step, with a guess of its end: aoi_friction_try is smooth from
+ * then on. AOI_ERROR_SPRINGS without room. */
 AOI_API int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
                                 double share, const double slide[2]);
 
-/* Takes the state along that path, and leaves out springs that others stand for to the precision. AOI_ERROR_SPRINGS,
- * and the state as it was, where there is no room for the others. */
+/* Moves the state along such a path, and leaves out springs that the precision does not need.
+ * AOI_ERROR_SPRINGS, with the state unchanged, where there is no room for the others. */
 AOI_API int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
                               double share, const double slide[2]);
 
-/* The energy of the stretches, J: what is left of the work of the force over that has been dissipated. */
+/* Energy stored in the stretches, J. The rest of the work of the force has been dissipated. */
 AOI_API double aoi_friction_energy(const aoi_friction *friction, const aoi_friction_state *state);
 
 /* ----------------------------------------------------------------- what there is: the model */
 
-/* Forces on the ports of a body that run straight between times (ascending; of two equal ones the later
- * counts): at time[i] force[i][p] on port p, constant before the first and after the last. count 0: none. */
+/* Forces on the ports of a body, linear between times: at time[i] force[i][p] on port p, constant
+ * before the first time and after the last. Times ascend; of two equal ones, at a jump, the later
+ * counts. count 0: no load. */
 typedef struct aoi_load {
     size_t count;
     const double *time, *force;
@@ -394,8 +405,8 @@ typedef struct aoi_sparse {
     const double *values;   /* [start[n]]   */
 } aoi_sparse;
 
-/* A linear solver of the caller's: solve(data, x) overwrites x, n doubles, the right-hand side, with the solution,
- * and returns 0, or anything else for a failure. */
+/* A linear solver of the caller's. solve(data, x) replaces the right-hand side x, n doubles, by the
+ * solution, and returns 0, or anything else for a failure. */
 typedef struct aoi_solver {
     int (*solve)(void *data, double *x);
     void *data;
@@ -427,57 +438,68 @@ typedef struct aoi_modes {
     const double *residual;        /* [ports][ports], m/N, symmetric                 */
     const double *gravity;         /* [n]                                            */
     const double *inertia;         /* [n], energy inertia v^2 / 2; NULL: 1           */
-    const double *centre;          /* [n], displacement of the centre of mass; needed */
-    const double *centre_residual; /* [ports], the same per force, beside the modes' */
+    const double *centre;          /* [n], displacement of the centre of mass; required */
+    const double *centre_residual; /* [ports], the same per force, added */
     aoi_load load;
     const aoi_full *full;          /* NULL, or the body's matrices                   */
 } aoi_modes;
 
-/* The body that an AO model is, free of damping, gravity and loads: one port, n + 1 modes (or fewer). memory:
- * aoi_star_modes_size bytes, which the body keeps. Errors as aoi_star_check and aoi_star_to_modal. Moving as a whole
- * at V, its modes have the rates v_j = V m_st centre[j], m_st the static mass; that of a wall has V. */
+/* Makes the body of an AO model, without damping, gravity and loads: one port, n + 1 modes (or
+ * fewer). memory: aoi_star_modes_size bytes, which the body keeps. Errors as aoi_star_check and
+ * aoi_star_to_modal. Moving as a whole at V, its modes have the rates v_j = V m_st centre[j], m_st
+ * the static mass; that of a wall has V. */
 AOI_API size_t aoi_star_modes_size(const aoi_star *star);
 AOI_API int aoi_star_modes(const aoi_star *star, void *memory, aoi_modes *body);
 
-/* The body of three ports, for friction, of whose directions (normal, t1, t2) each is an AO model: what a force along one
- * does along another is left out. The centre of mass moves along the normal. memory and errors as for one; at V its modes
- * have the rates V m_st centre[j] of the first star. */
+/* Makes a body of three ports, for friction, from an AO model for each of the directions (normal,
+ * t1, t2): what a force along one does along another is left out. The centre of mass moves along
+ * the normal. memory and errors as for one; at V its modes have the rates V m_st centre[j] of the
+ * first star. */
 AOI_API size_t aoi_star_modes_of_three_size(const aoi_star star[3]);
 AOI_API int aoi_star_modes_of_three(const aoi_star star[3], void *memory, aoi_modes *body);
 
-/* A rigid body that turns: its mass, its moments of inertia about normal, t1 and t2, which are principal axes, and the
- * arm from the centre of mass to its contact. Six modes, whose rates are the velocity and the angular velocity, and three
- * ports. memory: AOI_RIGID_ROOM doubles, which the body keeps. AOI_ERROR_ARGUMENT unless all are finite, mass and moments
- * positive. */
+/* A rigid body that turns: its mass, its moments of inertia about normal, t1 and t2, which are
+ * principal axes, and the arm from the centre of mass to its contact. Six modes, whose rates are
+ * the velocity and the angular velocity, and three ports. memory: AOI_RIGID_ROOM doubles, which the
+ * body keeps. AOI_ERROR_ARGUMENT unless all are finite, mass and moments positive.
+ *
+ * The axes, which are those of both bodies of a contact, must be right-handed, t2 = normal x t1:
+ * the contact moves by velocity + angular velocity x arm. The normal points from the first body of
+ * the contact to the second. A ball of radius r has the arm (r, 0, 0) as the first, (-r, 0, 0) as
+ * the second. examples/friction.c has a contact of such a ball with friction. */
 typedef struct aoi_rigid {
     double mass, inertia[3], arm[3]; /* kg, kg m^2, m */
 } aoi_rigid;
 enum { AOI_RIGID_ROOM = 54 };
 AOI_API int aoi_rigid_modes(const aoi_rigid *rigid, double *memory, aoi_modes *body);
 
-/* A contact between ports of two bodies: indentation = u_first - u_second - gap; its force presses the first
- * back and the second forward.
+/* A contact between ports of two bodies: indentation = u_first - u_second - gap. Its force presses
+ * the first body back and the second forward.
  *
- * With friction a contact has three forces. The ports port[i], port[i] + 1 and port[i] + 2 of a body are its normal and two
- * tangents; slides are u_first - u_second along these, and friction holds the first body back and takes the second along.
- * Springs are not stretched where bodies touch; those that overlap at t = 0 have come straight from (0, 0) to their
- * indentation and slide then. */
+ * With friction a contact has three forces. The ports port[i], port[i] + 1 and port[i] + 2 of a
+ * body are its normal and two tangents, axes as for aoi_rigid; slides are u_first - u_second along
+ * the tangents, and friction holds the first body back and takes the second along. Springs are not
+ * stretched at a touch. Bodies that overlap at t = 0 are taken to have come straight from (0, 0) to
+ * their indentation and slide. */
 typedef struct aoi_contact {
     size_t body[2], port[2];
     double gap;
     const aoi_law *law;
-    const aoi_friction *friction; /* of that law; NULL: none                                                 */
-    const double *compliance;     /* [3][3] m/N, by normal and tangents: with friction, what is taken out.
-                                     [0][0] is law->compliance. NULL: that alone                             */
+    const aoi_friction *friction; /* made of that law; NULL: none                                            */
+    /* with friction, [3][3] m/N: the compliance taken out, by normal and tangents; [0][0] is
+     * law->compliance. NULL: that alone */
+    const double *compliance;
 } aoi_contact;
 
-/* Bodies and contacts: what both integrators take, and never change. The caller sets the first block, has
- * aoi_system_link fill in the second, zero before, and then changes neither. Of the arrays of all bodies, b has the modes
- * first[b] .. first[b+1]-1 and the ports first_port[b] .. first_port[b+1]-1; its contacts are contact_of[i]
- * for first_contact[b] <= i < first_contact[b+1], ascending. Of the forces of all contacts, c has first_force[c] ..
+/* Bodies and contacts, which both integrators take and never change. The caller sets the first
+ * block, has aoi_system_link fill in the second, zero before, and then changes neither. In arrays
+ * of all bodies, body b has the modes first[b] .. first[b+1]-1 and the ports first_port[b] ..
+ * first_port[b+1]-1; its contacts are contact_of[i] for first_contact[b] <= i < first_contact[b+1],
+ * ascending. In arrays of the forces of all contacts, contact c has first_force[c] ..
  * first_force[c+1]-1: one, or with friction three. */
 typedef struct aoi_system {
-    size_t body_count, contact_count, at_once; /* the last has no effect: any number of contacts may be closed at once */
+    /* at_once has no effect: any number of contacts may be closed at once */
+    size_t body_count, contact_count, at_once;
     const aoi_modes *body;
     const aoi_contact *contact;
 
@@ -495,9 +517,10 @@ AOI_API int aoi_system_link(aoi_system *system, void *memory);
 
 /* --------------------------------------------------------------------- what is seen: a record */
 
-/* A record is a matrix by rows, one column a time: four rows for each contact, or with friction eight, then for each body
- * the rows of aoi_body_row and two for each of its ports. What a law has dissipated is the work of its force less what is
- * stored, zero for a law that has neither rate nor memory; for friction likewise. */
+/* A record is a matrix by rows, with one column per time: four rows for each contact, or with
+ * friction eight, then for each body the rows of aoi_body_row and two for each of its ports. The
+ * energy that a law has dissipated is the work of its force less the energy stored, zero for a law
+ * that has neither rate nor memory; for friction likewise. */
 enum aoi_contact_row {
     AOI_CONTACT_FORCE = 0,   /* N                */
     AOI_CONTACT_INDENTATION, /* m                */
@@ -505,7 +528,7 @@ enum aoi_contact_row {
     AOI_CONTACT_DISSIPATED,  /* J                */
     AOI_CONTACT_ROWS,
     /* With friction, always written: */
-    AOI_CONTACT_TANGENTIAL = AOI_CONTACT_ROWS, /* N, two: along the tangents                        */
+    AOI_CONTACT_TANGENTIAL = AOI_CONTACT_ROWS, /* N, two rows: along the tangents                   */
     AOI_CONTACT_FRICTION = AOI_CONTACT_TANGENTIAL + 2, /* J, dissipated since the start              */
     AOI_CONTACT_STUCK, /* share of the indentation within which springs stick: 0 where all slip      */
     AOI_FRICTION_ROWS
@@ -515,26 +538,27 @@ enum aoi_body_row {
     AOI_BODY_CENTRE_VELOCITY, /* m/s                                            */
     AOI_BODY_KINETIC,         /* J                                              */
     AOI_BODY_ELASTIC,         /* J                                              */
-    AOI_BODY_DISSIPATED,      /* J, what damping has taken since the start      */
-    AOI_BODY_WORK,            /* J, of loads and gravity since the start        */
+    AOI_BODY_DISSIPATED,      /* J, by damping since the start                  */
+    AOI_BODY_WORK,            /* J, by loads and gravity since the start        */
     AOI_BODY_ROWS,            /* then displacement and velocity of each port    */
     AOI_PORT_ROWS = 2
 };
 
-/* Rows of a linked system's record; the first row of a contact, and of a body. */
+/* Number of rows of a linked system's record; the first row of a contact, and of a body. */
 AOI_API size_t aoi_record_rows(const aoi_system *system);
 AOI_API size_t aoi_record_contact(const aoi_system *system, size_t contact);
 AOI_API size_t aoi_record_body(const aoi_system *system, size_t body);
 
 /* ------------------------------------------------------------------------- how a run begins */
 
-/* The bodies at t = 0. Copied by the run.
+/* State of the bodies at t = 0. Copied by the run.
  *   x, v         [first[body_count]]: coordinates of all bodies and their rates; NULL: zero
- *   rested       1: the bodies have come to rest under loads and contacts; 0: those set in at t = 0. Matters with a
- *                residual compliance only, which deflects at once
- *   force        [first_force[contact_count]], for Newmark's rule: the contact forces just after t = 0, N; NULL: those that the laws
- *                give at x and v. With loads they deflect a residual compliance, which is undeflected without them;
- *                an adaptive run finds them itself
+ *   rested       1: the bodies have come to rest under loads and contacts; 0: those set in at t = 0.
+ *                Matters with a residual compliance only, which deflects at once
+ *   force        [first_force[contact_count]], for Newmark's rule: the contact forces just after
+ *                t = 0, N; NULL: those that the laws give at x and v. With loads they deflect a
+ *                residual compliance, which is undeflected without them; an adaptive run finds them
+ *                itself
  *   force_rate   as force: their rates, N/s; NULL: zero */
 typedef struct aoi_start {
     const double *x, *v;
@@ -544,12 +568,13 @@ typedef struct aoi_start {
 
 /* ------------------------------------------------- fixed steps: Newmark's rule, section 3.1 */
 
-/* dt > 0, beta > 0, gamma >= 1/2; beta = 1/4, gamma = 1/2 is the average-acceleration rule. */
+/* Parameters of Newmark's rule: dt > 0, beta > 0, gamma >= 1/2. beta = 1/4, gamma = 1/2 is the
+ * average-acceleration rule. */
 typedef struct aoi_rule {
     double dt, beta, gamma;
 } aoi_rule;
 
-/* A run in steps of dt. It lies in memory of the caller, aoi_newmark_size bytes, aligned as by malloc. */
+/* A run in steps of dt, in memory of the caller: aoi_newmark_size bytes, aligned as by malloc. */
 typedef struct aoi_newmark aoi_newmark;
 AOI_API size_t aoi_newmark_size(const aoi_system *system); /* linked */
 
@@ -563,14 +588,16 @@ AOI_API size_t aoi_newmark_size(const aoi_system *system); /* linked */
 AOI_API int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule *rule,
                               const aoi_start *start, int energies, double *record, size_t columns);
 
-/* Goes on to column last (< columns), at last dt. done gets the last column written; on an error that is the
- * step before the one that failed. AOI_ERROR_ARGUMENT if there is no such column, AOI_ERROR_LAW where a law gives
- * no number, AOI_ERROR_PATCH where a contact goes deeper than its law holds. A run that has failed is over. */
+/* Advances to column `last` (< columns), at the time last dt. done: the last column written; on an
+ * error that is the step before the one that failed. AOI_ERROR_ARGUMENT if there is no such column,
+ * AOI_ERROR_LAW where a law gives no number, AOI_ERROR_PATCH where a contact goes deeper than its
+ * law holds. A run that has failed is over. */
 AOI_API int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done);
 
-/* Where a run is: the time, how many steps were made or tried in vain, the contact in which AOI_ERROR_PATCH, AOI_ERROR_LAW
- * or AOI_ERROR_SPRINGS occurred (SIZE_MAX: none, or not known), and the coordinates of all bodies and their rates. An
- * adaptive run's are those at that time only once it is the end. */
+/* State of a run: the time; how many steps were made, or rejected; the contact in which
+ * AOI_ERROR_PATCH, AOI_ERROR_LAW or AOI_ERROR_SPRINGS occurred (SIZE_MAX: none, or not known); the
+ * coordinates of all bodies and their rates. Those of an adaptive run hold at that time only once
+ * it is the end. */
 typedef struct aoi_progress {
     double time;
     size_t steps, rejected, failed;
@@ -580,20 +607,20 @@ AOI_API aoi_progress aoi_newmark_progress(const aoi_newmark *run);
 
 /* ------------------------------------------------------------ a tolerance instead of a step */
 
-/* What an adaptive run writes, for aoi_sampler and aoi_track_intervals to read: rows of values, a step of
- * contact each, or a moment from which bodies move freely. The caller sets the first block: room for capacity
- * values and row_capacity rows; and used and rows to zero. */
+/* Output of an adaptive run, to be read by aoi_sampler and aoi_track_intervals: rows of values,
+ * each a step of contact, or a moment from which bodies move freely. The caller sets the first
+ * block: room for capacity values and row_capacity rows; and used and rows to zero. */
 typedef struct aoi_track {
     double *values;
-    size_t *row; /* where each begins */
+    size_t *row; /* index at which each row begins */
     size_t capacity, row_capacity;
 
     size_t used, rows;
 } aoi_track;
 
-/* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities. It lies in memory
- * of the caller, aoi_adaptive_size bytes, aligned as by malloc. Bodies that overlap at the start are in
- * contact from the start. What a step costs depends on the bodies that take part in it only. */
+/* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities, in memory of
+ * the caller: aoi_adaptive_size bytes, aligned as by malloc. Bodies that overlap at the start are in
+ * contact from the start. The cost of a step depends only on the bodies that take part in it. */
 typedef struct aoi_adaptive aoi_adaptive;
 AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* linked */
 
@@ -602,30 +629,32 @@ AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* linked */
  *   start   copied
  *   rtol    in (0, 1); below some 1e-13 it is lost in rounding
  *   end     s, > 0
- * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_FRICTION for friction of a damped law or beside a residual compliance,
- * AOI_ERROR_NOT_FINITE for x, v. */
+ * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_FRICTION for friction of a damped
+ * law or beside a residual compliance, AOI_ERROR_NOT_FINITE for x, v. */
 AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start,
                                double rtol, double end);
 
-/* Goes on until its end, or until the track has no room for a row, or a touch takes more than some 0.1 s to find. If
- * progress.time < end, enlarge the track if it is full and call again. AOI_ERROR_TOLERANCE where even the shortest step
- * does not meet rtol; AOI_ERROR_LAW where that is because a law gives no number, and it has a note; AOI_ERROR_PATCH
- * where contact goes deeper than the law holds; AOI_ERROR_SPRINGS. A run that has failed is over. */
+/* Advances a run to its end, or until the track has no room for a row, or a touch takes more than
+ * some 0.1 s to find. If progress.time < end, enlarge the track if it is full and call again.
+ * AOI_ERROR_TOLERANCE where even the shortest step does not meet rtol; AOI_ERROR_LAW where that is
+ * because a law gives no number, and it has a note; AOI_ERROR_PATCH where contact goes deeper than
+ * the law holds; AOI_ERROR_SPRINGS. A run that has failed is over. */
 AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
 
-/* Values that the track must have free for any row of a run of a linked system. */
+/* Number of values that the track must have free for any row of a run of a linked system. */
 AOI_API size_t aoi_adaptive_room(const aoi_system *system);
 
-/* Makes a track, of no capacity at first, twice as large by resize, which is realloc or like it; room: aoi_adaptive_room.
- * AOI_ERROR_TOO_LONG where that gives NULL: what the track has stays. values and row are the caller's to free. */
+/* Makes a track twice as large, or a first time if it has no capacity, by resize, which is realloc
+ * or like it; room: aoi_adaptive_room. AOI_ERROR_TOO_LONG where that gives NULL: what the track has
+ * stays. values and row are the caller's to free. */
 AOI_API int aoi_track_grow(aoi_track *track, size_t room, void *(*resize)(void *memory, size_t bytes));
 
-/* The same to its end: AOI_ERROR_TOO_LONG where the track has no room for it. */
+/* As aoi_adaptive_run, to the end of the run; AOI_ERROR_TOO_LONG where the track has no room for it. */
 AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);
 
 AOI_API aoi_progress aoi_adaptive_progress(const aoi_adaptive *run);
 
-/* What a run has seen of a contact so far: the largest force, when, and the integral of the force. */
+/* A contact of a run so far: its largest force, N, when, s, and the integral of the force, N s. */
 typedef struct aoi_peak {
     double force, time, impulse;
 } aoi_peak;
@@ -633,22 +662,26 @@ AOI_API aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact);
 
 /* ----------------------------------------------------------------------------- dense output */
 
-/* AOI_ERROR_ARGUMENT for a track that cannot be read: it is not whole, names what is not in the system, has contacts in a
- * row of no length, or rows that go back in time. For tracks from a file; one that a run has written need not be checked. */
+/* Checks a track, such as one from a file; one that a run has written need not be checked.
+ * AOI_ERROR_ARGUMENT for one that cannot be read: it is incomplete, refers to what is not in the
+ * system, has contacts in a row of no length, or rows that go back in time. */
 AOI_API int aoi_track_check(const aoi_system *system, const aoi_track *track);
 
-/* A track read at any times. It lies in memory of the caller, aoi_sampler_size bytes, aligned as by malloc. */
+/* A reader of a track at any times, in memory of the caller: aoi_sampler_size bytes, aligned as by
+ * malloc. */
 typedef struct aoi_sampler aoi_sampler;
 AOI_API size_t aoi_sampler_size(const aoi_system *system); /* linked */
 
-/* To the beginning of a track, which it keeps; one that a run of this system has written, or that aoi_track_check has
- * passed. AOI_ERROR_ARGUMENT for one that does not start with all bodies. */
+/* Sets a sampler to the beginning of a track, which it keeps: one that a run of this system has
+ * written, or that aoi_track_check has passed. AOI_ERROR_ARGUMENT for one that does not start with
+ * all bodies. */
 AOI_API int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track);
 
-/* The next three take times that ascend from one call to the next. Evenly spaced times cost least in free motion; there
- * a state agrees with one asked for alone to 1e-14 of each mode's amplitude, elsewhere to the last bit.
+/* The next three functions take times that ascend from one call to the next. Evenly spaced times
+ * cost least in free motion; there a state agrees with one asked for alone to 1e-14 of each mode's
+ * amplitude, elsewhere to the last bit.
  *
- * The column of a record.
+ * Writes a column of the record.
  *   time      s
  *   energies  0: their rows are not written
  * Out:
@@ -656,17 +689,20 @@ AOI_API int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, co
 AOI_API void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
                                 size_t stride);
 
-/* The contact forces, N: that of contact c goes to force[c * stride]. Much cheaper than a column: no body is moved. */
+/* Writes the contact forces, N: that of contact c goes to force[c * stride]. Much cheaper than a
+ * column: no body is moved. */
 AOI_API void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t stride);
 
-/* The coordinates of one body.
- * Out:
+/* Writes the coordinates of one body. Out:
  *   state  2 n: x, then v */
 AOI_API void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
 
-/* A contact from its beginning to its end, s, or to that of the record (lasts); the impulse of its force, N s;
- * the rate at which it began, before its force changed that, m/s; the deepest indentation at the end of a step of it,
- * m; and its pace: that rate times how long it lasted over that indentation, 0 where it went no deeper than 0. */
+/* A contact interval.
+ *   start, end  s; lasts 1: the record ends in this contact
+ *   impulse     of its force, N s
+ *   rate        at which it began, before its force changed that, m/s
+ *   deepest     largest indentation at the end of one of its steps, m
+ *   pace        rate (end - start)/deepest; 0 where deepest is not above 0 */
 typedef struct aoi_interval {
     size_t contact;
     double start, end, impulse, rate, deepest, pace;
@@ -678,16 +714,17 @@ typedef struct aoi_interval {
 AOI_API size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, double end,
                                    aoi_interval *work, size_t capacity, aoi_interval *interval);
 
-/* From a time on, s, all springs of a contact slip, or some stick: up to the next such of the contact, or its end. */
+/* A phase of a contact with friction: from `time`, s, to the next one of this contact or its end,
+ * all springs slip (slips 1), or some stick (0). */
 typedef struct aoi_slip {
     size_t contact;
     double time;
     int slips;
 } aoi_slip;
 
-/* Slip of the contacts with friction of a track, by time: one at the start of each row, which may say what the one before
- * has said, and one at each change, as exact as the motion. Writes the first `capacity` of them, and returns how many
- * there are. */
+/* The phases of slip of a track's contacts with friction, by time: one at the start of each row,
+ * which may repeat the one before, and one at each change, as exact as the motion. Writes the first
+ * `capacity` of them, and returns how many there are. */
 AOI_API size_t aoi_track_slips(const aoi_system *system, const aoi_track *track, size_t capacity, aoi_slip *slip);
 
 #ifdef __cplusplus
