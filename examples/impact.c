@@ -31,7 +31,8 @@ static void agree(int holds, const char *what)
     }
 }
 
-/* Steel, 1 m x 50 mm x 20 mm, pinned at both ends; bending modes at midspan: every other one is zero there. */
+/* A beam of steel, 1 m x 50 mm x 20 mm, pinned at both ends, by its bending modes at midspan; every
+ * second mode is zero there and left out. */
 static void make_beam(double *omega, double *shape, double *centre, aoi_modes *beam)
 {
     const double pi = acos(-1.0), length = 1.0, area = 0.05 * 0.02, inertia = 0.05 * 0.02 * 0.02 * 0.02 / 12.0;
@@ -46,7 +47,8 @@ static void make_beam(double *omega, double *shape, double *centre, aoi_modes *b
     *beam = (aoi_modes){.n = MODES, .ports = 1, .omega = omega, .shape = shape, .push = shape, .centre = centre};
 }
 
-/* To a tolerance: numbers of the contact, and the motion at some times. */
+/* Runs to a tolerance, and prints the motion at some times. peak: force, N; duration: of the
+ * contact, s; rebound: velocity of the ball away from the body over SPEED. */
 static void run_adaptive(const aoi_system *system, const aoi_start *start, double end, double *peak,
                          double *duration, double *rebound)
 {
@@ -74,7 +76,7 @@ static void run_adaptive(const aoi_system *system, const aoi_start *start, doubl
     free(run), free(sampler), free(track.values), free(track.row), free(column);
 }
 
-/* In fixed steps: the largest force of the record. */
+/* Runs in fixed steps, and returns the largest force of the record, N. */
 static double run_newmark(const aoi_system *system, const aoi_start *start, double end, size_t steps)
 {
     const aoi_rule rule = {end / (double)steps, 0.25, 0.5};
@@ -90,7 +92,8 @@ static double run_newmark(const aoi_system *system, const aoi_start *start, doub
     return peak;
 }
 
-/* The ball against a body, both ways; what the contact force comes to. */
+/* Runs a ball against a body by both integrators; peak, duration and rebound as for
+ * run_adaptive. */
 static void strike(const char *what, const aoi_modes *ball, const aoi_modes *target, const aoi_law *law,
                    double *peak, double *duration, double *rebound)
 {
@@ -110,9 +113,10 @@ static void strike(const char *what, const aoi_modes *ball, const aoi_modes *tar
     free(links);
 }
 
-/* The AO model of the struck end of a steel rod, 0.2 m x 1 cm^2, held at the other: DOFS springs and lumped masses, the
- * struck end last. Its constraint modes are closed forms: the end's static mode is a straight line, and with the end held
- * the others are sines. m and k have room for DOFS; stiffness and mass are the struck end's entries of K and M. */
+/* The AO model of the struck end of a steel rod, 0.2 m x 1 cm^2, held at the other end: DOFS
+ * springs and lumped masses, of which the struck end is the last. Its constraint modes are closed
+ * forms: the static mode is a straight line, and with the struck end held the other modes are
+ * sines. m and k have room for DOFS; stiffness and mass are the struck end's entries of K and M. */
 static void make_rod(aoi_star *star, double *m, double *k, double *stiffness, double *mass)
 {
     enum { N = DOFS - 1 }; /* the end does not move in a constraint mode */

@@ -1,4 +1,4 @@
-/* All contacts over one step, by collocation. */
+/* Contact forces of one step, of all contacts, by collocation. */
 #ifndef AOI_COLLOCATION_COLLOCATION_H
 #define AOI_COLLOCATION_COLLOCATION_H
 
@@ -10,7 +10,7 @@
 /* Changes of an indentation by this share of its scale are rounding. */
 #define AOI_COLLOCATION_ROUNDING 1e-12
 
-/* In place of a law's piece, a slack contact: its bodies overlap, but the law's force is cut at zero. */
+/* Piece of a slack contact: its bodies overlap, but the law's force is cut at zero. */
 enum { AOI_SLACK = -1 };
 
 /* Edge: the end of a step at which a contact's force begins or ends, like t^(3/2). A polynomial through the force at
@@ -19,12 +19,18 @@ enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
 
 typedef struct aoi_sliding aoi_sliding; /* sliding.h */
 
-/* One contact during a step, or with friction one of three entries in a row, of its normal and two tangents: their
- * indentation is then the slide of the bodies since the touch. The caller sets the first block: the piece of the law and
- * its memory; which edge of the contact the step has; indentation, rate and force at the start of the step; the scale of
- * the indentation; a constant force, the motion under the constant forces of all contacts, and a guess of the indentation and its rate. At a
- * massless contact point the constant is the force at the start: rates then follow from changes of forces within the
- * step without loss of digits, however short it is. */
+/* A contact during a step; with friction one of three entries in a row, of its normal and two
+ * tangents, whose indentation is then the slide of the bodies since the touch. The caller sets the
+ * first block:
+ *   memory, piece                   of the law
+ *   edge                            of the contact that the step has
+ *   start, start_rate, start_force  indentation, rate and force at the start of the step
+ *   scale                           of the indentation
+ *   constant                        a constant force; at a massless contact point the force at the
+ *                                   start: rates then follow from changes of forces within the step
+ *                                   without loss of digits, however short it is
+ *   homogeneous, homogeneous_rate   motion under the constant forces of all contacts
+ *   indentation, rate               a guess; in the end the solution */
 typedef struct aoi_contact_step {
     size_t contact, axis;  /* 0, or 1 and 2 along the tangents */
     aoi_sliding *sliding;  /* NULL: without friction           */
@@ -40,13 +46,13 @@ typedef struct aoi_contact_step {
     double legendre[AOI_NODES + 1]; /* of the indentation */
 } aoi_contact_step;
 
-/* Doubles of work space of aoi_collocation_solve for count entries of which those that share a body
- * are at most span places apart. */
+/* Number of doubles of work space of aoi_collocation_solve for count entries of which those that
+ * share a body are at most span places apart. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
-/* True if steps of a system's contacts cost less by the modes of its bodies, which then have their influences AOI_BY_MODES,
- * and the work space that this takes instead. It counts multiplications, with all contacts closed: of elimination, and of
- * the most iterations. */
+/* True if steps of a system's contacts cost less by the modes of its bodies (crowd.c), with
+ * influences AOI_BY_MODES. It compares multiplications, with all contacts closed: of elimination,
+ * and of the most iterations. aoi_crowd_size: the work space that this takes instead. */
 int aoi_crowd_pays(const aoi_system *system);
 size_t aoi_crowd_size(const aoi_system *system);
 
@@ -57,10 +63,11 @@ const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *w
 /* True if rates are needed: a law of these contacts depends on them, or on their change of sign. */
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 
-/* Solves F = law(indentation, rate), and friction, of all contacts together by Newton's method, to rounding of each one's
- * scale: F at all nodes, or, at an edge (of bodies without residual compliance), the polynomial nearest to
- * the law's force. indentation, rate: a guess in, the solution out; homogeneous as set. response: by
- * body. AOI_ERROR_NO_CONVERGENCE where the guess is too far from the solution: take a shorter step. */
+/* Solves F = law(indentation, rate), and friction, for all contacts together by Newton's method, to
+ * rounding of each one's scale: F at all nodes, or, at an edge (of bodies without residual
+ * compliance), the polynomial nearest to the law's force. indentation, rate: a guess in, the
+ * solution out. response: by body. AOI_ERROR_NO_CONVERGENCE where the guess is too far from the
+ * solution: take a shorter step. */
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work);
 
@@ -79,13 +86,15 @@ static inline size_t aoi_edge_checks(enum aoi_edge edge)
     return edge == AOI_EDGE_NONE ? AOI_NODES : AOI_EDGE_CHECKS;
 }
 
-/* The least-squares polynomial, at the nodes, of values at the quadrature points of an edge; in place, too. */
+/* The least-squares polynomial, at the nodes, of values at the quadrature points of an edge; nodes
+ * may be points. */
 static inline void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
 {
     aoi_nodes_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
 }
 
-/* int F dt over the step; and int F d(indentation) over its part up to a place, F at the nodes of that part. */
+/* Impulse, int F dt over the step; and work, int F d(indentation) over its part up to a place, with
+ * F at the nodes of that part. */
 double aoi_collocation_impulse(const aoi_contact_step *entry, double h);
 double aoi_collocation_work(const double *legendre, const double *force, double place);
 

@@ -18,7 +18,7 @@
 
 enum { SQUARE = AOI_NODES * AOI_NODES };
 
-/* Vectors of GMRES: room for eight modes that contacts make stiff, each with its nodes. */
+/* Largest number of GMRES vectors: enough for eight modes that contacts make stiff, at each node. */
 enum { VECTORS = 8 * AOI_NODES };
 
 /* Arrays of two kinds: of indentations, and, where they are needed, of rates. */
@@ -32,8 +32,8 @@ typedef struct crowd {
     double *pushed, *used, *moved[2];    /* forces on the modes of all bodies at the nodes; 1: a body has some; how
                                             the modes move under them                                              */
     double *own[2], *inverse;            /* influence of a force on its own place; of a block                      */
-    double *stiffness, *damping;         /* of all entries at the nodes, as the rest                               */
-    double *effect[2], *right;           /* of forces, and the right-hand side or the solution                     */
+    double *stiffness, *damping;         /* slopes of the laws, of all entries at the nodes                        */
+    double *effect[2], *right;           /* effect of forces; right-hand side, then solution                       */
     double *basis, *triangle;            /* of GMRES: vectors, and by columns its triangle                         */
 } crowd;
 
@@ -82,7 +82,7 @@ const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *w
 
 /* Body, shape and push of an entry at one side. */
 typedef struct touched {
-    size_t body, n, first; /* its number, modes and the first of these */
+    size_t body, n, first; /* numbers of the body, of its modes, and of the first mode */
     const double *shape, *push;
     double sign;
 } touched;
@@ -121,7 +121,7 @@ static void find_own(const crowd *of)
     }
 }
 
-/* The motion of a body's modes under the forces on them. */
+/* Finds the motion of a body's modes under the forces on them. */
 static void move(const crowd *of, const touched *at)
 {
     for (size_t j = 0; j < at->n; j++) {
@@ -133,7 +133,7 @@ static void move(const crowd *of, const touched *at)
     of->used[at->body] = 0.0;
 }
 
-/* Forces on the modes of all bodies. */
+/* Sums the contact forces on the modes of all bodies. */
 static void push(const crowd *of, const double *force)
 {
     for (size_t i = 0; i < 2 * of->count; i++) {
@@ -163,7 +163,7 @@ static void bend(const crowd *of, const double *force)
     }
 }
 
-/* By how much forces lower all indentations, and rates. */
+/* Finds by how much forces lower all indentations and rates. */
 static void find_effect(const crowd *of, const double *force)
 {
     push(of, force);
@@ -208,8 +208,8 @@ static void multiply(const crowd *of, const double *x, double *y)
     }
 }
 
-/* Takes column k of Hessenberg's matrix, its last element below the triangle, into the triangle by rotations, and the
- * right-hand side along. Returns the size of what is left of that. */
+/* Reduces column k of the Hessenberg matrix, whose last element is `below`, to the triangle by
+ * Givens rotations, and rotates the right-hand side likewise. Returns the size of the residual. */
 static double rotate(size_t k, double *column, double below, double (*turn)[2], double *right)
 {
     for (size_t i = 0; i < k; i++) {
@@ -226,7 +226,8 @@ static double rotate(size_t k, double *column, double below, double (*turn)[2], 
     return fabs(right[k + 1]);
 }
 
-/* GMRES: from the right-hand side to the solution, with a residual of that share of it, or what VECTORS give. */
+/* GMRES: replaces the right-hand side by the solution, with a residual of that share of it, or of
+ * what VECTORS iterations leave. */
 static void iterate(const crowd *of, double share)
 {
     const size_t rows = of->count * AOI_NODES;
@@ -259,7 +260,8 @@ static void iterate(const crowd *of, double share)
     }
 }
 
-/* The right-hand sides, the slopes of the laws and the inverses of the blocks. Returns 0 where friction finds no forces. */
+/* Sets the right-hand sides, the slopes of the laws and the inverses of the blocks. Returns 0 where
+ * friction finds no forces. */
 static int set_equations(const crowd *of, const aoi_newton *newton)
 {
     for (size_t s = 0; s < of->count; s++) {

@@ -23,7 +23,8 @@ size_t aoi_collocation_size(size_t count, size_t span)
     return aoi_plus(aoi_times(aoi_times(count, 2 * span + 1), 2 * SQUARE), aoi_times(rows, width));
 }
 
-/* Adds what the force of another entry does to one (with a minus sign) by way of the bodies they share. */
+/* Adds the influence of another entry's force on the indentation and rate of one, with a minus
+ * sign, through the bodies that they share. */
 static void add_coupling(const aoi_system *system, const aoi_response *response, double h,
                          const aoi_contact_step *one, const aoi_contact_step *other, double *displacement, double *rate)
 {
@@ -106,14 +107,15 @@ typedef struct equations {
     double *right;         /* and the solution                         */
 } equations;
 
-/* In work space behind the couplings. */
+/* Lays out the equations in the work space behind the couplings. */
 static equations lay_out(size_t count, size_t span, double *work)
 {
     const size_t n = count * AOI_NODES, half = AOI_NODES * (span + 1) - 1;
     return (equations){n, half, 2 * half, work, work + half, work + n * (2 * half + 1)};
 }
 
-/* Rows of a contact, or of one of the three entries of one with friction: its force depends on all three places. */
+/* Sets the rows of a contact, or of one of the three entries of one with friction, whose force
+ * depends on all three places. */
 static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t s, const aoi_law_values *law,
                      const equations *to)
 {
@@ -135,7 +137,8 @@ static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t 
     }
 }
 
-/* The right-hand sides, and the matrix if it is to be renewed. Returns 0 where friction finds no forces. */
+/* Sets the right-hand sides, and the matrix if it is to be renewed. Returns 0 where friction finds
+ * no forces. */
 static int set_equations(const aoi_system *system, const couplings *of, const aoi_contact_step *entry,
                           const aoi_newton *newton, const equations *to)
 {
@@ -169,8 +172,8 @@ static void effect_of(const couplings *of, const double *values, size_t s, const
     }
 }
 
-/* From changes of the forces (the first: from the constant ones) to those of indentations and rates. Returns the
- * largest relative to scale. */
+/* Applies changes of the forces (the first: from the constant ones) to indentations and rates.
+ * Returns the largest change of an indentation relative to its scale. */
 static double update(const couplings *of, const double *by, int first, aoi_contact_step *entry)
 {
     double largest = 0.0, answer[AOI_NODES], rate_answer[AOI_NODES];
@@ -247,8 +250,8 @@ static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, doubl
     }
 }
 
-/* The errors by these differences: what is left of a step at such a point is as long as the way to a node, or to the point of
- * the other edge. */
+/* Adds the errors by these differences. The time left in the step at such a point is that up to a
+ * node, or to the point of the other edge, where the response to an impulse is known. */
 static void add_errors(const aoi_contact_step *entry, double h, const double *beyond, const double *answer,
                        aoi_collocation_error *error)
 {

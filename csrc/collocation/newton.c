@@ -12,11 +12,13 @@
 
 enum { MOST_ITERATIONS = 25 };
 
-/* The two paths of friction differ little, and their difference changes less: after a smaller change it is kept. */
+/* Change of the iteration below which the difference between friction's two paths is kept: they
+ * differ little, and their difference changes less. */
 static const double FAR_OFF = 1e-2;
 
-/* With the matrix of the change before, the error falls by twice the ratio of the last changes: the next change would
- * be half a rounding. Measured: a third costs 1.1 % more work, three times as much 0.4 %. */
+/* Predicted next change at which the iteration ends. With the matrix of the change before, the
+ * error falls by twice the ratio of the last changes: this is half a rounding. Measured: a third
+ * costs 1.1 % more work, three times as much 0.4 %. */
 static const double NEXT_CHANGE = 5e-17;
 
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry)
@@ -116,7 +118,7 @@ static void add_lack(const aoi_contact_step *entry, const double *aim, const dou
     }
 }
 
-/* The right-hand side of the first iteration in place of the law's force, or of later ones. */
+/* Replaces the law's force by the right-hand side of the first iteration, or of a later one. */
 static void aim(const aoi_contact_step *entry, int first, int with_rates, aoi_law_values *law)
 {
     for (size_t r = 0, axes = entry->sliding ? 3 : 1; first && r < axes; r++) { /* friction depends on all three places */
@@ -135,8 +137,8 @@ static void aim(const aoi_contact_step *entry, int first, int with_rates, aoi_la
     }
 }
 
-/* 1 if the iteration is near enough for the difference of two paths of friction to be found, and not so near that it
- * has been. */
+/* 1 if the difference of friction's two paths is to be found: the iteration is near enough for
+ * that, and not so near that it has been. */
 static int nears(const aoi_newton *newton)
 {
     return newton->iteration == 1 || (newton->iteration > 1 && newton->before > FAR_OFF);

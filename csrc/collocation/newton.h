@@ -15,16 +15,16 @@ typedef struct aoi_newton {
     int renew;     /* the matrix is to be recomputed */
     double before; /* the last change */
     double enough; /* change at which it has converged */
-    int slides;    /* with friction */
+    int slides;    /* 1: an entry has friction */
 } aoi_newton;
 
-/* The matrix is kept as long as a change is smaller than the one before by this: to make and invert it anew costs
- * about three iterations with the old one, each of which gains more than a digit. Measured: 0.017 costs 0.3 % more
- * work, 0.15 costs 0.1 %. */
+/* Ratio of a change to the one before below which the matrix is kept: to make and invert it anew
+ * costs about three iterations with the old one, each of which gains more than a digit. Measured:
+ * 0.017 costs 0.3 % more work, 0.15 costs 0.1 %. */
 #define AOI_NEWTON_KEPT 0.05
 
-/* The beginning of an iteration. It has converged at this change of the indentation relative to its scale, or at
- * AOI_COLLOCATION_ROUNDING where changes no longer shrink. */
+/* Starts an iteration. It has converged at a change `enough` of the indentation relative to its
+ * scale, or at AOI_COLLOCATION_ROUNDING where changes no longer shrink. */
 aoi_newton aoi_newton_begin(size_t count, const aoi_contact_step *entry);
 
 /* Notes a change of the indentation, relative to its scale. Returns whether the iteration has converged. */
@@ -33,10 +33,12 @@ int aoi_newton_done(aoi_newton *newton, double change);
 /* True if the iteration can still converge. */
 int aoi_newton_goes_on(const aoi_newton *newton, double change);
 
-/* A column of a coupling, times a derivative of the law at the points where that is evaluated. */
+/* Multiplies a column of a coupling by a derivative of the law (by), at the points where the law is
+ * evaluated. */
 void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *column, double *to);
 
-/* The right-hand side of an iteration in place of the law's force, and its slopes. 0 where friction finds no forces. */
+/* Sets the force in `law` to the right-hand side of an iteration, and the slopes to the law's.
+ * Returns 0 where friction finds no forces. */
 int aoi_newton_law(const aoi_system *system, const aoi_newton *newton, const aoi_contact_step *entry, int with_rates,
                    aoi_law_values *law);
 
@@ -48,8 +50,9 @@ void aoi_newton_add_residual(double residual, double h, double *displacement, do
 void aoi_newton_invert(enum aoi_edge edge, const double *stiffness, const double *damping, const double *displacement,
                        const double *rate, double *inverse);
 
-/* Takes a change of a contact's force (the first: from the constant one), and by how much that of all contacts lowers its
- * indentation and rate (or NULL). Returns the largest change of the indentation relative to its scale, or `largest`. */
+/* Applies a change `by` of a contact's force (the first: from the constant one), and the decrease
+ * of its indentation and rate (or NULL) by the changes of all contacts. Returns the largest change
+ * of the indentation relative to its scale, or `largest`. */
 static inline double aoi_newton_take(aoi_contact_step *entry, int first, const double *by, const double *answer,
                                      const double *rate_answer, double largest)
 {
@@ -71,7 +74,7 @@ static inline double aoi_newton_take(aoi_contact_step *entry, int first, const d
 int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry);
 
-/* The same where aoi_crowd_pays. */
+/* aoi_collocation_solve where aoi_crowd_pays. */
 int aoi_crowd_solve(const aoi_system *system, const aoi_response *response, double h, size_t count,
                     aoi_contact_step *entry, double *work);
 

@@ -7,11 +7,12 @@
 #include <math.h>
 #include <string.h>
 
-/* Shares of a step: half of the way on which springs that slip are seen to stick, and the error of a change's place. */
+/* As shares of a step: half of the distance over which slipping springs are tested for sticking,
+ * and the tolerance of a change's place. */
 static const double SHORT_WAY = 1e-5, CHANGE_WIDTH = 1e-9;
 
-/* Places of a step, ascending, and the number of each: of the points where forces are found below AOI_NODES, then of those
- * where they are compared, or NO_POINT. */
+/* Places of a step at which paths stop, ascending, and the number of each: below AOI_NODES for
+ * points where forces are found, then for points where they are compared, or NO_POINT. */
 enum { MOST_POINTS = AOI_NODES + AOI_EDGE_CHECKS, NO_POINT = MOST_POINTS, MOST_STOPS = MOST_POINTS + 4 };
 typedef struct stops {
     size_t count, at[MOST_STOPS];
@@ -49,7 +50,7 @@ static void add_stop(stops *of, double place, size_t number)
     of->at[i] = number;
 }
 
-/* The direction in which friction acts at the start of a step; of one that begins with a touch, in which it slides. */
+/* Direction of friction at the start of a step, or of the slide, if the step begins with a touch. */
 static void direction_of(const aoi_sliding *of, const motion *along, double n[2])
 {
     const double *force = of->path[1].force;
@@ -62,9 +63,9 @@ static void direction_of(const aoi_sliding *of, const motion *along, double n[2]
     n[1] /= size > 0.0 ? size : 1.0;
 }
 
-/* The nodes, or the points of an edge; and where springs begin or cease to slip. A spring of depth x does where the
- * slide along its stretch passes an extreme beyond that of the bound, mu/ratio (d - x): with all others, where their
- * difference or sum has one. */
+/* Stops at the nodes, or the points of an edge, and where springs begin or cease to slip. All
+ * springs do so at once where the slide in the direction of friction, plus or minus mu/ratio times
+ * the indentation, has an extreme. */
 static stops stops_of(const aoi_sliding *of, enum aoi_edge edge, const motion *along)
 {
     stops made = {.count = 0};
@@ -96,7 +97,7 @@ static void copy_path(const aoi_slide_path *from, aoi_slide_path *to)
     to->springs.spare = spare;
 }
 
-/* Results of a straight path to a place of the bodies. */
+/* Finds the forces after a straight path to a place of the bodies, without moving the path. */
 static int look(const aoi_sliding *of, const double place[3], const aoi_slide_path *path, aoi_oblique_solution *found)
 {
     aoi_oblique_equation equation = {.rate_free = 0.0}; /* the law is elastic */
@@ -107,7 +108,7 @@ static int look(const aoi_sliding *of, const double place[3], const aoi_slide_pa
     return aoi_rub_solve(&of->rub, &path->springs, &equation, found);
 }
 
-/* Takes a path there. */
+/* Moves a path to a place of the bodies, and finds the forces there. */
 static int go(const aoi_sliding *of, const double place[3], aoi_slide_path *path, aoi_oblique_solution *found)
 {
     int status = look(of, place, path, found);
@@ -135,9 +136,10 @@ static void bodies_at(const motion *along, double at, double place[3])
     }
 }
 
-/* 1 if all springs slip at a place of the step, when a path goes there from where it is; it only lends its spare springs.
- * Springs that stick tell by their stretch. Those that slip stick at once if the slide does not keep up with the bound:
- * that is seen of a short way about the place. */
+/* 1 if all springs slip at a place of the step, when a path goes there from `from`, of which only
+ * the spare springs are overwritten. Springs that stick show it by their stretch. Slipping springs
+ * all stick at once if the slide does not keep up with the bound, which shows over a short distance
+ * about the place. */
 static int slips_at(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double at, int slipped)
 {
     aoi_slide_path path = *from;
@@ -153,7 +155,8 @@ static int slips_at(const aoi_sliding *of, const motion *along, const aoi_slide_
     return status == AOI_OK ? !(found.stuck > 0.0) : slipped;
 }
 
-/* Where between two places of the step all springs begin to slip, or cease to: from is the path as it was at the first. */
+/* Place between two others at which all springs begin to slip, or cease to; from: the path at the
+ * first. */
 static double change_between(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double low,
                              double high, int slipped, double width)
 {
@@ -168,7 +171,7 @@ static double change_between(const aoi_sliding *of, const motion *along, const a
     return 0.5 * (low + high);
 }
 
-/* Takes a path straight to a place of the step, and notes where all springs begin to slip, or cease to. */
+/* Moves a path straight to a place of the step; notes where all springs begin, or cease, to slip. */
 static int go_on(aoi_sliding *of, const motion *along, double before, double at, const double place[3],
                  aoi_slide_path *path, aoi_oblique_solution *found)
 {
@@ -195,8 +198,8 @@ static int go_on(aoi_sliding *of, const motion *along, double before, double at,
     return AOI_OK;
 }
 
-/* Takes a path along the motion, in so many straight parts from stop to stop. energies: 1 for those of the springs.
- * noted: the friction that takes note of slip, or NULL. */
+/* Moves a path along the motion, in `parts` straight parts from stop to stop. energies: 1: also
+ * finds those of the springs. noted: where changes of slip are noted, or NULL. */
 static int follow(const aoi_sliding *of, const motion *along, const stops *to, size_t parts, int energies,
                   aoi_sliding *noted, aoi_slide_path *path, finds *found)
 {
@@ -222,7 +225,7 @@ static int follow(const aoi_sliding *of, const motion *along, const stops *to, s
     return AOI_OK;
 }
 
-/* The force of parts of no length, by those of both paths, whose errors are as one to four. */
+/* Force extrapolated to parts of no length, from both paths, whose errors are as four to one. */
 static double extrapolated(double whole, double half)
 {
     return half + (half - whole) / 3.0;
@@ -322,7 +325,7 @@ int aoi_sliding_check(aoi_sliding *of, const aoi_contact_step *entry)
             add_stop(&to, aoi_radau_check_point[edge][k], AOI_NODES + k);
         }
     }
-    /* At the start, where the last of the nodes is mirrored to: */
+    /* The last node is mirrored to the start, where the force is known: */
     memcpy(found.at[2 * AOI_NODES - 1].force, of->trial.force, sizeof of->trial.force);
     const int status = follow(of, &along, &to, 1, 0, NULL, &of->trial, &found);
     for (size_t i = 0; i < 3 && status == AOI_OK; i++) {
@@ -342,7 +345,7 @@ int aoi_sliding_check(aoi_sliding *of, const aoi_contact_step *entry)
     return status;
 }
 
-/* 1 if all slips as a step begins: at a touch, a short way behind it. */
+/* 1 if all springs slip at the start of a step, or, at a touch, a short distance behind it. */
 static int slips_first(const aoi_sliding *of, const motion *along)
 {
     return of->path[1].springs.count > 0 ? of->slips : slips_at(of, along, &of->path[1], SHORT_WAY, 0);

@@ -1,4 +1,4 @@
-/* What the codes that functions return mean. */
+/* The version, and texts of the status codes. */
 #include "aoimpact.h"
 
 const char *aoi_version(void) { return AOI_VERSION; }

@@ -1,4 +1,4 @@
-/* The operations that everything dense is made of. */
+/* Operations on vectors, and elimination in a band matrix. */
 #include "linear/vector.h"
 
 #include <math.h>

@@ -23,7 +23,7 @@ int aoi_vector_take(size_t n, const double *from, double *to);
  * i + band: leaves factors left of the diagonal, and the inverse pivots on it. True if all pivots are positive numbers. */
 int aoi_band_factorise(size_t n, size_t band, double *matrix);
 
-/* From the right-hand side in x to the solution. */
+/* Replaces the right-hand side x by the solution, with a matrix factorised as above. */
 void aoi_band_substitute(size_t n, size_t band, const double *matrix, double *x);
 
 #endif

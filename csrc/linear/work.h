@@ -17,7 +17,7 @@ static inline double *aoi_work_take(double **work, size_t count)
     return taken;
 }
 
-/* More than any memory has: what is said of sizes that would wrap, so that malloc refuses them. */
+/* Result of sizes that would overflow: more than any memory has, so that malloc refuses it. */
 #define AOI_TOO_MUCH (SIZE_MAX / 2)
 
 static inline size_t aoi_times(size_t one, size_t other)

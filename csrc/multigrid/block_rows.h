@@ -1,6 +1,6 @@
 /* r -= A x for some rows of a symmetric matrix of blocks. Included once for each precision: REAL is its
- * type and OF(x) a name of its own. Vectors have aoi_four_width numbers a node but where they are spread
- * and gathered. */
+ * type and OF(x) a name of its own. Vectors have aoi_four_width numbers per node, except those that
+ * spread reads and gather writes. */
 #include "multigrid/four.h"
 #include "multigrid/multigrid.h"
 
@@ -53,9 +53,9 @@ static inline void OF(across)(size_t b, const REAL *block, const REAL *x, REAL *
     }
 }
 
-/* The blocks of 3 x 3 of a row but the diagonal one, at p = diagonal: those before it serve row i alone,
- * those behind it column i as well. A row of a block is read with the number that follows it: the last
- * block of all is a diagonal one. */
+/* Products with the 3 x 3 blocks of a row except the diagonal one, at p = diagonal: those before it
+ * serve row i alone, those behind it column i as well. Each row of a block is read with the number
+ * that follows, which exists since the last block of all is a diagonal one. */
 static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, size_t row, size_t diagonal,
                                 const REAL *x, REAL *r)
 {

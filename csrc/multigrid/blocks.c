@@ -18,7 +18,7 @@
 #define OF(x) aoi_exact_##x
 #include "multigrid/block_rows.h"
 
-/* The block of the diagonal, or stored_count where the row is not sound. */
+/* Index of a row's diagonal block, or stored_count where the row is not sound. */
 static size_t find_diagonal(const aoi_blocks *matrix, size_t row, size_t stored_count)
 {
     const int32_t i = matrix->order[row], n = (int32_t)matrix->n, *indices = matrix->indices;
@@ -95,7 +95,7 @@ void aoi_blocks_multiply(const aoi_blocks *matrix, aoi_part part, int stage, con
 
 /* One step: next = keep d + add D^-1 (r - A d), with r - A d left in r, and x += next. d of other
  * rows is read, so that next has to be another vector. One pass through A does it: each row of r is
- * complete when its turn is over. x has no fourth floats. */
+ * complete when its turn is over. x has no padding. */
 typedef struct chebyshev {
     float keep, add;
     const float *d;
@@ -141,7 +141,7 @@ static void take_step(const aoi_blocks *matrix, aoi_part part, const chebyshev *
     }
 }
 
-/* d = add D^-1 r, x += d. The fourth floats of d and next will be read. */
+/* d = add D^-1 r, x += d. The fourth floats of d and next are set, since they will be read. */
 static inline void start_row(const aoi_blocks *matrix, size_t b, size_t i, float add, float *d,
                              float *next, float *x, const float *r)
 {
@@ -168,7 +168,7 @@ static void first_step(const aoi_blocks *matrix, aoi_part part, float add, float
     }
 }
 
-/* The step of that number, from 1 on, with rho of Chebyshev's recurrence. */
+/* Coefficients of a step, counted from 1, with rho of Chebyshev's recurrence. */
 static chebyshev step_of(size_t stage, double low, double high)
 {
     const double middle = 0.5 * (high + low), half = 0.5 * (high - low);

@@ -5,8 +5,8 @@
 
 #include <stddef.h>
 
-/* Numbers from a node to the next in vectors of which four are read and written at a time: one more for
- * nodes of three, which does not count. */
+/* Distance of nodes in vectors that are read and written four numbers at a time: nodes of three
+ * numbers have a fourth, which is not used. */
 static inline size_t aoi_four_width(size_t b) { return b == 3 ? 4 : b; }
 
 #ifdef __SSE2__

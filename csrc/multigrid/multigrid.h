@@ -9,8 +9,8 @@
  * by part, ascending in each. Row order[k] has the blocks indices[p], values[size^2 p ...] (by rows)
  * for start[k] <= p < start[k+1]: those in columns of other parts, the diagonal one, then those right
  * of it in its own part. Of its own part those left of the diagonal are not stored. The last block of
- * all is a diagonal one. inverse: of the diagonal block of each row, n size^2 values. As work the
- * functions below want AOI_BLOCKS_WORK n (size + 1) numbers. */
+ * all is a diagonal one. inverse: of the diagonal block of each row, n size^2 values. The work
+ * arrays of the functions below hold AOI_BLOCKS_WORK n (size + 1) numbers. */
 enum { AOI_BLOCKS_WIDEST = 6, AOI_BLOCKS_WORK = 3 };
 typedef struct aoi_blocks {
     size_t n, size;

@@ -1,7 +1,7 @@
-/* Newmark's rule (section 3.1 of the paper) on a linear body, solved for accelerations: these keep their digits where
- * dt is small. Displacements are formed as dt (v + dt/4 a), never with a rounded dt^2, whose ratio to dt keeps the
- * energy. The residual compliance of a body in modes follows the forces at once; its velocity is its change over the
- * step. */
+/* Newmark's rule (section 3.1 of the paper) on a linear body, solved for accelerations, which keep their digits
+ * where dt is small. Displacements are formed as dt (v + dt/4 a), never with a rounded dt^2, since energy is conserved
+ * only if its ratio to dt is exact. The residual compliance of a body in modes deflects at once under the forces; the
+ * velocity of the deflection is its change over the step. */
 #include "newmark/body.h"
 #include "linear/vector.h"
 

@@ -15,7 +15,7 @@ int aoi_rule_prepare(const aoi_rule *rule, aoi_rule_step *step);
 
 enum { AOI_STEPPED_OWN = 3, AOI_PLAIN_SEEN = 4 };
 
-/* A body in steps. */
+/* A body that is advanced in steps. */
 typedef struct aoi_stepped {
     const aoi_modes *model;
     const struct aoi_stepped_kind *kind;
@@ -26,36 +26,40 @@ typedef struct aoi_stepped {
     double *before;                       /* [n]: rates before the step of a damped body, else NULL  */
     double *own[AOI_STEPPED_OWN];         /* [n] each: arrays of the kind                            */
     double *seen;                         /* [n][AOI_PLAIN_SEEN], of a plain body                    */
-    double *compliance, *rate_compliance; /* [ports][ports]: what forces at the end of a step do to
-                                             the ports' displacements and velocities then            */
+    /* [ports][ports]: displacements and velocities of the ports at the end of a step, per force then */
+    double *compliance, *rate_compliance;
     double dissipated;                    /* J, since the start                                      */
     double centre[2];                     /* displacement and rate of the centre of mass, without the
                                              residual                                                */
     size_t centre_count;                  /* coordinates that move it: the others' weights are zero  */
     int plain;                            /* modes without damping and gravity, one port: modal.c    */
-    int moved;                            /* whether x and v of a plain body are from before         */
-    double port_rate, port_a, reached;    /* of a plain body: of its port, and of the centre of mass */
+    int moved;                            /* 1: x and v of a plain body lag behind                   */
+    double port_rate, port_a, reached;    /* of a plain body's port, then of its centre of mass */
     double centre_rate, centre_a, centre_reached;
 } aoi_stepped;
 
 /* The functions that differ between bodies in modes and in finite elements. */
 typedef struct aoi_stepped_kind {
-    int (*prepare)(aoi_stepped *body);               /* gain, own, whether before is there              */
-    int (*begin)(aoi_stepped *body);                 /* a of the state, under forces free_a on x        */
-    int (*accelerate)(aoi_stepped *body);            /* free_a of the predictors in x and v             */
-    double (*power)(const aoi_stepped *body);        /* W: what dashpots take at the rates in before    */
+    /* sets gain, own, and before to NULL if undamped */
+    int (*prepare)(aoi_stepped *body);
+    /* sets a at the start, under the forces in free_a */
+    int (*begin)(aoi_stepped *body);
+    int (*accelerate)(aoi_stepped *body);            /* sets free_a by the predictors in x and v        */
+    /* power of dashpots at the rates in before, W */
+    double (*power)(const aoi_stepped *body);
     void (*observe)(const aoi_stepped *body, double *row, size_t stride); /* energies and gravity's work,
                                                                              without the residual       */
 } aoi_stepped_kind;
 
 extern const aoi_stepped_kind aoi_stepped_modal, aoi_stepped_full;
 
-/* Of a plain body: what is found once of its state; a step; seen: whether x and v are wanted at its end. */
+/* Steps of a plain body: the start, and prediction and correction of a step. seen: 1: x and v are
+ * needed at its end. */
 void aoi_plain_start(aoi_stepped *body);
 void aoi_plain_predict(aoi_stepped *body, double *displacement, double *velocity);
 void aoi_plain_correct(aoi_stepped *body, double force, int seen);
 
-/* Deals out the arrays but x and v. */
+/* Lays out the arrays, without x and v. */
 void aoi_stepped_lay_out(aoi_stepped *body, const aoi_modes *model, aoi_memory *memory);
 
 /* Makes a body ready for steps by a rule, which it keeps; x and v are set. AOI_ERROR_NOT_FINITE where a compliance leaves
@@ -65,8 +69,9 @@ int aoi_stepped_start(aoi_stepped *body, const aoi_rule_step *step);
 /* Finds the accelerations at the start under a force at each port. */
 int aoi_stepped_begin(aoi_stepped *body, const double *force);
 
-/* Of any other: goes to the end of a step without forces at the ports, and gives the displacements and velocities of these
- * then, without the residual; adds the forces at the end of the step. */
+/* Steps of any other body. aoi_stepped_predict goes to the end of a step without forces at the
+ * ports, and gives their displacements and velocities then, without the residual.
+ * aoi_stepped_correct adds the forces at the end of the step. */
 int aoi_stepped_predict(aoi_stepped *body, double *displacement, double *velocity);
 void aoi_stepped_correct(aoi_stepped *body, const double *force);
 
@@ -76,8 +81,8 @@ void aoi_stepped_settle(aoi_stepped *body);
 /* Row p of the residual compliance times forces. */
 double aoi_stepped_residual(const aoi_stepped *body, size_t p, const double *force);
 
-/* The rows of enum aoi_body_row, stride apart, the energies where they are wanted; forces at the ports now and a step
- * before. */
+/* Writes the rows of enum aoi_body_row, stride apart, the energies only if they are wanted. force,
+ * force_before: at the ports now and a step before. */
 void aoi_stepped_observe(const aoi_stepped *body, const double *force, const double *force_before, int energies,
                          double *row, size_t stride);
 

@@ -9,7 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Conjugate gradients with a consistent mass matrix, scaled by its diagonal, take some tens. */
+/* Limit for conjugate gradients, which take some tens with a consistent mass matrix scaled by its
+ * diagonal. */
 enum { MOST_ITERATIONS = 1000 };
 
 static const double CONVERGED = 1e-15;
@@ -133,7 +134,7 @@ static int solve_mass(const aoi_sparse *M, const aoi_pause *pause, double *r, do
     return AOI_ERROR_NO_CONVERGENCE;
 }
 
-/* Without mass there is no acceleration. */
+/* Sets the accelerations at the start; degrees of freedom without mass have none. */
 static int full_begin(aoi_stepped *body)
 {
     const aoi_full *full = body->model->full;

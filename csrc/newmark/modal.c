@@ -10,11 +10,12 @@
 /* omega^2, 2 decay and gravity of each mode, over that factor of a'. */
 enum { STIFFNESS, DRAG, DRIVE };
 
-/* A plain body has its predictors at hand: PLACE, and of the rates in free_a. These move by a whole step at once, since
- * what corrects a step and predicts the next adds up: q' = q + dt (w + (gamma + 1/2) dt a), w' = w + dt a. */
+/* A plain body keeps its predictors: of displacements, q, in own[PLACE], of rates, w, in free_a.
+ * The correction of a step and the prediction of the next add up to one update: q' = q + dt (w +
+ * (gamma + 1/2) dt a), w' = w + dt a. */
 enum { PLACE = DRIVE };
 
-/* Sums over q that are seen of it: displacement and free acceleration of the port, and of the centre of mass. */
+/* Weighted sums over q: displacement and free acceleration of the port, and of the centre of mass. */
 enum { PORT, PORT_A, CENTRE, CENTRE_A };
 
 static double twice_decay(const aoi_modes *modes, size_t j)
@@ -123,7 +124,7 @@ void aoi_plain_predict(aoi_stepped *body, double *displacement, double *velocity
     *velocity = body->port_rate + step->correct_v * body->port_a;
 }
 
-/* By a step. */
+/* Advances place and rate by a step. */
 static void advance(size_t n, double force, const aoi_rule_step *step, const double *restrict gain,
                     const double *restrict stiffness, double *restrict place, double *restrict rate,
                     double *restrict a)
@@ -137,7 +138,7 @@ static void advance(size_t n, double force, const aoi_rule_step *step, const dou
     }
 }
 
-/* The same, and x and v at the end of the step. */
+/* Advances place and rate by a step, and sets x and v at its end. */
 static void advance_seen(size_t n, double force, const aoi_rule_step *step, const double *restrict gain,
                          const double *restrict stiffness, double *restrict place, double *restrict rate,
                          double *restrict x, double *restrict v)

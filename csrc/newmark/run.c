@@ -14,7 +14,7 @@
 /* Columns of the record that are gathered before they are written: a cache line of each row. */
 enum { BLOCK = 8 };
 
-/* Springs of a contact with friction, some 2 over the root of the precision. */
+/* Room for the springs of a contact with friction, which are about 2/sqrt(precision). */
 enum { SPRINGS = 2048 };
 
 struct aoi_newmark {
@@ -28,7 +28,7 @@ struct aoi_newmark {
     aoi_stepped *body;
     aoi_contact_state *state;                /* of the contacts, one for each force                       */
     aoi_rubbing *rubbing;                    /* of those with friction                                    */
-    double *displacement, *velocity;         /* of all ports: without contacts during a step, then theirs */
+    double *displacement, *velocity;         /* of all ports: in a step first without contacts */
     double *displacement_before;             /* at the last column                                        */
     double *push, *push_before;              /* on all ports, with loads: now and a step before           */
     double *load, *load_before;
@@ -102,8 +102,8 @@ aoi_progress aoi_newmark_progress(const aoi_newmark *run)
 
 /* ------------------------------------------------------------------------------ the contacts */
 
-/* How much force j of the contacts takes from the indentation or slide at force i (or from its rate): they push the bodies
- * that they share apart from the same side, or against each other. */
+/* Decrease of the indentation or slide at force i (or of its rate) per unit of force j, through the
+ * bodies that both act on. */
 static double coupling(const aoi_newmark *run, size_t i, size_t j, int of_rate)
 {
     const aoi_contact *one = &run->system->contact[run->state[i].contact];
@@ -140,7 +140,7 @@ static int couple(aoi_newmark *run)
     return AOI_OK;
 }
 
-/* Goes on to the place that has been found. */
+/* Moves friction to the place that has been found. */
 static int rub(aoi_contact_state *contact)
 {
     aoi_rubbing *of = contact->rubbing;
@@ -172,14 +172,15 @@ static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, cons
     }
     if (status == AOI_OK) {
         status = rub(contact);
-        rubbing->guess[1] = rubbing->guess[2] = 0.0; /* as far as the next step is concerned */
+        rubbing->guess[1] = rubbing->guess[2] = 0.0; /* for the guess of the next step */
         rubbing->start_energy = aoi_friction_energy(of->friction, &rubbing->state);
         contact->start_energy = aoi_law_potential(&of->friction->law, NULL, rubbing->depth);
     }
     return status;
 }
 
-/* The state at the start. A force that depends on the rate is there as soon as the bodies touch. */
+/* Sets the state of a contact at the start. A force that depends on the rate is there as soon as
+ * the bodies touch. */
 static int contact_begin(const aoi_newmark *run, size_t i, const aoi_start *start)
 {
     aoi_contact_state *contact = &run->state[i];
@@ -253,7 +254,8 @@ static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *co
 
 /* --------------------------------------------------------------------------- the record */
 
-/* The rows of friction; returns the energy of stretches less what the bodies have of it, and of the law's. */
+/* Writes the rows of friction. Returns the energy of the stretches less that of the compliance
+ * taken out of law and friction, which is in the bodies. */
 static double write_friction(const aoi_contact_state *contact, double *row)
 {
     const aoi_rubbing *of = contact->rubbing;
@@ -272,7 +274,8 @@ static double write_friction(const aoi_contact_state *contact, double *row)
 static void write_contact(const aoi_contact_state *contact, int energies, double *row)
 {
     const aoi_rubbing *rubbing = contact->rubbing;
-    const aoi_law *law = rubbing ? &rubbing->rub.friction.law : contact->law; /* of its own indentation */
+    /* for its own indentation */
+    const aoi_law *law = rubbing ? &rubbing->rub.friction.law : contact->law;
     const double stretched = rubbing ? write_friction(contact, row) : 0.0;
     row[AOI_CONTACT_FORCE * BLOCK] = contact->force;
     row[AOI_CONTACT_INDENTATION * BLOCK] = contact->indentation;
@@ -296,7 +299,7 @@ static void write_work(aoi_newmark *run, size_t b, double *row)
     row[AOI_BODY_WORK * BLOCK] += run->load_work[b] - run->gravity_start[b];
 }
 
-/* Gathers what is now as the next column of the block. */
+/* Writes the present state as the next column of the block. */
 static void write_column(aoi_newmark *run, size_t slot)
 {
     const aoi_system *system = run->system;
@@ -372,7 +375,7 @@ static void find_loads(aoi_newmark *run, double time, double *slope)
     }
 }
 
-/* The forces of contacts on all ports, or their rates. */
+/* Sets the contact forces on all ports, or their rates. */
 static void find_push(const aoi_newmark *run, const double *force, double *push)
 {
     memset(push, 0, run->system->first_port[run->system->body_count] * sizeof *push);
@@ -382,7 +385,8 @@ static void find_push(const aoi_newmark *run, const double *force, double *push)
     }
 }
 
-/* Adds what a force on a port does by the end of the step to displacements and velocities of all ports of its body. */
+/* Adds the effect of a force on a port to the displacements and velocities of all ports of its body
+ * at the end of the step. */
 static void press(aoi_newmark *run, size_t b, size_t port, double force)
 {
     const aoi_stepped *body = &run->body[b];
@@ -393,7 +397,8 @@ static void press(aoi_newmark *run, size_t b, size_t port, double force)
     }
 }
 
-/* Ports at the start: where the state and what deflects a residual compliance put them. */
+/* Sets displacements and velocities of the ports at the start, by the state and the deflection of
+ * the residual compliance. */
 static void find_ports(aoi_newmark *run)
 {
     const aoi_system *system = run->system;
@@ -410,8 +415,8 @@ static void find_ports(aoi_newmark *run)
     }
 }
 
-/* The forces on the ports at the start, and a step before as their rates say, where those of contacts are given; slope:
- * the rates of loads. */
+/* Sets the forces on the ports at the start, and, by their rates, a step before, if those of
+ * contacts are given. slope: rates of the loads. */
 static void start_push(aoi_newmark *run, const aoi_start *start, const double *slope)
 {
     const size_t ports = run->system->first_port[run->system->body_count];
@@ -460,7 +465,8 @@ static int begin(aoi_newmark *run, const aoi_start *start)
 {
     const aoi_system *system = run->system;
     const size_t ports = system->first_port[system->body_count];
-    double *push = run->load_before, *slope = run->displacement_before; /* of the first step, free until then */
+    /* arrays of the first step, not in use yet */
+    double *push = run->load_before, *slope = run->displacement_before;
     set_states(run);
     int status = couple(run);
     memset(run->load, 0, ports * sizeof(double));

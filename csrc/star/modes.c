@@ -28,7 +28,7 @@ size_t aoi_star_modes_size(const aoi_star *star)
     return size;
 }
 
-/* Of a contact without mass, while the oscillators stand still. */
+/* Compliance of a contact without mass while the oscillators stand still, m/N. */
 static double massless_compliance(const aoi_star *star)
 {
     double stiffness = star->k0;
@@ -38,7 +38,8 @@ static double massless_compliance(const aoi_star *star)
     return 1.0 / stiffness;
 }
 
-/* Momentum over mass: in a mode of a constrained star, the ground spring's force is what moves the mass. */
+/* Displacement of the centre of mass in each mode, by momentum over mass: the momentum of a
+ * constrained star changes by the force of the ground spring. */
 static void find_centre(const aoi_star *star, size_t n, const double *omega, const double *shape,
                         double *centre)
 {
@@ -79,7 +80,7 @@ int aoi_star_modes(const aoi_star *star, void *memory, aoi_modes *body)
 
 /* ------------------------------------------------------------------------- in three directions */
 
-/* The body's arrays, and in front of them those of the three stars' bodies. */
+/* Lays out the arrays of the three stars' bodies, and behind them those of the whole body. */
 static aoi_modes three_lay_out(const aoi_star *star, void *block, void *part[3], double **array, size_t *size)
 {
     const size_t n = star[0].n + star[1].n + star[2].n + 3;
@@ -145,7 +146,7 @@ int aoi_star_modes_of_three(const aoi_star star[3], void *memory, aoi_modes *bod
     return AOI_OK;
 }
 
-/* The contact moves with the centre of mass and by the angular velocity times the arm. */
+/* The contact moves by velocity + angular velocity x arm, in right-handed axes. */
 int aoi_rigid_modes(const aoi_rigid *rigid, double *memory, aoi_modes *body)
 {
     enum { N = 6 };

@@ -6,22 +6,23 @@
 #include <float.h>
 #include <math.h>
 
-/* Modes with frequencies equal to this are one oscillator. */
+/* Relative difference of omega^2 up to which modes are one oscillator. */
 static const double EQUAL = 1e-9;
 
-/* A mode with less than this share of the static mass has none: it is rounding. */
+/* Share of the static mass below which a mode has no mass: it is rounding. */
 static const double NO_MASS = 1e-13;
 
-/* A residual mass of less than this share is none: the rounding of thousands of masses. */
+/* Share of the static mass below which the residual mass is zero: rounding of thousands of masses. */
 static const double MASS_ROUNDING = 1e-11;
 
 /* Rounding of an eigenvalue as a share of the largest. */
 static const double EIGEN_ROUNDING = 10.0 * DBL_EPSILON;
 
-/* The share of the static mass that a mode must have to count: of one whose eigenvalue is within the rounding of the
- * largest, the second. Such a mode is a mixture: of the lowest mode above it has the part that first-order perturbation
- * gives, that rounding over their distance. Eigenvalues of LAPACK are known to the rounding of the largest times a modest
- * number (LAPACK Users' Guide, 4.10). */
+/* Finds the least share of the static mass of a mode that counts: share[1] for modes whose
+ * eigenvalue is within the rounding of the largest, share[0] for others; returns that rounding. A
+ * mode within it contains a part of the lowest mode above, by first-order perturbation that
+ * rounding over their distance. Eigenvalues of LAPACK are known to the rounding of the largest
+ * times a modest number (LAPACK Users' Guide, 4.10). */
 static double least_shares(size_t count, const double *omega2, double share[2])
 {
     const double lost = count > 0 ? fmax(EIGEN_ROUNDING * omega2[count - 1], 0.0) : 0.0;

@@ -9,7 +9,8 @@
 /* Bisection alone goes through all powers of two that a double has. */
 enum { MOST_ITERATIONS = 2200 };
 
-/* s and s' at origin + offset, the poles' distances taken before anything is added up. */
+/* s and s' at origin + offset. Distances of the poles from the origin are taken first, to keep
+ * their digits. */
 static void secular_evaluate(const aoi_secular *s, double origin, double offset, double *value,
                              double *slope)
 {
@@ -78,7 +79,7 @@ int aoi_secular_root(const aoi_secular *s, ptrdiff_t gap, double ceiling, size_t
     if (!(right > left)) {
         return AOI_ERROR_ARGUMENT;
     }
-    if (!(right - left < DBL_MAX / 4.0)) { /* halves of the ends' sum are looked at */
+    if (!(right - left < DBL_MAX / 4.0)) { /* so that sums of both ends are finite */
         return AOI_ERROR_NOT_FINITE;
     }
     double value, slope;

@@ -1,4 +1,4 @@
-/* The star of Fig. 2: its receptance, its energies, and its modes and back. */
+/* The star (AO model) of Fig. 2: its receptance, its energies, and conversion to modes and back. */
 #include "star/secular.h"
 #include "linear/work.h"
 
@@ -62,8 +62,8 @@ void aoi_star_energy(const aoi_star *star, const double *u, const double *v, dou
     *elastic = 0.5 * twice_elastic;
 }
 
-/* r of the natural mode at origin + offset: 1 over the root of its modal mass with the contact displaced
- * by 1. The squares of that may leave the range of numbers where their roots do not. */
+/* r of the natural mode at origin + offset: 1 over the root of its modal mass with the contact
+ * displaced by 1. The modal mass may overflow where its root does not. */
 static double natural_mode_share(const aoi_star *star, const double *antiresonance, double origin,
                                  double offset)
 {
