@@ -1,13 +1,13 @@
-"""The band of a reduced model, and the times that it is valid for.
+"""The frequency band of a reduced model, and the durations of contact that it is valid for.
 
-In the band it has the receptance of its body.
+In its band a model has the receptance of its body.
 
 At the frequency iω a model leaves the forces r = b - (K + ω²M) X_r unbalanced, and its receptance
 bᵀX_r is too small by rᵀ(K + ω²M)⁻¹ r, since r is orthogonal to its shapes (Galerkin). M is positive
-semidefinite, so this is at most rᵀK⁻¹ r at every ω. K⁻¹ exists for r even where the body is free:
-the model contains its rigid motions. r has about one direction for each force, so the bound takes
-a few static solutions. Receptances at iω are those at ω, averaged over frequencies about as far
-apart as ω itself.
+semidefinite, so that this is at most rᵀK⁻¹ r at every ω. K⁻¹ r exists even for a free body, since
+the model contains the rigid motions. r has about one direction for each force, so that the bound
+takes a few static solutions. The receptance at iω is an average of that at real frequencies about
+ω, with a width of the order of ω.
 """
 
 from __future__ import annotations
@@ -27,24 +27,25 @@ from .recovery import Recovery
 if TYPE_CHECKING:
     from .body import Body, BodyModel
 
-# Error of the receptance at iω up to which a frequency is in the band. A mode that gives a tenth of
-# the receptance there is then right to 1 %.
+# Largest relative error of the receptance at iω within the band. The error of a mode that gives a
+# tenth of the receptance is then 1 %.
 _RIGHT = 1e-3
 
-# Frequencies at which the error is computed, in each decade.
+# Number of frequencies per decade at which the error is computed.
 _EACH_DECADE = 16
 
-# Factor by which a contact may be shorter than what was fitted before it is checked: measured on
-# twelve impacts with three and eight oscillators, down to there the force is hardly worse.
+# Ratio of the fitted duration to that of a contact up to which it needs no check: in twelve impacts
+# with three and eight oscillators the force was then hardly less accurate.
 _SHORTER = 3.0
 
-# Factor between the times at which longer contacts are checked: of three oscillators a contact 1.5
-# times as long may have a fifth of the force wrong, where eight know one of three times.
+# Ratio of successive durations at which longer contacts are checked. With three oscillators a
+# contact 1.5 times as long as fitted may have an error of a fifth of the force, while eight
+# oscillators are accurate for three times the duration.
 _LONGER = 1.15
 
-# Unbalanced share at which the force of one contact begins to be worse than what a good fit would
-# give: on the same impacts it was wrong by .02 to .9 where this was above .01, and hardly worse
-# than fitted below .005.
+# Largest relative unbalanced force at which the force of a contact is as accurate as with a fitted
+# model. In the same impacts its relative error was .02 to .9 above .01, and hardly larger than with
+# a fitted model below .005.
 _BALANCED = 5e-3
 
 
@@ -55,7 +56,7 @@ class Band:
     Attributes
     ----------
     omega : ndarray, shape (k,)
-        Ascending, rad/s.
+        Angular frequencies ω, ascending, rad/s.
     error : ndarray, shape (k,)
         Upper bound of the relative error of the receptance at iω, the largest of all ports.
     """
@@ -65,7 +66,7 @@ class Band:
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Lowest and highest frequency, Hz, about the one of the least error; 0, 0 if none is."""
+        """Lowest and highest frequency of the band, Hz, around the least error; 0, 0 if empty."""
         wrong, best = self.error > _RIGHT, int(self.error.argmin())
         if wrong[best]:
             return 0.0, 0.0
@@ -75,14 +76,14 @@ class Band:
         return float(low) / (2.0 * math.pi), float(high) / (2.0 * math.pi)
 
     def warn_outside(self, omega: FloatArray, *, fitted: bool) -> None:
-        """Warn where the model's receptance is asked for at frequencies that it does not know.
+        """Warn if frequencies of a receptance are outside the band.
 
         Parameters
         ----------
         omega : ndarray
-            rad/s, any shape.
+            Angular frequencies, rad/s, any shape.
         fitted : bool
-            Whether the model was fitted to times.
+            True if the model was fitted to durations.
         """
         asked = np.clip(np.abs(omega).ravel(), self.omega[0], self.omega[-1])
         error = np.interp(np.log(asked), np.log(self.omega), self.error)
@@ -119,16 +120,16 @@ def band_of(model: Body) -> Band:
 
 
 def fitted_times(models: Sequence[BodyModel]) -> tuple[float, float]:
-    """Return between which durations of a contact the models need no check, s."""
+    """Return the shortest and longest duration of a contact for which models need no check, s."""
     fitted = [model.contact_time for model in models if model.contact_time is not None]
     return max(fitted, default=0.0) / _SHORTER, min(fitted, default=math.inf)
 
 
 def is_valid_for(model: BodyModel, lasted: float, port: int = 0, most: float = _BALANCED) -> bool:
-    """Return whether a model is accurate enough for forces that act for a time, s.
+    """Return whether a model is accurate enough for forces of the duration `lasted`, s.
 
-    It leaves no more than `most` unbalanced at any time from the one fitted to up to this; what was
-    found is kept with the model.
+    This requires a relative unbalanced force of at most `most` for all durations between the fitted
+    one and `lasted`. Results are cached in the model.
     """
     fitted = model.contact_time
     if fitted is None or fitted / _SHORTER <= lasted <= fitted or lasted == 0.0:
@@ -145,9 +146,9 @@ def is_valid_for(model: BodyModel, lasted: float, port: int = 0, most: float = _
 
 
 def unbalanced(model: Body, s: float, port: int = 0) -> float:
-    """Return what a model leaves unbalanced at i s under a force at a port, relative.
+    """Return the relative force that a model leaves unbalanced at i s under a force at a port.
 
-    √(rᵀD⁻¹r / bᵀX) of the residual r = b - (K + s²M) X, D the diagonal of K + s²M.
+    It is √(rᵀD⁻¹r / bᵀX) with the residual r = b - (K + s²M) X and the diagonal D of K + s²M.
     """
     point, x = model.tips[port], model.deflection(s, port)
     body = point.body

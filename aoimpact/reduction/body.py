@@ -1,8 +1,8 @@
-"""A body in its natural modes: the one form in which the core takes every body.
+"""A body in its natural modes, the form of every body in the core.
 
-All reduced models are Galerkin's: the motion of the body is X = Σ q_j φ_j, and each mode has its
-share in the displacement of every port, a contact functional u = bᵀX. Anti-oscillator models
-(star.py) are the same models of one port in other coordinates.
+All reduced models are Galerkin models: the motion of the body is X = Σ q_j φ_j. The displacement of
+a port is a contact functional of it, u = bᵀX. Anti-oscillator models (star.py) are models of one
+port in other coordinates.
 """
 
 from __future__ import annotations
@@ -42,22 +42,23 @@ from .band import Band, band_of
 if TYPE_CHECKING:
     from .star import AOModel
 
-# The parts of a body as the core takes it, in its order.
+# Reads the fields of a body in the core's order.
 _PARTS = itemgetter(*_core.MODES.split())
 
-# Rounding of a mesh: relative size of what is left of a translation across the motion that a port
-# excites, where the two are one.
+# Relative difference between a translation and the rigid motion that a port excites below which
+# they are equal, up to rounding errors of the mesh.
 _STRAIGHT = 1e-6
 
-# Along the direction of travel; or of the centre of mass in three directions, and spin, shape (6,).
+# Velocity along the direction of travel, m/s; or velocity of the centre of mass in three
+# directions, m/s, and spin, rad/s, shape (6,).
 Velocity = float | FloatArray
 
-# Gravity along the direction of travel; or in three directions, shape (3,).
+# Acceleration of gravity along the direction of travel, or in three directions, shape (3,), m/s².
 Pull = float | FloatArray
 
 
 class BodyModel(ABC):
-    """A model of a body, and the places where it is touched: its ports."""
+    """A model of a body with its ports, the contact functionals."""
 
     kind: str
     n: int
@@ -68,12 +69,12 @@ class BodyModel(ABC):
     numbers: AOModel | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle and copy without what is derived from the fields: it is cheap to find again."""
+        """Pickle and copy only the fields: caches are cheap to recompute."""
         return {one.name: vars(self)[one.name] for one in fields(self)}  # type: ignore[arg-type]
 
     @cached_property
     def kept(self) -> dict[Any, Any]:
-        """Results of others that are derived from this model alone, which does not change.
+        """Cache for results of other modules that depend on this immutable model alone.
 
         :meta private:
         """
@@ -81,7 +82,7 @@ class BodyModel(ABC):
 
     @property
     def alone(self) -> Self:
-        """The model, so that it holds no others' vectors.
+        """The same model without references to vectors of other models.
 
         :meta private:
         """
@@ -89,7 +90,7 @@ class BodyModel(ABC):
 
     @property
     def body(self) -> FEModel:
-        """The finite-element body; not of one given by numbers."""
+        """The finite-element body; a model given by numbers has none."""
         return self.tips[0].body
 
     @property
@@ -109,12 +110,12 @@ class BodyModel(ABC):
 
     @property
     def dofs(self) -> int:
-        """Number of degrees of freedom of the model; 0 of a wall."""
+        """Number of degrees of freedom of the model; 0 for a wall."""
         return {"wall": 0, "AO": self.n + 1, "rigid": self.n + 1}.get(self.kind, self.n)
 
     @property
     def wall(self) -> bool:
-        """True if it is of infinite mass.
+        """True if the mass is infinite.
 
         :meta private:
         """
@@ -123,17 +124,17 @@ class BodyModel(ABC):
     @property
     @abstractmethod
     def constrained(self) -> bool:
-        """True if no port can move without a deformation, or it is a wall."""
+        """True if no port can move without a deformation, or if the body is a wall."""
 
     @property
     @abstractmethod
     def static_mass(self) -> float:
-        """The mass that an impact on its lightest port moves statically, kg, eq. (10)."""
+        """Least mass of the static modes of all ports, kg, eq. (10)."""
 
     @property
     @abstractmethod
     def modal(self) -> Body:
-        """The body in its natural modes; of a full model in all of them.
+        """The body in natural modes: those of the model, for a full model all of them.
 
         :meta private:
         """
@@ -148,7 +149,7 @@ class BodyModel(ABC):
 
     @cached_property
     def centre_of_mass(self) -> tuple[FloatArray, float, bool]:
-        """Functional of the centre of mass, shape (n_dofs,), mass, kg, and whether they are known.
+        """Functional of the centre of mass, (n_dofs,), mass, kg, and True if they are known.
 
         :meta private:
         """
@@ -156,12 +157,12 @@ class BodyModel(ABC):
 
     @property
     def mass(self) -> float | None:
-        """Mass of the whole body, kg; where it is not known, that of its static mode."""
+        """Mass of the whole body, kg; if not known, that of its static mode."""
         return self.centre_of_mass[1] if self.numbers is None else self.numbers.static_mass
 
     @property
     def most_mass(self) -> float:
-        """A mass not below the static mass, kg; infinite for a constrained body.
+        """Upper bound of the static mass, kg; infinite for a constrained body.
 
         :meta private:
         """
@@ -172,15 +173,15 @@ class BodyModel(ABC):
 
     @property
     def centre_known(self) -> bool:
-        """True if its centre of mass is known, as of a body given by numbers.
+        """True if the centre of mass is known, such as for a body given by numbers.
 
-        Else the mean over the static mode stands in.
+        Otherwise the mean over the static mode replaces it.
         """
         return self.numbers is not None or self.centre_of_mass[2]
 
     @property
     def known_mass(self) -> float | None:
-        """Mass of the whole body, kg; None where its centre of mass is not known.
+        """Mass of the whole body, kg; None if its centre of mass is not known.
 
         :meta private:
         """
@@ -188,7 +189,7 @@ class BodyModel(ABC):
 
     @property
     def ports(self) -> int:
-        """Number of its contact functionals.
+        """Number of contact functionals.
 
         :meta private:
         """
@@ -196,9 +197,7 @@ class BodyModel(ABC):
 
     @property
     def places(self) -> int:
-        """Number of places where it may be touched: with tangents each has three ports.
-
-        One of a rigid body.
+        """Number of contact points: with tangents each has three ports. A rigid body has one.
 
         :meta private:
         """
@@ -208,7 +207,7 @@ class BodyModel(ABC):
 
     @property
     def weightless(self) -> bool:
-        """True if gravity has no effect on it, since its supports are not known.
+        """True if gravity has no effect on the body, since its supports are not known.
 
         :meta private:
         """
@@ -227,7 +226,7 @@ class BodyModel(ABC):
 
     @property
     def massless(self) -> bool:
-        """True if a port moves at once with the force on it.
+        """True if a port has no mass and follows the force on it at once.
 
         :meta private:
         """
@@ -235,41 +234,41 @@ class BodyModel(ABC):
 
     @abstractmethod
     def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
-        """Return Σ |r_p| |r_q| / ω² of modes above a frequency, rad/s, or a bound of it.
+        """Return Σ |r_p| |r_q| / ω² over modes above `slowest`, rad/s, or a bound of it.
 
         Returns
         -------
         by_forces : ndarray, shape (ports, ports)
-            m/N.
+            Displacements of the ports under unit forces on them, m/N.
         by_weight : ndarray, shape (ports,)
-            m per m/s² of gravity; zero unless `weighed`.
+            Displacements of the ports per unit gravity, m/(m/s²); zero unless `weighed`.
 
         :meta private:
         """
 
     def touched_at(self, port: int = 0) -> ContactPoint | None:
-        """Return the contact point of a port; None of a body given by numbers.
+        """Return the contact point of a port; None for a body given by numbers.
 
         :meta private:
         """
         return self.tips[port] if self.tips else None
 
     def extraction_at(self, port: int = 0) -> Compliance | None:
-        """Return the compliances at a port; None of a rigid body, and where they are not known.
+        """Return the compliances at a port; None for a rigid body, or if they are not known.
 
         :meta private:
         """
         return self.tips[port].extraction if self.tips else None
 
     def surface_at(self, port: int = 0) -> ContactSurface | None:
-        """Return material and curvatures at a port; None where they are not known.
+        """Return material and curvatures at a port; None if they are not known.
 
         :meta private:
         """
         return self.tips[port].contact_surface if self.numbers is None else self.numbers.surface
 
     def turned(self, ports: Sequence[int]) -> Self:
-        """Return the model with the direction of travel turned round at some ports.
+        """Return the model with the direction of travel reversed at some ports.
 
         :meta private:
         """
@@ -288,21 +287,21 @@ class BodyModel(ABC):
 
 
 class AsWhole(NamedTuple):
-    """A body's motion as a whole, by its modes.
+    """The motion of a body as a whole, in modal coordinates q.
 
     Attributes
     ----------
     centre : ndarray, shape (n,)
-        Displacement of the centre of mass along the direction of travel.
+        Displacement of the centre of mass along the direction of travel per unit q.
     moving : ndarray, shape (n,)
         q̇ of the body moving undeformed with unit velocity.
     weight : ndarray, shape (n,)
         q̈ under unit gravity along the direction of travel.
     velocity : ndarray, shape (6, n), or None
-        Velocity of the centre of mass and mean spin, in the axes of its mesh; without spin, shape
-        (3, n), where supports leave none. None where the ports have one direction.
+        Velocity of the centre of mass and mean spin per unit q̇, in the axes of the mesh; shape
+        (3, n), without spin, if supports prevent it. None if ports have a normal direction only.
     momentum : ndarray, shape (n, 6), or None
-        q̇ of the undeformed body for a unit velocity and spin.
+        q̇ of the undeformed body for unit velocities and spins.
     """
 
     centre: FloatArray
@@ -316,46 +315,47 @@ class AsWhole(NamedTuple):
 class Body(Frozen, BodyModel):
     """A body in its natural modes: q̈_j + 2σ_j q̇_j + ω_j² q_j = g_j + Σ_p push_pj f_p.
 
-    The ports move by u_p = Σ_j shape_pj q_j + Σ_q R_pq f_q. Made by `antioscillators`, `modal`,
-    `interface`, `rigid`, `ball` and `wall`; `expand` gives the displacement of its elements.
+    The displacements of the ports are u_p = Σ_j shape_pj q_j + Σ_q R_pq f_q. Made by
+    `antioscillators`, `modal`, `interface`, `rigid`, `ball` and `wall`; `expand` gives the
+    displacements of the finite-element body.
 
     Attributes
     ----------
     kind : str
         "AO", "modal", "interface", "rigid" or "wall".
     n : int
-        Number of anti-oscillators of a model of that kind, or of modes.
+        Number of anti-oscillators of an "AO" model, else of modes.
     omega : ndarray, shape (n,)
-        ω, rad/s, ascending; rigid motions come first, as zeros.
+        Natural frequencies ω, rad/s, ascending; zeros of rigid motions come first.
     shape, push : ndarrays, shape (p, n)
-        Displacement of the ports by the modes, and force on the modes by the ports; both are bᵀφ,
-        1/√kg, of M-orthonormal modes.
+        Displacements of the ports per unit q, and accelerations q̈ per unit force on the ports;
+        both are bᵀφ, 1/√kg, for M-orthonormal modes.
     inertia : ndarray, shape (n,)
-        Kinetic energy is Σ inertia q̇²/2: 1 of M-orthonormal modes, 0 of a wall.
+        Modal masses in the kinetic energy Σ inertia q̇²/2: 1 for M-orthonormal modes, 0 for a wall.
     tips : tuple of ContactPoint
-        The ports; none of a body given by numbers.
+        Contact functionals of the ports; empty for a body given by numbers.
     residual : ndarray, shape (p, p), or None
-        R, the compliance that no mode has (of a massless contact), m/N.
+        R, the compliance of massless contacts beyond the modes, m/N.
     vectors : ndarray, shape (n_dofs, r), or callable that returns it
-        Vectors of which the modes are combinations; None of a body given by numbers.
+        Vectors of which the modes are combinations; None for a body given by numbers.
     coordinates : ndarray, shape (r, n)
-        The modes on these vectors; None where they are the modes.
+        Coefficients of the modes on these vectors; None if the vectors are the modes.
     follow : ndarray, shape (r, p), or None
-        Displacement at once with forces on the ports, on the vectors, m/N.
+        Coefficients on the vectors of the displacement that follows forces on the ports at once.
     linear_solver : str
-        The linear solver that it was made with; empty where none was needed.
+        Name of the linear solver that the model was made with; empty if none was needed.
     contact_time : float or None
-        The duration of the contact that it was fitted to, s; None where it fits any.
+        Duration of the contact that the model was fitted to, s; None if it fits any.
     slow : float or None
-        The duration of the motion that every other vector was fitted to, s.
+        Duration of the motion that every other vector was fitted to, s.
     numbers : AOModel or None
-        The numbers of a body that was given by these.
+        Anti-oscillator model of a body given by numbers.
     oscillators : AOModel or None
-        The numbers of anti-oscillators that it was made of, in their order.
+        Anti-oscillators that the model was made of, in their order.
     as_whole : AsWhole or None
-        The motion as a whole of a body given by numbers.
+        Motion as a whole of a body given by numbers.
     series : Body or None
-        The natural modes that an anti-oscillator model is made of, with its compliances.
+        Natural modes that an anti-oscillator model was made of; it has their compliances.
 
     Examples
     --------
@@ -390,7 +390,7 @@ class Body(Frozen, BodyModel):
 
     @cached_property
     def alone(self) -> Self:
-        """The same model with modes that are multiplied out: it holds no others' vectors.
+        """The same model with its own array of modes, without references to shared vectors.
 
         :meta private:
         """
@@ -414,7 +414,7 @@ class Body(Frozen, BodyModel):
 
     @property
     def most_mass(self) -> float:
-        """The largest static mass; infinite for a constrained body.
+        """Upper bound of the static mass, kg; infinite for a constrained body.
 
         :meta private:
         """
@@ -431,7 +431,7 @@ class Body(Frozen, BodyModel):
 
     @property
     def massless(self) -> bool:
-        """True if a port moves at once with the force on it.
+        """True if a port has no mass and follows the force on it at once.
 
         :meta private:
         """
@@ -457,7 +457,7 @@ class Body(Frozen, BodyModel):
 
     @property
     def participation(self) -> FloatArray:
-        """r_pj = b_pᵀφ_j, 1/√kg, shape (p, n)."""
+        """Participation factors r_pj = b_pᵀφ_j, 1/√kg, shape (p, n)."""
         return self.shape
 
     @property
@@ -467,7 +467,7 @@ class Body(Frozen, BodyModel):
 
     @cached_property
     def decay(self) -> FloatArray | None:
-        """σ, 1/s, shape (n,); None where nothing is damped.
+        """Decay rates σ of the modes, 1/s, shape (n,); None without damping.
 
         :meta private:
         """
@@ -476,13 +476,13 @@ class Body(Frozen, BodyModel):
 
     @cached_property
     def modes(self) -> FloatArray:
-        """φ_j, M-orthonormal, shape (n_dofs, n)."""
+        """M-orthonormal modes φ_j, shape (n_dofs, n)."""
         found = self.displaced(np.eye(len(self.omega)))
         found.flags.writeable = False
         return found
 
     def displaced(self, q: FloatArray) -> FloatArray:
-        """Return the displacement of `body` for amplitudes of the modes, (n_dofs,) or (n_dofs, k).
+        """Return the displacement of `body` for modal coordinates q, (n_dofs,) or (n_dofs, k).
 
         :meta private:
         """
@@ -509,7 +509,7 @@ class Body(Frozen, BodyModel):
 
     @cached_property
     def following(self) -> FloatArray | None:
-        """Displacement at once with forces on the ports, m/N, shape (n_dofs, p), or None.
+        """Displacement that follows forces on the ports at once, m/N, (n_dofs, p), or None.
 
         :meta private:
         """
@@ -521,12 +521,12 @@ class Body(Frozen, BodyModel):
         Parameters
         ----------
         coordinates : array_like, shape (n,) or (n, times)
-            q, m √kg.
+            Modal coordinates q, m √kg.
 
         Returns
         -------
         ndarray, shape (n_dofs,) or (n_dofs, times)
-            On the free dofs, in the order of the rows of K, m.
+            Displacements of the free dofs, in the order of the rows of K, m.
 
         Raises
         ------
@@ -565,12 +565,12 @@ class Body(Frozen, BodyModel):
 
     @cached_property
     def star(self) -> AOModel:
-        """The anti-oscillator model that this is in other coordinates: the same receptance.
+        """The equivalent anti-oscillator model, which has the same receptance.
 
         Raises
         ------
         InputError
-            If it has more ports than one.
+            If the body has more than one port.
         """
         from .star import of_body, star_of
 
@@ -579,9 +579,9 @@ class Body(Frozen, BodyModel):
     # ------------------------------------------------------- its motion as a whole
 
     def _static(self, port: int = 0) -> FloatArray:
-        """Amplitudes of the modes in φ_st at a port, eqs. (2), (3), without what follows at once.
+        """Modal coordinates of φ_st at a port, eqs. (2), (3), without the part by `following`.
 
-        It is the rigid motion with u = 1 if a force there moves the body as a whole.
+        φ_st is the rigid motion with u = 1 if a force at the port moves the body as a whole.
         """
         r, still = self.shape[port], self.omega == 0.0
         if r[still].any():
@@ -605,12 +605,12 @@ class Body(Frozen, BodyModel):
 
     @cached_property
     def whole(self) -> AsWhole:
-        """Its motion as a whole.
+        """The motion of the body as a whole.
 
         Raises
         ------
         InputError
-            If it has several ports, and its centre of mass is not known.
+            If the body has several ports, and its centre of mass is not known.
 
         :meta private:
         """
@@ -622,7 +622,7 @@ class Body(Frozen, BodyModel):
                 "the mass of a body touched in several places is not known: make it with nodes"
             )
         centre, tip = self.seen(functional), self.tips[0]
-        if free := tip.translates:  # elastic modes do not move the centre of mass then
+        if free := tip.translates:  # then elastic modes do not move the centre of mass
             centre = np.where(self.omega == 0.0, centre, 0.0)
         moving = mass * centre if free or self.ports > 1 else self._static()
         weight = np.zeros_like(centre) if self.weightless else mass * centre
@@ -637,8 +637,8 @@ class Body(Frozen, BodyModel):
         Parameters
         ----------
         velocity : float or ndarray, shape (6,)
-            Along the direction of travel, m/s; or of the centre of mass in three directions, m/s,
-            and spin, rad/s.
+            Velocity along the direction of travel, m/s; or velocity of the centre of mass in three
+            directions, m/s, and spin, rad/s.
 
         :meta private:
         """
@@ -651,7 +651,7 @@ class Body(Frozen, BodyModel):
     def loads(self, gravity: Pull = 0.0) -> FloatArray:
         """Return the forces on the dofs per unit of each force, shape (n_dofs, p) or (…, p + 1).
 
-        The functionals of the ports; under gravity, m/s², the weight, N, after them.
+        The columns are the functionals of the ports and, under gravity, m/s², the weight, N.
 
         :meta private:
         """
@@ -666,9 +666,9 @@ class Body(Frozen, BodyModel):
         Parameters
         ----------
         gravity : float or ndarray, shape (3,), optional
-            Along the direction of travel, or in three directions, m/s².
+            Acceleration along the direction of travel, or in three directions, m/s².
         load : (times, forces), optional
-            Shapes (m,) and (m, p); forces on the ports, N, straight between the times, s.
+            Times, s, (m,), and forces on the ports, N, (m, p), linear between the times.
 
         :meta private:
         """
@@ -690,9 +690,9 @@ class Body(Frozen, BodyModel):
     # ---------------------------------------------------------------- compliances
 
     def receptance(self, omega: npt.ArrayLike) -> npt.NDArray[Any]:
-        """Return the displacements of the ports over forces there, m/N.
+        """Return the receptances Σ_j r_pj r_qj/(ω_j² - ω² + 2iσ_jω) + R, m/N.
 
-        Σ_j r_pj r_qj/(ω_j² - ω² + 2iσ_jω) + R; real without damping.
+        They are real without damping.
 
         Parameters
         ----------
@@ -702,7 +702,8 @@ class Body(Frozen, BodyModel):
         Returns
         -------
         ndarray, shape (..., p, p)
-            `[..., p, q]`: of port p for a force at port q; infinite at a resonance.
+            Displacement of port p per unit force at port q, ``[..., p, q]``; infinite at a
+            resonance.
 
         Warns
         -----
@@ -731,10 +732,11 @@ class Body(Frozen, BodyModel):
 
     @property
     def band(self) -> tuple[float, float]:
-        """Lowest and highest frequency, Hz, between which it has the receptance of its body.
+        """Lowest and highest frequency, Hz, between which the model has its body's receptance.
 
-        There the receptance, averaged over neighbouring frequencies, is right to 1e-3. It takes a
-        static solution for each contact point. A model given by numbers is right everywhere.
+        There the receptance, averaged over neighbouring frequencies, has a relative error below
+        1e-3. The band costs a static solution for each contact point. The band of a model given by
+        numbers is unlimited.
         """
         return (0.0, math.inf) if self._band is None else self._band.limits
 
@@ -743,7 +745,7 @@ class Body(Frozen, BodyModel):
         return band_of(self) if self.tips else None
 
     def warn_outside_band(self, omega: FloatArray) -> None:
-        """Warn where a receptance is asked for at frequencies, rad/s, that it does not know.
+        """Warn if frequencies of a receptance, rad/s, are outside the band.
 
         :meta private:
         """
@@ -751,14 +753,14 @@ class Body(Frozen, BodyModel):
             self._band.warn_outside(omega, fitted=self.contact_time is not None)
 
     def deflection(self, s: float, port: int = 0) -> FloatArray:
-        """Return the body's displacement under a unit force at the frequency i s, shape (n_dofs,).
+        """Return the body's displacement under a unit force at the frequency i s, m/N, (n_dofs,).
 
         Parameters
         ----------
         s : float
-            rad/s, positive.
+            Frequency, rad/s, positive.
         port : int, optional
-            Where the force acts.
+            Port of the force.
 
         :meta private:
         """
@@ -766,9 +768,9 @@ class Body(Frozen, BodyModel):
         return found if self.following is None else found + self.following[:, port]
 
     def extraction_at(self, port: int = 0) -> Compliance | None:
-        """Return the compliances at a port, of natural modes their own; None if not known.
+        """Return the compliances at a port, for natural modes those of the truncated model.
 
-        None of a rigid body, too.
+        None for a rigid body, or if they are not known.
 
         :meta private:
         """
@@ -785,7 +787,7 @@ class Body(Frozen, BodyModel):
         return found[port]
 
     def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
-        """Return Σ |r_p| |r_q| / ω² of modes above a frequency, rad/s.
+        """Return Σ |r_p| |r_q| / ω² over modes above `slowest`, rad/s.
 
         :meta private:
         """
@@ -796,7 +798,7 @@ class Body(Frozen, BodyModel):
         return shape @ np.abs(self.push[:, fast].T), by_weight
 
     def _with_tips(self, tips: tuple[ContactPoint, ...]) -> Body:
-        # One on a sheet that was given its direction keeps it, and turns to the other side.
+        # A contact point on a sheet with a given direction keeps b, and changes its side.
         changed = [one is not was for one, was in zip(tips, self.tips, strict=True)]
         sign = np.array([np.sign(one.b @ was.b) for one, was in zip(tips, self.tips, strict=True)])
         shape, push = sign[:, None] * self.shape, sign[:, None] * self.push
@@ -823,7 +825,7 @@ def of_modes(
     ----------
     tips : tuple of ContactPoint
     omega2 : ndarray, shape (n,)
-        ω², (rad/s)², ascending; 0 of rigid motions.
+        ω², (rad/s)², ascending; 0 for rigid motions.
     vectors, coordinates
         As of `Body`.
     **how
@@ -834,7 +836,7 @@ def of_modes(
     r = np.ascontiguousarray(r if coordinates is None else r @ coordinates)
     if len(omega2) and omega2[0] == 0.0:
         held = [not moves_rigidly(tip) for tip in tips]
-        r[np.ix_(held, omega2 == 0.0)] = 0.0  # rounding
+        r[np.ix_(held, omega2 == 0.0)] = 0.0  # remove rounding errors
     return Body(
         n=len(omega2),
         omega=np.sqrt(omega2),
@@ -849,7 +851,7 @@ def of_modes(
 
 
 def in_time(coordinates: npt.ArrayLike, n: int) -> FloatArray:
-    """Return coordinates of a model, shape (n,) or (n, times), or refuse them."""
+    """Return the checked coordinates of a model, shape (n,) or (n, times)."""
     values = finite_array("coordinates", coordinates)
     if values.ndim not in (1, 2) or values.shape[0] != n:
         raise InputError(f"coordinates must have shape ({n},) or ({n}, times), got {values.shape}")
@@ -857,19 +859,19 @@ def in_time(coordinates: npt.ArrayLike, n: int) -> FloatArray:
 
 
 def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArray:
-    """Return a basis of the rigid motions of an impact at a port, shape (k, 0 … 2).
+    """Return an orthonormal basis of the rigid motions in an impact at a port, (k, 0 … 2).
 
-    Its columns are coordinates on all rigid motions: of the motion that the port excites, and of
-    the rest of a translation along the direction of travel, with which an impact off the centre
-    begins.
+    Its columns are coordinates on all rigid motions. The first is the motion that the port excites,
+    the second the rest of a translation along the direction of travel, with which an eccentric
+    impact begins.
 
     Parameters
     ----------
     tip : ContactPoint
     push : ndarray, shape (k,)
-        Rates of rigid motions by a force on the port.
+        Accelerations of the rigid motions per unit force on the port.
     rigid : ndarray, shape (n_dofs, k)
-        These motions, M-orthonormal.
+        M-orthonormal rigid motions.
     """
     size = float(np.linalg.norm(push))
     if size == 0.0:
@@ -887,12 +889,12 @@ def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArra
 
 
 def checked_ports(name: str, tips: Any) -> tuple[ContactPoint, ...]:
-    """Return the places on one body, one or several.
+    """Return one or several contact points of one body as a tuple.
 
     Raises
     ------
     InputError, InputTypeError
-        If they are not that.
+        If `tips` is empty, has other objects, or has points on different bodies.
     """
     if isinstance(tips, ContactPoint):
         return (tips,)

@@ -1,10 +1,10 @@
-"""The finer model of a body, which leaves less out than a given one.
+"""A model of the refined body, by which errors of mesh and reduction are estimated.
 
-It is that of the finer body (fem/finer.py): Ritz's method in the vectors of the given model; the
-first members of the sequence (K + s²M)⁻¹ b, (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … of each contact by the
-body as meshed; and what the finer body answers to the forces that each mode, and the first member,
-leave, roughly solved for. That is one step of inverse iteration from all modes at once, with the
-shift of the first contact.
+It is the Ritz model of the refined body (fem/finer.py) in three sets of vectors: those of the given
+model; for each contact, the first members of the sequence (K + s²M)⁻¹ b,
+(K + s²M)⁻¹ M (K + s²M)⁻¹ b, … of the body as meshed; and approximate responses of the refined body
+to the forces that each mode, and the first member, leave unbalanced. The latter are one step of
+inverse iteration from all modes at once, with the shift of the first contact.
 """
 
 from __future__ import annotations
@@ -19,14 +19,15 @@ from ..linalg import Solver, m_orthonormal
 from .body import Body, of_modes
 from .krylov import KrylovSpace, only_excited
 
-# Members of the sequence, and vectors of shells and beams beyond those that the given model has.
-# With one alone the error said of histories of a model of 8 vectors is 0.6 of the true one; with
-# these it is 0.8 to 5 times as large for 3 to 16 vectors (tests/accuracy/test_finer.py).
+# Number of members of the sequence; for shells and beams, of vectors beyond those of the given
+# model. With one member the error estimate of histories of a model of 8 vectors is 0.6 of the true
+# error; with these it is 0.8 to 5 times the true one for 3 to 16 vectors
+# (tests/accuracy/test_finer.py).
 _TERMS = 12
 
 
 def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
-    """Return the model of the body with finer elements; of one without, one of more vectors.
+    """Return a model of the refined body; one of more vectors if the body cannot be refined.
 
     Parameters
     ----------
@@ -38,8 +39,8 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
     Returns
     -------
     Body
-        Model of the finer body. The first n dofs are those of the given one. Contact points have
-        the `extraction` of the finer body where those of the given model have one.
+        Model of the refined body, whose first n dofs are those of the given body. Its contact
+        points have an `extraction` if those of the given model have one.
     """
     finer = model.body.finer
     if finer is None or finer.mesh is not model.body.mesh:
@@ -94,7 +95,7 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
 
 
 def _fitted_alike(model: Body, linear: Solver) -> Body:
-    """A model of more vectors fitted to the same, of shells and beams of those that are cut."""
+    """Model of more vectors, fitted to the same durations; of halved elements for shells, beams."""
     elastic = int(np.count_nonzero(model.omega))
     if not elastic:
         return model

@@ -1,4 +1,4 @@
-"""The full finite-element model of a body, touched in one place or more."""
+"""The full finite-element model of a body with one or more contact points."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from .body import Body, BodyModel, Pull, Velocity, checked_ports, of_modes
 from .reduction import antioscillators
 from .star import AOModel
 
-# All modes of a body with so many dofs take some ten seconds and a third of a GiB.
+# Largest number of dofs for which all modes are computed: some ten seconds and a third of a GiB.
 _MODAL_MOST = 3000
 
 
 @dataclass(frozen=True, repr=False)
 class FullModel(Frozen, BodyModel):
-    """All degrees of freedom of a finite-element body. Made by `full`.
+    """A finite-element body with all its degrees of freedom. Made by `full`.
 
-    Two of them are equal if they have the same contact points.
+    Two full models are equal if they have the same contact points.
 
     Attributes
     ----------
     tips : tuple of ContactPoint
-        The places where it is touched, on one body.
+        Contact points, on one body.
     reducible : bool
-        Whether it stands for contact points whose model is yet to be chosen.
+        True if the model stands for contact points whose reduced model is yet to be chosen.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class FullModel(Frozen, BodyModel):
 
     @cached_property
     def modal(self) -> Body:
-        """All natural modes that its contact points excite.
+        """The body in all natural modes that its contact points excite.
 
         :meta private:
         """
@@ -93,7 +93,7 @@ class FullModel(Frozen, BodyModel):
 
     @property
     def in_modes(self) -> bool:
-        """True if it is stepped in all of its modes, by which its damping is given.
+        """True if modal damping requires that the body is stepped in all its modes.
 
         :meta private:
         """
@@ -108,7 +108,7 @@ class FullModel(Frozen, BodyModel):
 
     @property
     def massless(self) -> bool:
-        """Not in its matrices: an implicit step resolves what these have.
+        """True if a port has no mass; False if stepped in its matrices, by implicit steps.
 
         :meta private:
         """
@@ -116,10 +116,10 @@ class FullModel(Frozen, BodyModel):
 
     @cached_property
     def moving(self) -> FloatArray:
-        """Velocities of the dofs at the start, for a unit velocity, shape (n_dofs,).
+        """Initial velocities of the dofs for a unit velocity, shape (n_dofs,).
 
-        The body translates where it may, or is touched in several places, whose modes know no other
-        way to move as a whole; else it moves in φ_st.
+        The body translates if it can, or if it has several contact points, whose models know no
+        other motion as a whole; else it moves in φ_st.
 
         :meta private:
         """
@@ -129,7 +129,7 @@ class FullModel(Frozen, BodyModel):
         return self.static_mode
 
     def rates(self, velocity: Velocity) -> FloatArray:
-        """Return the velocities of the dofs at the start, shape (n_dofs,); see `Body.rates`.
+        """Return the initial velocities of the dofs, shape (n_dofs,); see `Body.rates`.
 
         :meta private:
         """
@@ -152,9 +152,9 @@ class FullModel(Frozen, BodyModel):
         return super().weight(gravity)
 
     def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
-        """Return a bound without the modes: Σ r² / ω² above s is at most 2 bᵀ (K + s²M)⁻¹ b.
+        """Return a bound that needs no modes: Σ r² / ω² above s is at most 2 bᵀ (K + s²M)⁻¹ b.
 
-        And Σ |r_p| |r_q| / ω² at most the root of both ports' sums (Cauchy and Schwarz).
+        Σ |r_p| |r_q| / ω² is at most the root of the product of both ports' sums (Cauchy-Schwarz).
 
         :meta private:
         """
@@ -172,12 +172,12 @@ def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
     Parameters
     ----------
     tips : ContactPoint or sequence of ContactPoint
-        Where it is touched, from `FEModel.contact`: one place, or several of one body.
+        Contact points from `FEModel.contact`: one, or several of one body.
 
     Raises
     ------
     InputError, InputTypeError
-        If there is none, they are on different bodies, or they are no contact points.
+        If `tips` is empty, has other objects, or has points on different bodies.
 
     Examples
     --------
@@ -190,14 +190,14 @@ def full(tips: ContactPoint | Sequence[ContactPoint]) -> FullModel:
 
 
 def body_model(name: str, body: Any) -> BodyModel:
-    """Return the model that a caller's body is or stands for.
+    """Return the model that a caller's `body` is or stands for.
 
     A contact point, or a list of them, stands for a full model that may be reduced.
 
     Raises
     ------
     InputError, InputTypeError
-        If it is no model of a body, or the contact points are on different ones.
+        If `body` is no model of a body, or its contact points are on different bodies.
     """
     if isinstance(body, AOModel):
         return body.modal

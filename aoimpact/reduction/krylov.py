@@ -1,9 +1,10 @@
-"""Models fitted to the contact time: a body projected on what impacts at its ports excite.
+"""Models fitted to the contact time: a body projected on motions that impacts at its ports excite.
 
-The paper takes the constraint modes of the whole body. A short contact does not excite most of
-them. Here the body is first projected on the vectors that a contact of duration T excites,
-(K + s²M)⁻¹ b, (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … with s ~ 1/T, each of which costs one solve; and, if
-it is constrained, on its static modes, without which the model of few vectors is far too stiff.
+The paper takes the constraint modes of the whole body, most of which a short contact does not
+excite. Here the body is first projected on the vectors that a contact of duration T excites,
+(K + s²M)⁻¹ b, (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … with s ~ 1/T, each of which costs one solution. A
+constrained body is projected on its static modes as well: without these a model of few vectors is
+far too stiff.
 """
 
 from __future__ import annotations
@@ -47,80 +48,84 @@ from ..linalg import (
 from .body import Body, checked_ports, of_modes, ways_of
 from .star import AOModel, excited, of_body
 
-# A shift is as good as the best within this factor: on the paper's beam 8 to 14 over the contact
-# time are alike.
+# Ratio of a shift to the best one within which they are equally good: on the paper's beam 8 to 14
+# over the contact time are.
 _AS_GOOD = 1.3
 
-# Vectors, as a multiple of the oscillators wanted, after which no more are tried for those missing.
+# Largest ratio of vectors to wanted oscillators in the search for missing oscillators.
 _MOST_IDLE = 2
 
 
-# The order that this is best for; more vectors are best with s T in proportion, up to the highest
-# frequency of the mesh at the contact. On a clamped beam of 17 000 dofs and a clamped plate of
-# 19 000, 200 and 550 vectors then give the force to ten digits, 800 with the shift above to four.
+# Number of vectors for which the shift SHIFT_TIMES_DURATION over the contact time is best. For more
+# vectors the best shift grows in proportion, up to the highest frequency of the mesh at the
+# contact. On a clamped beam of 17 000 dofs and a clamped plate of 19 000, 200 and 550 vectors then
+# give the force to ten digits; 800 with the unchanged shift give four.
 ORDER_FITTED = 5
 
-# So many vectors for each place after which s is fitted to four times as many, and again, each time
-# at the price of a factorisation.
+# Number of vectors per contact point after which the shift is first raised, and the factor to the
+# next such number, for which the shift is then best. Each time costs a factorisation.
 _SHARPENED_FROM, _SHARPENED_BY = 48, 4
 
-# Below this share of the largest, a Ritz value may be that of a mechanism, but slender bodies under
-# short contacts span as much. It is one if it is at most this share of the sum of the magnitudes of
-# its terms: some hundred roundings.
+# Ritz values, relative to the largest, below which a mechanism is possible; slender bodies under
+# short contacts have such values, too. Stiffness of a mechanism, relative to the sum of absolute
+# values of its terms: some hundred rounding errors.
 _DOUBTFUL, _NO_STIFFNESS = 1e-12, 1e-14
 
 
-# A vector of which less than this share is new is a combination of those before it.
+# Largest ratio of a vector's orthogonal remainder to its length at which it is linearly dependent.
 _NOTHING_NEW = 1e-11
 
-# Where across the others more than this is left of a vector, one more pass changes no digit.
+# Ratio of lengths after and before a pass of Gram-Schmidt above which another pass changes no
+# digit.
 _NO_CANCELLATION = 0.5
 
-# Vectors in whose span a compact body's static mode is searched, for each place; the share of |b|
-# that is left then; how many more will find it at most; and what is left in the end. The error of
-# bᵀx goes with the square of that, but its direction across the other vectors does not. It spares a
-# factorisation of K: models of 8 oscillators on blocks of 9 400 and 42 000 dofs are made 1.7 and
-# 2.1 times as fast.
+# For the search of a compact body's static mode in the span of Krylov vectors: number of vectors
+# per contact point; largest relative residual at which more vectors are tried; largest number of
+# these; and relative residual of a result. The error of bᵀx is of the order of its square, but not
+# that of x orthogonal to the other vectors. A result spares a factorisation of K: models of 8
+# oscillators of blocks of 9 400 and 42 000 dofs are made 1.7 and 2.1 times as fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
-# ‖b - K x‖ / ‖b‖ of a static mode by an iterative method: of a clamped plate's 180 vectors, 1e-6
-# changes no error.
+# Relative residual ‖b - K x‖ / ‖b‖ of a static mode by an iterative method. With 1e-6, errors of
+# models of a clamped plate, up to 180 vectors, are the same.
 _STATIC = 1e-4
 
-# ω² of a vector, of the largest K_ii/M_ii, beyond which it is a motion without mass, whose rounding
-# spoils the others: up to 3 on bodies of full mass; from 2000 on modes are lost, M being singular.
+# ω² of a vector, relative to the largest K_ii/M_ii, above which it has practically no mass, and
+# rounding errors that spoil the others. Bodies with mass everywhere have up to 3; from 2000 on
+# modes are lost if M is singular.
 _WITHOUT_MASS = 300.0
 
-# Part of b beyond the rigid motions, over |b|, that is rounding.
+# Elastic part of b relative to b, below which it is a rounding error.
 _RIGID_ONLY = 1e-13
 
 
 class KrylovSpace:
-    """The space from which models of a body that are fitted to a scene are made; it grows.
+    """The Krylov space of a body's models fitted to a scene, which grows with their order.
 
-    `antioscillators(tip, n, method="krylov")` and `interface` make one and use it once. Kept, it
-    gives models of any order, the next one for a single solve more; up to three on symmetric bodies
-    once the model is right to rounding, which then adds motions that no port excites. The static
-    mode of a constrained body is, in compact bodies, a combination of some six to ten vectors that
-    larger models take anyway. In slender and thin ones it takes another factorisation, of K.
+    `antioscillators(tip, n, method="krylov")` and `interface` make a space and use it once. A space
+    that is kept gives models of any order, the next order for a single solution more. Symmetric
+    bodies may need up to three when models are accurate to rounding errors, which then add motions
+    that no port excites. The static mode of a constrained compact body is a combination of some six
+    to ten vectors, which larger models need anyway. Slender and thin bodies take a factorisation of
+    K for it.
 
     Parameters
     ----------
     tips : ContactPoint, or a sequence of them
-        Places on one and the same body, from `FEModel.contact`.
+        Contact points on one body, from `FEModel.contact`.
     contact_time : float, optional
-        How long the contact lasts, s; a factor of two or three does not matter. By default half a
-        period of the body's mass on the stiffness of its contact coordinate, which is far too short
-        for matrices without a mesh of nearly incompressible material.
+        Duration of the contact, s, to a factor of two or three. By default half a period of the
+        body's mass on the stiffness of its contact coordinate, which is far too short for matrices
+        without a mesh of nearly incompressible material.
     duration : float, optional
-        How long the body's motion is to be right, s, if that is much longer than the contact:
-        ``math.inf`` for the lowest natural modes. Every other vector is then fitted to it, which
-        takes a second factorisation. Without it the motion is right for some contact times. Always
-        right are the motion of a free body as a whole and that of a constrained one under forces
-        that change slowly.
+        Duration for which the body's motion must be accurate, s, if much longer than the contact;
+        ``math.inf`` for the lowest natural modes. Every other vector is then fitted to it, at the
+        price of a second factorisation. By default the motion is accurate for some contact times.
+        The motion of a free body as a whole, and that of a constrained body under slowly varying
+        forces, is always accurate.
     sharpened : bool, optional
-        Whether vectors beyond the 48th and the 192nd are fitted to models that large, which takes
-        another factorisation for each.
+        True to fit vectors beyond the 48th and the 192nd to models of that size, at the price of a
+        further factorisation for each.
     solver : str or callable, optional
         See `FEModel.inverse`.
 
@@ -153,36 +158,36 @@ class KrylovSpace:
         body = self.body = self.tips[0].body
         shift = fitted_shifts(self.tips, contact_time, None)[0]
         highest = min(map(highest_shift, self.tips))
-        other = self.tips[0].shift or shift  # of which the body may have a solver
+        other = self.tips[0].shift or shift  # the body may have a solver with this shift
         near = abs(math.log(other / shift)) <= math.log(_AS_GOOD)
         if near and other <= highest and len(self.tips) == 1:
             shift = other
         self.contact_time = SHIFT_TIMES_DURATION / shift
         refuse_mechanism(self.tips)
         refuse_massless(self.tips)
-        # s of K + s²M, rad/s, which grows with the number of vectors, and others taken in turn.
+        # Shift s of K + s²M, rad/s, which grows with the number of vectors; others taken in turn.
         self.shift, self._slow = shift, tuple[float, ...]()
         self._highest = highest if boolean("sharpened", sharpened) else 0.0
         self.solver_name, self._solver = "", checked_solver(solver)
         self._solvers: dict[float, LinearSolver] = {}
         rigid = body.rigid_modes
         self.rigid_count = rigid.shape[1]
-        # The rigid part would drown the rest where s is small; it is in the basis exactly.
+        # Rigid motions are in the basis; in b they would dominate the elastic part if s is small.
         functionals = np.stack([tip.b for tip in self.tips])
         elastic = functionals - (functionals @ rigid) @ (body.M @ rigid).T
         rigid_only = np.linalg.norm(elastic, axis=1) <= _RIGID_ONLY * np.linalg.norm(functionals)
         elastic[rigid_only] = 0.0
         self._b = elastic
         self._held = [i for i, tip in enumerate(self.tips) if not moves_rigidly(tip)]
-        # Rigid motions; a place for each static mode that is not among what the solves give, zero
-        # until it is needed; and what they give.
+        # The basis: rigid motions; a slot for each static mode outside the span of the other
+        # vectors, zero until it is needed; and the Krylov vectors.
         self._given = self.rigid_count + len(self._held)
         self._count: int = self._given
         self._solved = 0
         self._basis = np.zeros((self._given, body.n_dofs))
         self._basis[: self.rigid_count] = rigid.T
         self._stiffness = np.zeros((self._given, self._given))
-        # Coordinates on the basis of what is handed out, in its order, and the next to be added.
+        # Coordinates on the basis of the vectors of models, in order, and the next Krylov vector.
         self._ordered = list(np.eye(self.rigid_count, self._given))
         self._next = self._given
         self._statics, self._wanted, self._ended = 0, 0, False
@@ -194,23 +199,23 @@ class KrylovSpace:
 
     @property
     def solves(self) -> int:
-        """How many linear systems were solved so far, a static mode's counted as one."""
+        """Number of linear systems solved so far; each static mode counts as one."""
         return self._statics + self._solved
 
     @property
     def exhausted(self) -> bool:
-        """True if all that the ports excite is in the space."""
+        """True if the space contains all motions that the ports excite."""
         return len(self._ordered) < self._wanted
 
     def release(self) -> None:
-        """Give back the memory of the factors: those that are needed again are made again.
+        """Free the memory of the factors, which are recomputed if they are needed again.
 
         :meta private:
         """
         self._solvers.clear()
 
     def include(self, duration: float) -> None:
-        """Fit every other vector from here on to motion of that duration, s, as well.
+        """Fit every other vector from now on to motion of the duration `duration`, s.
 
         :meta private:
         """
@@ -237,7 +242,7 @@ class KrylovSpace:
         vectors = wanted
         star = self.of_vectors(vectors).alone.star
         while star.n < wanted and not self.exhausted and vectors < _MOST_IDLE * wanted:
-            # Where b excites only some modes, rounding adds vectors of the others.
+            # If b excites few modes, rounding errors add vectors that are no oscillators.
             vectors += wanted - star.n
             star = self.of_vectors(vectors).alone.star
         if star.n < wanted:
@@ -245,22 +250,22 @@ class KrylovSpace:
         return star if star.n <= wanted else _of_largest_mass(star, wanted)
 
     def of_vectors(self, n: int) -> Body:
-        """Return the model of `n` vectors beside the static one: of `n` oscillators, or fewer.
+        """Return the model of `n` vectors beside the static mode: of `n` oscillators, or fewer.
 
-        Its modes are multiplied out when they are needed. It is made for much less than one whose
-        are, and holds the whole space as long as it lives.
+        Its modes are computed when they are needed, which makes the model cheap, but it keeps a
+        reference to the whole space.
 
         :meta private:
         """
-        # A constrained body's static mode is one more vector; a free one's is a rigid motion.
+        # The static mode of a constrained body is one more vector, of a free body a rigid motion.
         first = self.rigid_count + (0 if moves_rigidly(self.tips[0]) else 1)
         return only_excited(self.of_all(first + integer("n", n, low=0), "AO"))
 
     def of_all(self, n: int, kind: str = "interface") -> Body:
-        """Return the model of `n` vectors, rigid motions included, or of as many as there are.
+        """Return the model of `n` vectors, rigid motions included, or of all if there are fewer.
 
-        By their coordinates on the first vectors, only as many as there is need for: the last bits
-        do not depend on those that came later.
+        Only the first vectors of the basis are used, as many as needed, so that the result is
+        bitwise independent of later vectors.
 
         Raises
         ------
@@ -277,8 +282,8 @@ class KrylovSpace:
         omega2, y = scipy.linalg.eigh(elastic @ there @ elastic.T)
         doubtful = omega2 <= _DOUBTFUL * np.abs(omega2).max(initial=0.0)
         if doubtful.any():
-            # Soft motions by K itself: the rounding of its projection is that of the stiffest one.
-            # A value that is no more than rounding of K in its own motion is 0.
+            # Recompute the stiffness of soft motions by K: rounding errors of its projection are
+            # those of the stiffest motion. Values below the rounding errors of K are mechanisms.
             K, motions = self.body.K, self._basis[:first].T @ (elastic.T @ y[:, doubtful])
             soft, turned = scipy.linalg.eigh(motions.T @ (K @ motions))
             sizes = np.abs(motions @ turned)
@@ -302,14 +307,14 @@ class KrylovSpace:
         )
 
     def _first_vectors(self, count: int) -> FloatArray:
-        """The first of the M-orthonormal basis, shape (n_dofs, count): a view of all."""
+        """First vectors of the M-orthonormal basis, shape (n_dofs, count), as a view."""
         return self._basis[:count].T
 
     def _grow(self, count: int) -> int:
-        """Grow to `count` vectors, rigid motions included; return how many there are.
+        """Grow to `count` vectors, rigid motions included; return their number.
 
-        There are fewer where the functionals excite no more. Those that were there stay. Rigid
-        motions come first, then the static modes of the places where these do not move the body.
+        There are fewer if the functionals excite no more motions. Earlier vectors do not change.
+        Rigid motions come first, then the static modes of ports that these do not move.
         """
         self._wanted = max(self._wanted, count)
         if len(self._ordered) == self.rigid_count < count and self._next == self._given:
@@ -329,7 +334,7 @@ class KrylovSpace:
         return padded
 
     def _append(self, coordinates: FloatArray) -> None:
-        """Put a combination of the basis next in order, unless those before it span it."""
+        """Append the vector with these coordinates, unless it depends on those before it."""
         before, rest = self._coordinates(), coordinates.copy()
         for _ in range(2):
             rest -= (before @ rest) @ before
@@ -338,10 +343,10 @@ class KrylovSpace:
             self._ordered.append(rest / length)
 
     def _static_modes(self, wanted: int) -> list[FloatArray]:
-        """Return the coordinates of the static modes, `wanted` being vectors beside rigid motions.
+        """Return the coordinates of the static modes; `wanted` vectors beside rigid motions follow.
 
-        Of an iterative method these come before all vectors, across which rough solutions then
-        are: else vectors lose slow motions to what the solutions leave of them.
+        With an iterative solver they come before all other vectors, which are made orthogonal to
+        them. In the reverse order, errors of the approximate solutions would displace slow motions.
         """
         if not self._held:
             return []
@@ -354,12 +359,12 @@ class KrylovSpace:
         invert = lru_cache(1)(dynamic.at or partial(self.body.inverse, solver=self._solver))
         found = []
         for slot, (place, load) in enumerate(zip(self._held, loads, strict=True), self.rigid_count):
-            # A rough solution depends on the shift that it was begun from: it is not shared.
+            # An approximate solution depends on the shift of its preconditioner: it is not shared.
             known = {} if dynamic.precondition else self.tips[place].deflections
             if self._solver not in known:
                 known[self._solver] = displacement(self.body, load, invert, tolerance=_STATIC)
             self._statics += 1
-            # What is new of it has its place in the basis.
+            # Its orthogonal remainder takes the slot in the basis.
             x = known[self._solver]
             x, _, coordinates, length = self._across(x, self.body.M @ x)
             if length > 0.0:
@@ -371,9 +376,10 @@ class KrylovSpace:
     def _across(
         self, x: FloatArray, mx: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-        """Return x across the vectors, M times that, its parts along them, and the length left.
+        """Return the M-orthogonal remainder x, M x, the parts along the basis, and the length of x.
 
-        That is 0 where it is rounding. Passes of Gram and Schmidt end where one shortens little.
+        The length is 0 if x is a rounding error. Passes of Gram-Schmidt end with one that shortens
+        x little.
         """
         vectors, parts, before = self._basis[: self._count], np.zeros(self._count), math.inf
         size = length = _length(x, mx)
@@ -385,7 +391,7 @@ class KrylovSpace:
         return x, mx, parts, length if length > _NOTHING_NEW * size else 0.0
 
     def _put(self, slot: int, vector: FloatArray) -> None:
-        """Make it a vector of the basis. Rigid motions have no elastic force."""
+        """Store a vector of the basis, and its products with K; those with rigid motions are 0."""
         if not np.isfinite(vector).all():
             raise ConvergenceError(
                 "a motion that the contact excites is out of range: it has hardly any mass"
@@ -397,9 +403,10 @@ class KrylovSpace:
         self._stiffness[slot, : self._count] = self._stiffness[: self._count, slot] = row
 
     def _spanned(self, loads: FloatArray, wanted: int) -> FloatArray | None:
-        """K⁻¹ of each load in the span of the vectors wanted anyway and, if promising, of more.
+        """Coordinates of K⁻¹ of each load in the span of Krylov vectors, or None if it is outside.
 
-        In compact bodies that is all of it, and K need not be factorised; None elsewhere.
+        If the residual is small for the `wanted` vectors, more are tried. In compact bodies this
+        spares a factorisation of K.
         """
         places = int(np.linalg.matrix_rank(self._b))
         sizes = np.linalg.norm(loads, axis=1)
@@ -409,7 +416,7 @@ class KrylovSpace:
                 pass
             found, new = np.zeros((len(loads), self._count)), slice(self._given, self._count)
             stiffness, vectors = self._stiffness[new, new], self._basis[new]
-            if not (stiffness.diagonal() > 0.0).all():  # rounding of K, or a mechanism
+            if not (stiffness.diagonal() > 0.0).all():  # rounding errors of K, or a mechanism
                 return None
             scale = 1.0 / np.sqrt(stiffness.diagonal())
             try:
@@ -429,24 +436,24 @@ class KrylovSpace:
         return None
 
     def _solve(self, most: int) -> bool:
-        """Add some vectors, at most so many; whether there was one."""
+        """Add some vectors, at most `most`; return True if at least one was new."""
         if self._ended:
             return False
-        # All functionals have their turn with a shift before the next shift has its own.
+        # Each shift serves all functionals in turn before the next shift.
         solves, places = self._solved, len(self._b)
         turn, until, first = solves // places, _SHARPENED_FROM, self.shift
         while turn >= until:
             until *= _SHARPENED_BY
             first = max(first, min(until / ORDER_FITTED * self.shift, self._highest))
         shifts = (first, *self._slow)
-        for passed in set(self._solvers) - set(shifts):  # the first, sharpened
+        for passed in set(self._solvers) - set(shifts):  # the first shift was raised
             at = self._solvers.pop(passed).at
             if at is not None and first not in self._solvers:
                 self._solvers[first] = at(first**2)
         inverse = self._inverse(shifts[turn % len(shifts)])
         most = 1 if len(shifts) > 1 else min(most, until * places - solves)
         before = self._count
-        wanted = before + min(most, max(1, solves))  # then looks at its pace
+        wanted = before + min(most, max(1, solves))  # the caller then checks the progress
         had, dofs = self._basis.shape
         if wanted > had:
             more = max(wanted - had, had // 2)
@@ -463,7 +470,7 @@ class KrylovSpace:
             turn = self._solved
             if turn < places:
                 self._load = self._b[turn]
-            elif places > 1:  # else it is left from the last vector
+            elif places > 1:  # with one functional, the last vector has set it
                 self._load = self.body.M @ self._basis[self._given + turn - places]
             x, _, mx = inverse.solve_roughly(self._load)
             self._solved += 1
@@ -471,7 +478,7 @@ class KrylovSpace:
             if length > 0.0:
                 self._load = mx / length
                 self._put(self._count, x / length)
-        self.solver_name = inverse.name  # factors may have taken over
+        self.solver_name = inverse.name  # an iterative solver may have changed to factors
         light = np.flatnonzero(np.diagonal(self._stiffness)[before : self._count] > self._fastest)
         if len(light):
             self._count, self._ended = before + int(light[0]), True
@@ -498,8 +505,8 @@ class KrylovSpace:
 def only_excited(body: Body) -> Body:
     """Return a body of one port without the modes that an impact on it does not excite.
 
-    Two rigid motions are left at most: that which the port excites, and the rest of a translation
-    along the direction of travel, with which an impact off the centre begins.
+    At most two rigid motions remain: the motion that the port excites, and the rest of a
+    translation along the direction of travel, with which an eccentric impact begins.
     """
     tip, r, still = body.tips[0], body.shape[0], body.omega == 0.0
     on = np.eye(len(r)) if body.coordinates is None else body.coordinates
@@ -526,7 +533,7 @@ def only_excited(body: Body) -> Body:
 
 
 def _of_largest_mass(star: AOModel, n: int) -> AOModel:
-    """The `n` oscillators of the largest mass, in the star's order; the others' joins m0."""
+    """Model of the `n` oscillators of largest mass, in their order; m0 takes the others' mass."""
     by_mass = np.argsort(-star.m, kind="stable")
     order = np.concatenate([np.sort(by_mass[:n]), by_mass[n:]])
     assert star.origin is not None
@@ -541,24 +548,25 @@ def interface(
     duration: float = math.inf,
     solver: Solver = "auto",
 ) -> Body:
-    """Return the model of a body touched in several places.
+    """Return the reduced model of a body with several contact points.
 
-    Its modes are those of the body projected on the rigid motions and on what impacts at the ports
-    excite, port by port in turn: (K + s²M)⁻¹ B, (K + s²M)⁻¹ M (K + s²M)⁻¹ B, …
+    Its modes are those of the body projected on the rigid motions and on the vectors that impacts
+    at the ports excite, port by port in turn: (K + s²M)⁻¹ B, (K + s²M)⁻¹ M (K + s²M)⁻¹ B, …
 
     Parameters
     ----------
     tips : ContactPoint, or a sequence of them
-        Places on one and the same body, from `FEModel.contact`.
+        Contact points on one body, from `FEModel.contact`.
     n : int
-        Number of modes, the body's rigid motions included and at least one more for each port.
+        Number of modes: the body's rigid motions, and at least one more for each port.
     contact_time : float, optional
-        The shortest contact that the modes are fitted to, s; by default the shortest of those that
-        the ports have by themselves.
+        Shortest duration of a contact that the modes are fitted to, s; by default the shortest
+        estimate of all ports (see `KrylovSpace`).
     duration : float, optional
-        How long the body's motion is to be right, s. By default for ever: every other vector is
-        static, so that the lowest natural modes are right. ``duration=contact_time`` fits all
-        vectors to the contact, which spares a factorisation and is best for its force alone.
+        Duration for which the body's motion must be accurate, s. By default it is infinite: every
+        other vector is static, so that the lowest natural modes are accurate.
+        ``duration=contact_time`` fits all vectors to the contact, which spares a factorisation and
+        is best if only the force is of interest.
     solver : str or callable, optional
         See `FEModel.inverse`.
 
@@ -593,8 +601,8 @@ def interface(
     return model
 
 
-# Products over all dofs without BLAS, whose threads change the last bits with the number of cores:
-# what is left of a static mode across the other vectors may be as small as these are large.
+# Products over all dofs avoid BLAS, whose last bits depend on the number of threads: the orthogonal
+# remainder of a static mode may consist of them.
 
 
 def _products(vectors: FloatArray, x: FloatArray) -> FloatArray:

@@ -1,18 +1,17 @@
-"""From a model's few modes back to the whole body, with the correction that they need.
+"""Displacement of the whole body from the coordinates of a reduced model, with a correction.
 
 X_r = Σ q_j φ_j, eq. (8) in other coordinates, is only a part of the displacement. The rest responds
 to the forces that the reduced motion leaves unbalanced, r = b F - K X_r - M Ẍ_r with the
-acceleration Ẍ_r that F and the model's springs give:
+acceleration Ẍ_r due to F and the model's springs:
 
     X = X_r + (K + s²M)⁻¹ r.
 
-This is exact where everything grows as e^{st}. With s = 0 it is the textbooks' static correction,
+This is exact for motions proportional to e^{st}. With s = 0 it is the standard static correction,
 with inertia relief for free bodies ("mode acceleration"; R. R. Craig and A. J. Kurdila,
-Fundamentals of Structural Dynamics, 2nd ed., section 11.4), right if all omitted modes are fast.
-But among the oscillators omitted for their small mass there are slow ones, and Krylov vectors
-resolve slow modes last. These have no time to follow a contact of duration T, and K⁻¹ would
-exaggerate them without bound. With s = 10/T they stay where they are, and fast ones follow as
-before.
+Fundamentals of Structural Dynamics, 2nd ed., section 11.4), which is accurate if all omitted modes
+are fast. But some of the oscillators omitted for their small mass are slow, and Krylov vectors
+resolve slow modes last. Slow modes hardly respond during a contact of duration T, and K⁻¹ would
+exaggerate them without bound. With s = 10/T they stay at rest, and fast modes follow statically.
 """
 
 from __future__ import annotations
@@ -29,18 +28,20 @@ from ..linalg import ROUGH
 if TYPE_CHECKING:
     from .body import Body
 
-# s T for a contact of duration T. Measured on beams struck at midspan and at the end, supported and
-# free: between 3 and 20 errors hardly change, below they grow where slow modes are left out.
+# s T for a contact of duration T. On beams struck at midspan and at the end, supported and free,
+# errors hardly change between 3 and 20; below, they grow if slow modes are left out.
 PACE = 10.0
 
-# ‖f - A x‖ / ‖f‖ of a correction by a solver that iterates: stresses of a disc, a plate, a bracket
-# and a flange, 20 mm from where they are struck, are off by 4e-8 at most (2e-7 with 1e-4).
+# Relative residual ‖f - A x‖ / ‖f‖ of a correction by an iterative solver. Relative errors of
+# stresses in a disc, a plate, a bracket and a flange, 20 mm from the contact, are 4e-8 at most
+# (2e-7 with 1e-4).
 SOLVED = 1e-6
 
-# Unbalanced force, over its parts, up to which it is not corrected. Rough solutions leave each
-# vector that much, in a direction of its own; without them one direction for each force stands out,
-# and rounding leaves 1e-12. Those stresses, and a beam's, are off by 9e-5 at most for it (models of
-# 9 … 67 oscillators; 3e-5 with a third of it), and a probe takes a fifth of the time.
+# Unbalanced force, relative to its parts, up to which it is not corrected. Approximate solutions
+# leave that much for each vector, in a separate direction; exact ones leave one direction for each
+# force, and rounding errors of 1e-12. It causes relative errors of at most 9e-5 in those stresses
+# and a beam's (models of 9 … 67 oscillators; 3e-5 with a third of it), and a probe takes a fifth of
+# the time.
 _BALANCED = ROUGH
 
 
@@ -48,13 +49,13 @@ _BALANCED = ROUGH
 class Recovery:
     """The map from a reduced model's coordinates and the forces on it to its body's displacement.
 
-    It is linear and the same at all times, so rates q̇ and ḟ go the same way to velocities.
+    The map is linear and constant, so that it also maps the rates q̇ and ḟ to velocities.
 
     Attributes
     ----------
     model : Body
     loads : ndarray, shape (n_dofs, p)
-        Forces on the dofs per unit of each of the forces f: see `Body.loads`.
+        Forces on the dofs per unit of each force f; see `Body.loads`.
     s : float
         Frequency of the correction, rad/s; positive.
     """
@@ -64,7 +65,7 @@ class Recovery:
     s: float
 
     def __getstate__(self) -> dict[str, Any]:
-        # Do not pickle what is cheap to recompute.
+        # The caches are cheap to recompute.
         return {"model": self.model, "loads": self.loads, "s": self.s}
 
     def displacement(self, coordinates: FloatArray, forces: FloatArray) -> FloatArray:
@@ -73,8 +74,9 @@ class Recovery:
         Parameters
         ----------
         coordinates : ndarray, shape (n, times)
+            Modal coordinates q.
         forces : ndarray, shape (p, times)
-            On the ports, along their directions, N.
+            Forces on the ports, along their directions, N.
 
         Returns
         -------
@@ -86,7 +88,7 @@ class Recovery:
 
     @cached_property
     def basis(self) -> FloatArray:
-        """Displacement by coordinates, and at once by forces, shape (n_dofs, n + p)."""
+        """Displacement per unit coordinate, and per unit force at once, shape (n_dofs, n + p)."""
         at_once = np.zeros_like(self.loads)
         if (following := self.model.following) is not None:
             at_once[:, : following.shape[1]] = following
@@ -94,11 +96,11 @@ class Recovery:
 
     @property
     def shapes(self) -> FloatArray:
-        """The few shapes that the correction is made of, (n_dofs, k)."""
+        """Shapes of which the correction is a combination, (n_dofs, k)."""
         return self._correction[0]
 
     def amounts(self, coordinates: FloatArray, forces: FloatArray) -> FloatArray:
-        """How much of each of the `shapes` the correction adds, (k, times)."""
+        """Return the factors of `shapes` in the correction, (k, times)."""
         amounts: FloatArray = self._correction[1] @ np.vstack([coordinates, forces])
         return amounts
 
@@ -106,11 +108,12 @@ class Recovery:
     def _correction(self) -> ArrayPair:
         """(K + s²M)⁻¹ r per coordinate and force, as shapes (n_dofs, k) times weights (k, n + p).
 
-        Unbalanced forces are orthogonal to the model's shapes. Anti-oscillators and Krylov vectors
-        leave only one direction of it for each force, however many they are: K times their space
-        lies in M times it and the loads. So one solution for each force serves all.
+        Unbalanced forces r are orthogonal to the model's shapes. With any number of
+        anti-oscillators or Krylov vectors, r has only one direction for each force, since K times
+        their space lies in the span of M times that space and the loads. One solution for each
+        force is therefore sufficient.
 
-        The models of finer bodies have what is corrected among their vectors.
+        Models of refined bodies need no correction: their vectors contain it.
         """
         body, loads, s2 = self.model.body, self.loads, self.s**2
         if body.coarse is not None:
@@ -119,7 +122,7 @@ class Recovery:
         strained, inertia = body.K @ self.basis, body.M @ self.basis
         model, n = self.model, len(self.model.omega)
         push = model.modes.T @ loads
-        # Rigid motions that the model does not contain: no force of its ports moves them.
+        # Rigid motions that forces on the ports do not excite, and the model does not contain.
         omitted = body.rigid_modes.T @ (loads - inertia[:, :n] @ push)
         r = -strained
         r[:, :n] += inertia[:, :n] * model.omega**2
@@ -137,10 +140,10 @@ class Recovery:
 
 
 def _directions(columns: FloatArray) -> ArrayPair:
-    """The few directions that columns have, orthonormal, (n, k), and the columns on them, (k, m).
+    """Orthonormal basis of some columns, (n, k), and the columns' coordinates on it, (k, m).
 
-    By Gram and Schmidt, the largest of what is left of the columns first, as in a QR factorisation
-    with pivoting, but only as far as anything is left.
+    It is a QR factorisation with column pivoting, by Gram-Schmidt, which ends when the columns'
+    remainders are negligible.
     """
     directions, weights = [], []
     while (sizes := np.linalg.norm(columns, axis=0)).max(initial=0.0) > _BALANCED:

@@ -1,4 +1,4 @@
-"""Reduction by eigenpairs: a body's natural modes, and its constraint modes, eqs. (4)-(12)."""
+"""Reduction by eigenmodes: a body's natural modes, and its constraint modes, eqs. (4)-(12)."""
 
 from __future__ import annotations
 
@@ -39,37 +39,41 @@ from .body import Body, checked_ports, of_modes
 from .krylov import KrylovSpace
 from .star import AOModel, excited, with_shapes
 
-# Dofs up to which LAPACK finds all oscillators: a minute or so; beyond, minutes and gigabytes.
+# Largest number of dofs for which LAPACK computes all oscillators, in about a minute; more dofs
+# take minutes and gigabytes.
 _DENSE_MOST = 6000
 
-# Steps of Lanczos' method at most: a number, and some and a share of the dofs, so that steps in
-# vain take a tenth of what LAPACK then takes from 2000 dofs on. Residual, relative to the
-# eigenvalue, of a mode found.
+# Largest number of Lanczos steps: the first value, but at most the second plus the third times the
+# number of dofs. If they fail, they have taken a tenth of LAPACK's time from 2000 dofs on. The last
+# value is the residual, relative to the eigenvalue, of a converged mode.
 _MOST_STEPS, _SOME, _SHARE_OF_DOFS, _CONVERGED = 600, 60, 1 / 12, 1e-10
 
-# Solutions foreseen for each oscillator: on a beam, a plate and a block 5 to 300 were counted, the
-# least for many in the order of their frequencies.
+# Expected number of linear solutions per oscillator. On a beam, a plate and a block it was 5 to
+# 300, least for many oscillators in the order of frequency.
 _SOLUTIONS_EACH = 20
 
-# An oscillator with less than this share of the static mass carries none: it is rounding.
+# Mass of an oscillator, relative to the static mass, below which it is a rounding error.
 _NO_MASS = 1e-13
 
-# A residual mass of no more than this share of the static mass is none: the rounding of thousands
-# of masses. A contact on a dof without mass has none.
+# Residual mass, relative to the static mass, below which it is set to 0: the rounding error of
+# thousands of masses. A contact on a dof without mass has no residual mass.
 _ROUNDING_OF_MASS = 1e-11
 
 
 # Returns the solver of K + s²M for s².
 Invert = Callable[[float], LinearSolver]
 
-# Masses, stiffnesses, and shapes Ψ_i = c_i φ_i of the anti-oscillators found so far.
+# Masses, stiffnesses, and shapes Ψ_i = c_i φ_i of anti-oscillators.
 _Found = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def _oscillators(
     tip: ContactPoint, static: StaticMode, omega2: FloatArray, phi: FloatArray
 ) -> _Found:
-    """Eqs. (6), (9), (12) for constraint modes of ascending frequency; multiple ones are joined."""
+    """Oscillators by eqs. (6), (9), (12) from constraint modes in ascending frequency.
+
+    Modes of equal frequency are joined.
+    """
     m, k, c = (np.empty(len(omega2)) for _ in range(3))
     of = np.empty(len(omega2), dtype=np.int32)
     by_mode, m_by_mode = (np.ascontiguousarray(x.T) for x in (phi, tip.body.M @ phi))
@@ -88,17 +92,17 @@ def _oscillators(
 
 
 def _all_constraint_modes(tip: ContactPoint) -> ArrayPair:
-    """By LAPACK: a reflection turns bᵀφ = 0 into "first entry zero".
+    """All constraint modes by LAPACK, after a reflection that turns bᵀφ = 0 into φ₁ = 0.
 
-    The dof that b moves most comes first: a reflection of one that b does not move loses its mass
-    in the rounding of a far heavier one that b moves.
+    The dof with the largest entry of b comes first. Otherwise the mass of a dof with a zero entry
+    may be lost in rounding errors of a far heavier one.
     """
     n = tip.body.n_dofs
     order, most = np.arange(n), int(np.argmax(np.abs(tip.b)))
     order[[0, most]] = most, 0
     across = np.empty((n, n - 1))
     across[order] = np.linalg.qr(tip.b[order][:, None], mode="complete")[0][:, 1:]
-    few = scipy.sparse.csr_array(across)  # b moves few dofs
+    few = scipy.sparse.csr_array(across)  # b has few nonzero entries
     pencil = [(few.T @ matrix @ few).toarray(order="F") for matrix in (tip.body.K, tip.body.M)]
     omega2, y = dense_modes(*pencil)
     return omega2, few @ y
@@ -111,12 +115,12 @@ def _first_oscillators(
     order: str,
     solvers: Invert,
 ) -> tuple[_Found, float]:
-    """Return the first `n` oscillators among those found, and the mass that one left out may have.
+    """Return oscillators, `n` or more, and an upper bound of the mass of one not found.
 
-    Lanczos' method on bᵀφ = 0, started from what φ_st is there: the masses that its Ritz values
-    have are Gauss' weights of the masses m_i over 1/(ω_i² + s²). No more mass lies between two
-    neighbours than both have (Chebyshev, Markov and Stieltjes; Szegő, Orthogonal Polynomials,
-    3.41). Of each multiple eigenvalue it meets the one mode that carries mass.
+    Lanczos' method is applied in the space bᵀφ = 0, started from the projection of φ_st. The masses
+    of its Ritz values are Gauss quadrature weights of the masses m_i over 1/(ω_i² + s²). Between
+    two neighbours lies no more mass than both have (Chebyshev, Markov and Stieltjes; Szegő,
+    Orthogonal Polynomials, 3.41). Of a multiple eigenvalue only the mode with mass is found.
     """
     K, M, b = tip.body.K, tip.body.M, tip.b
     if tip.body.rigid_modes.shape[1] == 0:
@@ -132,12 +136,12 @@ def _first_oscillators(
     diagonal, off, look = np.empty(most), np.empty(most), n
     for k in range(most):
         x = base.solve(M @ basis[k])
-        for _ in range(2):  # the first subtracts large numbers where b is soft beside the rest
+        for _ in range(2):  # cancellation spoils the first pass if the body is soft along b
             x -= (b @ x) / (b @ z) * z
         x -= idle @ (idle.T @ (M @ x))
         parts = basis[: k + 1] @ (M @ x)
         x -= parts @ basis[: k + 1]
-        x -= (basis[: k + 1] @ (M @ x)) @ basis[: k + 1]  # once more, for what rounding leaves
+        x -= (basis[: k + 1] @ (M @ x)) @ basis[: k + 1]  # again, against rounding errors
         diagonal[k], off[k] = parts[k], math.sqrt(x @ (M @ x))
         if not math.isfinite(off[k]):
             raise ConvergenceError("the contact functional is too small to be computed with")
@@ -152,12 +156,12 @@ def _first_oscillators(
         masses = mass * y[0] ** 2
         found = off[k] * np.abs(y[-1]) <= _CONVERGED * theta
         left = np.where(found, 0.0, masses)
-        if order == "frequency":  # those below the first that has not converged
+        if order == "frequency":  # only those below the first one that has not converged
             found &= np.cumsum(~found) == 0
         chosen = np.flatnonzero(found & (masses > _NO_MASS * static.mass))
         largest = float((left + np.append(left[1:], 0.0)).max())
         omega2 = 1.0 / theta[chosen] - base.s2
-        # Rounding brings in further modes of a multiple eigenvalue, which make one oscillator.
+        # Due to rounding, several modes of a multiple eigenvalue appear; they are one oscillator.
         enough = np.count_nonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2) >= n
         if enough and order == "mass" and n:
             enough = largest <= np.sort(masses[chosen])[-n]
@@ -169,7 +173,7 @@ def _first_oscillators(
 
 
 def _across(tip: ContactPoint, static: StaticMode) -> FloatArray:
-    """Return the part of φ_st in bᵀx = 0, M-orthogonal to all else: φ_st less a share of M⁻¹ b."""
+    """Return the M-orthogonal projection of φ_st on bᵀx = 0, φ_st minus a multiple of M⁻¹ b."""
     M, b = tip.body.M, tip.b
     diagonal = np.where(M.diagonal() > 0.0, M.diagonal(), 1.0)
     jacobi = scipy.sparse.diags_array(1.0 / diagonal)
@@ -192,7 +196,7 @@ def _wanted_oscillators(
     dofs, found, left_out = tip.body.n_dofs, None, math.inf
     if dofs > DENSE_DOFS:
         try:
-            with np.errstate(over="ignore", invalid="ignore"):  # found by what comes of it
+            with np.errstate(over="ignore", invalid="ignore"):  # detected in its result
                 found, left_out = _first_oscillators(tip, static, n, order, solvers)
         except ConvergenceError:
             if dofs > _DENSE_MOST:
@@ -222,38 +226,41 @@ def antioscillators(
     Parameters
     ----------
     tip : ContactPoint
-        From `FEModel.contact`.
+        Contact point, from `FEModel.contact`.
     n : int, optional
-        How many oscillators that carry mass; all of them if not given ("eigen" only). The others'
-        mass stays in m0, eq. (10).
+        Number of oscillators with mass; by default all ("eigen" only). The mass of the others
+        stays in m0, eq. (10).
     method : {"eigen", "krylov"}
         For an impact take "krylov", with `contact_time`: 5 of its oscillators give the force on the
-        beam of the paper to 0.5 %, where "eigen" needs 28. They are those of the body projected on
-        its static mode and the motions that an impact excites; vibration long after the impact
-        needs `duration`, and an oscillator or two for each natural mode in it. "eigen": the
-        constraint modes of the paper, which fit no scene and converge at every time scale.
+        beam of the paper to 0.5 %, where "eigen" needs 28. They are the oscillators of the body
+        projected on its static mode and the motions that an impact excites. Vibration long after
+        the impact needs `duration`, and an oscillator or two for each natural mode in it. "eigen"
+        takes the constraint modes of the paper, which are fitted to no time scale and converge at
+        every one.
     order : {"mass", "frequency"}, optional
-        Which come first: those of the largest mass ("eigen"'s default) or of the lowest frequency
-        ("krylov"'s only one).
+        Order of the oscillators: by descending mass (default of "eigen"), or by ascending frequency
+        (the only order of "krylov").
     contact_time : float, optional
-        How long the contact lasts, s, roughly ("krylov" only); else estimated, see `KrylovSpace`.
+        Approximate duration of the contact, s ("krylov" only); by default estimated, see
+        `KrylovSpace`.
     duration : float, optional
-        How long the motion is to be right, s, if much longer than the contact ("krylov" only).
+        Duration for which the motion must be accurate, s, if much longer than the contact ("krylov"
+        only).
     solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-        The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
+        The linear solver for bodies too large for dense matrices; see `FEModel.inverse`.
 
     Returns
     -------
     AOModel
-        With fewer than `n` oscillators, and a warning, if b excites fewer.
+        Model of `n` oscillators, or of fewer, with a warning, if b excites fewer.
 
     Raises
     ------
     InputError
         If `n` is not in 0 … n_dofs - 1, or None on a body too large for all of them.
     SingularError
-        If the contact moves part of the body as a mechanism. One that it does not move does no harm
-        to a free body; a constrained one is refused where K has to be factorised.
+        If the contact moves part of the body as a mechanism. A mechanism that it does not move is
+        accepted in a free body; in a constrained one it is not if K has to be factorised.
 
     Warns
     -----
@@ -296,7 +303,7 @@ def antioscillators(
     used: list[LinearSolver] = []
 
     def solvers(s2: float) -> LinearSolver:
-        used[:] = [invert(s2)]  # the body finds the last one, as long as it is kept
+        used[:] = [invert(s2)]  # the body refers to the solver weakly
         return used[0]
 
     static = static_mode(tip, invert=solvers)
@@ -311,7 +318,7 @@ def antioscillators(
     m, k, shapes = m[first], k[first], shapes[:, first]
     if wanted is not None:
         warn_of_rounding(tip.body.K, shapes, f"{len(m)} anti-oscillators")
-    residual = static.mass - math.fsum(m)  # eq. (10): what the oscillators do not hold
+    residual = static.mass - math.fsum(m)  # eq. (10)
     if abs(residual) < _ROUNDING_OF_MASS * static.mass:
         residual = 0.0
     numbers = AOModel(m0=residual, k0=static.k0, m=m, k=k)
@@ -324,11 +331,11 @@ def modal(tips: ContactPoint | Sequence[ContactPoint], n: int, *, solver: Solver
     Parameters
     ----------
     tips : ContactPoint or sequence of ContactPoint
-        Where it is touched, from `FEModel.contact`: one place, or several of one body.
+        Contact points from `FEModel.contact`: one, or several of one body.
     n : int
         Number of modes, rigid ones included, 1 … n_dofs.
     solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-        The linear solver for what is too large for dense matrices; see `FEModel.inverse`.
+        The linear solver for bodies too large for dense matrices; see `FEModel.inverse`.
 
     Returns
     -------
@@ -337,13 +344,13 @@ def modal(tips: ContactPoint | Sequence[ContactPoint], n: int, *, solver: Solver
     Raises
     ------
     InputError
-        If `n` is out of range, or there are fewer modes, the other motions having no mass; if the
-        tips are not on one body, or act on dofs without mass.
+        If `n` is out of range or exceeds the number of modes with mass, or if the tips are on
+        different bodies or act on dofs without mass.
 
     Warns
     -----
     AOImpactWarning
-        If `n` takes in some of the rigid motions only.
+        If `n` is less than the number of rigid motions.
 
     Examples
     --------
@@ -374,5 +381,5 @@ def modal(tips: ContactPoint | Sequence[ContactPoint], n: int, *, solver: Solver
         )
     found = of_modes(ports, omega2, modes, kind="modal")
     if len(ports) == 1:
-        excited(found)  # or it is refused
+        excited(found)  # raises if no mode moves the contact
     return found

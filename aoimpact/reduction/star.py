@@ -36,17 +36,18 @@ from ..fem import Damping, Material, damping_or_none
 from ..linalg import EQUAL
 from .body import AsWhole, Body, in_time, ways_of
 
-# Masses, kg, and stiffnesses, N/m, beside each other: their squares and ratios are numbers.
+# Range of masses, kg, and stiffnesses, N/m, whose squares and ratios neither overflow nor
+# underflow.
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
-# Largest m a²/I of a body touched at an arm a: that of a ball on a rod of 200 times its radius. The
-# end of the arm has so little mass then that steps follow its vibration alone.
+# Largest m a²/I of a body with a contact at the arm a: that of a ball on a rod of 200 times its
+# radius. With more, the effective mass is so small that steps follow its vibration alone.
 _MOST_TURNING = 1e5
 
-# Modes and oscillators with less than this share of the whole count as not excited by the contact.
+# Share of the total participation, or mass, below which modes, or oscillators, are not excited.
 _NOT_EXCITED = 1e-13
 
-# ω² that differ by no more than their rounding, two units in the last place, are one.
+# Relative difference of ω² up to which they are equal: rounding errors of two last digits.
 _ONE_FREQUENCY = 4e-16
 
 
@@ -73,13 +74,13 @@ class AOModel(Frozen):
         Tensor of inertia about the centre of mass, kg m², of a rigid body that may turn; see
         `rigid`.
     arm : array_like, shape (3,), optional
-        From the centre of mass to where it is touched, m; by default the radius of a ball.
+        Vector from the centre of mass to the contact, m; by default the radius of a ball.
 
     Attributes
     ----------
     origin : Body or None
-        The body of finite elements that `antioscillators` made the numbers of. A copy with other
-        numbers has none.
+        Model of the finite-element body from which `antioscillators` made the numbers; None for a
+        model given by numbers, or a copy with other numbers.
 
     Raises
     ------
@@ -175,44 +176,45 @@ class AOModel(Frozen):
 
     @cached_property
     def static_mass(self) -> float:
-        """m_st = m0 + Σ m_i, kg, eq. (10)."""
+        """Static mass m_st = m0 + Σ m_i, kg, eq. (10)."""
         return self.m0 + math.fsum(self.m)
 
     @property
     def mass(self) -> float:
-        """Mass of the body, kg; where that is not known, or there is no body, its static mass."""
+        """Mass of the body, kg; the static mass if it is not known, or for a model of numbers."""
         found = None if self.origin is None else self.origin.mass
         return self.static_mass if found is None else found
 
     @property
     def tips(self) -> tuple[ContactPoint, ...]:
-        """The contact point on the body that the model was made from; none if given by numbers."""
+        """Contact point of the body that the model was made from; empty if given by numbers."""
         return self.modal.tips
 
     @cached_property
     def modal(self) -> Body:
-        """The body in its natural modes, which scenes take."""
+        """The same model in its natural modes, as used in scenes."""
         return _body_of(self) if self.origin is None else self.origin
 
     @property
     def mass_fractions(self) -> FloatArray:
-        """m_i / m_st, shape (n,)."""
+        """Masses of the oscillators relative to the static mass, m_i / m_st, shape (n,)."""
         return self.m / self.static_mass
 
     @property
     def frequencies(self) -> FloatArray:
         """Frequencies of the anti-oscillators √(k_i/m_i)/2π, Hz, shape (n,), in their order.
 
-        They are antiresonances of the body at its contact coordinate (section 2).
+        They are the antiresonances of the body at its contact coordinate (paper, section 2).
         """
         return np.sqrt(self.k / self.m) / (2.0 * np.pi)
 
     @property
     def natural_frequencies(self) -> FloatArray:
-        """Frequencies of the model's own natural modes, Hz, ascending, shape (n+1,) or less.
+        """Frequencies of the model's natural modes, Hz, ascending, shape (n+1,) or less.
 
-        From the secular equation; zero for the rigid motion of a free model. A massless contact
-        coordinate (m0 = 0) has no mode of its own, and oscillators of equal frequency share one.
+        They are roots of the secular equation, zero for the rigid motion of a free model. There is
+        one less if the contact coordinate is massless (m0 = 0), and one for all oscillators of
+        equal frequency.
         """
         return np.sqrt(self.to_modal()[0]) / (2.0 * np.pi)
 
@@ -225,17 +227,18 @@ class AOModel(Frozen):
 
     @property
     def band(self) -> tuple[float, float]:
-        """Lowest and highest frequency, Hz, between which it has the receptance of its body.
+        """Lowest and highest frequency, Hz, between which the model has its body's receptance.
 
         See `Body.band`.
         """
         return self.modal.band
 
     def receptance(self, omega: npt.ArrayLike) -> Any:
-        """Return displacement over force at the contact coordinate.
+        """Return the receptance at the contact coordinate, displacement over force.
 
-        Σ r_j²/(ω_j² - ω² + 2iσ_jω) over the natural modes, and what compliance a massless contact
-        leaves: infinite at a resonance without damping, 0 to rounding at an antiresonance.
+        It is Σ r_j²/(ω_j² - ω² + 2iσ_jω) over the natural modes, plus the compliance of a massless
+        contact. Without damping it is infinite at a resonance and, but for rounding errors, 0 at an
+        antiresonance.
 
         Parameters
         ----------
@@ -245,7 +248,7 @@ class AOModel(Frozen):
         Returns
         -------
         float or ndarray
-            m/N, of the shape of `omega`; complex where there is damping, real without.
+            Receptance, m/N, with the shape of `omega`; complex with damping, real without.
 
         Warns
         -----
@@ -262,16 +265,16 @@ class AOModel(Frozen):
 
     @property
     def residual(self) -> float:
-        """Compliance that no mode has, m/N: where the contact has no mass.
+        """Compliance of a massless contact beyond the modes, m/N; 0 of a contact with mass.
 
         :meta private:
         """
         return 0.0 if self.m0 > 0.0 else 1.0 / (self.k0 + math.fsum(self.k))
 
     def _moved(self, omega2: FloatArray) -> FloatArray:
-        """Coordinates λ per unit of the contact in modes of these ω², shape (n + 1, modes).
+        """Coordinates λ in modes of these ω², with 1 at the contact, shape (n + 1, modes).
 
-        1 of the contact, and ω_i²/(ω_i² - ω_j²) of oscillator i.
+        The coordinate of oscillator i in mode j is ω_i²/(ω_i² - ω_j²).
         """
         own = self.k / self.m
         distance = np.subtract.outer(own, omega2)
@@ -308,16 +311,17 @@ class AOModel(Frozen):
         )
 
     def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return K, M and b of the n + 1 coordinates λ, the contact first.
+        """Return K, M and b for the n + 1 coordinates λ, the contact first.
 
-        K has k0 + Σ k_i at the contact, k_i on the diagonal and -k_i between them (Fig. 2); M is
-        diagonal; b = (1, 0, …, 0).
+        K has k0 + Σ k_i at the contact, k_i on the rest of the diagonal and -k_i between both
+        (Fig. 2); M is diagonal; b = (1, 0, …, 0).
 
         Returns
         -------
         K, M : ndarrays, shape (n+1, n+1)
-            N/m, kg.
+            Stiffness and mass matrix, N/m, kg.
         b : ndarray, shape (n+1,)
+            Contact functional.
 
         Raises
         ------
@@ -337,21 +341,22 @@ class AOModel(Frozen):
         return K, np.diag(np.concatenate([[self.m0], self.m])), np.eye(self.n + 1)[0]
 
     def to_json(self, path: FilePath | None = None) -> str:
-        """Return the model as JSON, and write it where a path is given.
+        """Return the model as JSON, and write it to a file if a path is given.
 
-        The model is four things: the contact mass m0 (kg) on a ground spring k0 (N/m), and on it,
-        each by a spring k_i, the masses m_i. That is all that another program needs: n + 1 point
-        masses that move along one line, n + 1 springs, and the contact's law at the first. Numbers
-        have all their digits.
+        The model consists of the contact mass m0 (kg) on a ground spring k0 (N/m), and of the
+        masses m_i, each attached to the contact mass by a spring k_i. Another program only needs
+        n + 1 point masses that move along one line, n + 1 springs, and the contact law at m0.
+        Numbers are written with all digits.
 
         Parameters
         ----------
         path : path, optional
+            File to write.
 
         Returns
         -------
         str
-            An object of ``m0``, ``k0``, ``m``, ``k``, and, if any, ``damping`` and ``name``.
+            JSON object of ``m0``, ``k0``, ``m``, ``k``, and, if any, ``damping`` and ``name``.
 
         Examples
         --------
@@ -373,19 +378,17 @@ class AOModel(Frozen):
         return written
 
     def expand(self, coordinates: npt.ArrayLike) -> FloatArray:
-        """Return the full displacement of given coordinates λ, eq. (8).
-
-        X = λ₀ φ_st + Σ (λ_i - λ₀) Ψ_i.
+        """Return the full displacement X = λ₀ φ_st + Σ (λ_i - λ₀) Ψ_i, eq. (8).
 
         Parameters
         ----------
         coordinates : array_like, shape (n+1,) or (n+1, times)
-            λ, contact coordinate first, m.
+            Coordinates λ, contact coordinate first, m.
 
         Returns
         -------
         ndarray, shape (n_dofs,) or (n_dofs, times)
-            On the free dofs, in the order of the rows of K.
+            Displacements of the free dofs, in the order of the rows of K, m.
 
         Raises
         ------
@@ -405,9 +408,9 @@ class AOModel(Frozen):
         return self.origin.body.restricted(self._displaced(in_time(coordinates, self.n + 1)))
 
     def _displaced(self, values: FloatArray) -> FloatArray:
-        """The displacement of the body that it was made of, (n_dofs,) or (n_dofs, times)."""
+        """Displacement of the body for coordinates λ, (n_dofs,) or (n_dofs, times)."""
         assert self.origin is not None
-        # Amplitudes of M-orthonormal modes: φᵀM of a motion, and M is diagonal in λ.
+        # Coordinates of M-orthonormal modes are φᵀM times the motion; M is diagonal in λ.
         of, masses = self.origin, np.concatenate([[self.m0], self.m])
         q = of.shape[0] * (self._moved(of.omega**2).T @ (values.T * masses).T).T
         full: FloatArray = of.displaced(q.T)
@@ -424,8 +427,8 @@ class AOModel(Frozen):
         omega2 : ndarray, shape (modes,)
             ω², (rad/s)², ascending.
         participation : ndarray, shape (modes,)
-            r_j = bᵀφ_j of the mass-normalised modes, 1/√kg, so that the receptance is
-            Σ r_j²/(ω_j² - ω²).
+            Participation factors r_j = bᵀφ_j of the mass-normalised modes, 1/√kg, so that the
+            receptance is Σ r_j²/(ω_j² - ω²).
 
         Raises
         ------
@@ -448,9 +451,9 @@ class AOModel(Frozen):
 
 
 def _body_of(numbers: AOModel) -> Body:
-    """The body of numbers in its natural modes, measured by the displacement of the contact.
+    """Body of given numbers in natural modes that are scaled to 1 at the contact.
 
-    So masses of any size stay apart. A wall has one mode that no force moves.
+    With this scale the masses can differ by any factor. A wall has one mode that no force moves.
     """
     made: dict[str, Any] = {"kind": numbers.label.split("(")[0], "n": numbers.n, "numbers": numbers}
     wall = math.isinf(numbers.m0)
@@ -459,10 +462,10 @@ def _body_of(numbers: AOModel) -> Body:
     if numbers.k0:
         masses = np.concatenate([[numbers.m0], numbers.m])
         centre = (masses / numbers.static_mass) @ numbers._moved(omega2)
-        # Its supports are not known, so neither is its deflection by its own weight.
+        # The supports, and so the deflection under the body's own weight, are not known.
         as_whole = AsWhole(centre, push * numbers.k0 / omega2, np.zeros(len(omega2)))
     else:
-        # Exact, since rounding would press bodies that fall side by side on each other.
+        # Exact values: rounding errors would press bodies that fall side by side on each other.
         rigid = np.where(omega2 == 0.0, 1.0, 0.0)
         as_whole = AsWhole(rigid, rigid, np.zeros(1) if wall else rigid)
     return Body(
@@ -477,19 +480,19 @@ def _body_of(numbers: AOModel) -> Body:
 
 
 def turning(numbers: AOModel, axes: FloatArray, sides: Sequence[float]) -> Body:
-    """Return a rigid body or a wall in three directions: three ports for each place of contact.
+    """Return a rigid body or a wall in three directions, with three ports per contact point.
 
-    Three translations, and three rotations about the principal axes if it may turn.
+    Its modes are three translations and, if it may turn, rotations about its principal axes.
 
     Parameters
     ----------
     numbers : AOModel
-        Without oscillators.
+        Model without oscillators.
     axes : ndarray, shape (3, 3)
         Direction of travel and two tangents, as rows.
     sides : sequence of float
-        For each place of contact 1 where it is on the far side along the direction of travel,
-        -1 where it is on the near side.
+        Side of each contact point: 1 on the far side along the direction of travel, -1 on the near
+        side.
     """
     arm, surface = numbers.arm, numbers.surface
     arms = np.zeros((len(sides), 3)) if arm is None else np.tile(arm, (len(sides), 1))
@@ -519,10 +522,10 @@ def turning(numbers: AOModel, axes: FloatArray, sides: Sequence[float]) -> Body:
 
 
 def star_of(body: Body) -> AOModel:
-    """Return the star of a body's modes: its antiresonances by the secular equation.
+    """Return the anti-oscillator model with the receptance Σ r_j²/(ω_j² - ω²) of a body's modes.
 
-    Modes of one frequency act as one; those that the contact does not excite are left out. Both
-    have the same receptance Σ r_j²/(ω_j² - ω²).
+    The secular equation gives its antiresonances. Modes of equal frequency are joined, and modes
+    that the contact does not excite are left out.
     """
     if body.numbers is not None:
         return body.numbers
@@ -539,22 +542,22 @@ def star_of(body: Body) -> AOModel:
 
 
 def of_body(numbers: AOModel, body: Body) -> AOModel:
-    """Return the numbers as those of a finite-element body."""
+    """Return an anti-oscillator model with damping, name and origin of a finite-element body."""
     found = replace(numbers, damping=body.damping, name=body.name)
     object.__setattr__(found, "origin", body)
     return found
 
 
 def excited(body: Body) -> BoolArray:
-    """True of the modes of a body that an impact on its first port excites by more than rounding.
+    """Return True for each mode that an impact on a body's first port excites.
 
     Raises
     ------
     InputError
-        If there is none.
+        If the port excites no mode.
     """
     there, on = body.spanning, body.coordinates
-    # Rounding of bᵀφ goes with the sizes of the vectors' parts, which do not cancel in it.
+    # The rounding error of bᵀφ depends on the vectors' parts of φ, even if these cancel.
     size2 = np.einsum("ij,ij->j", there, there)
     size2 = size2 if on is None else size2 @ on**2
     weight = body.shape[0] ** 2
@@ -568,11 +571,12 @@ def excited(body: Body) -> BoolArray:
 def with_shapes(
     numbers: AOModel, tip: ContactPoint, static: FloatArray, shapes: FloatArray, **how: Any
 ) -> AOModel:
-    """Return a star of a finite-element body, with the body in its natural modes as its origin.
+    """Return the anti-oscillator model of a body, with natural modes made from its shapes.
 
     Parameters
     ----------
     numbers : AOModel
+        Masses and stiffnesses of the model.
     tip : ContactPoint
     static : ndarray, shape (n_dofs,)
         φ_st, eqs. (2), (3).
@@ -614,7 +618,7 @@ def with_shapes(
 
 
 def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
-    """Return a tensor of inertia, kg m²: of one number for all axes, three moments, or itself."""
+    """Return the tensor of inertia, kg m², from one moment for all axes, three, or a tensor."""
     given = finite_array(name, value, unit="kg m²")
     tensor = inertia_tensor(name, given if given.ndim else np.full(3, given), most=HUGE)
     if np.linalg.eigvalsh(tensor)[0] <= 0.0:
@@ -623,7 +627,7 @@ def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
 
 
 def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> ArrayPair:
-    """Sort by frequency; oscillators of one frequency move as one: their masses add up."""
+    """Sort oscillators by frequency, and add masses and stiffnesses of those of equal frequency."""
     order = np.argsort(k / m, kind="stable")
     m, k = m[order], k[order]
     omega2 = k / m
@@ -645,13 +649,13 @@ def rigid(
     Parameters
     ----------
     mass : float
-        kg, positive; ``math.inf`` is a fixed wall.
+        Mass, kg, positive; ``math.inf`` is a fixed wall.
     inertia : float or array_like, shape (3,) or (3, 3), optional
-        Tensor of inertia about the centre of mass, kg m², or its moments about the axes. Without
-        it the body does not turn, as one that is guided.
+        Tensor of inertia about the centre of mass, or moments about the axes, kg m². By default the
+        body is guided and does not turn.
     arm : array_like, shape (3,), optional
-        From the centre of mass to where the body is touched, m; zero if left out. It makes an
-        oblique impact turn the body; an impact along the direction of travel alone leaves it out.
+        Vector from the centre of mass to the contact, m; by default zero. With it an oblique impact
+        turns the body; impacts along one direction of travel ignore it.
     name : str, optional
         Name in results, tables and plots.
 
@@ -676,12 +680,11 @@ def ball(
     Parameters
     ----------
     radius : float
-        r, m. The mass is 4/3 π r³ ρ, the moment of inertia 2/5 of that times r².
+        Radius r, m. The mass is 4/3 π r³ ρ, the moment of inertia 2/5 of the mass times r².
     material : Material
     mass : float, optional
-        kg, of a body with a round nose in place of the ball, such as the tup of a drop tower with
-        its carriage. With friction it moves sideways as this mass, but it does not turn, as one
-        that is guided.
+        Mass, kg, of a guided body with a round nose instead of the ball, such as the tup of a drop
+        tower with its carriage. With friction it moves sideways, but it does not turn.
     name : str, optional
         Name in results, tables and plots.
 
