@@ -38,10 +38,10 @@ from ..results import QUANTITIES, ROLES, Result
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# The quantities of the errors of a row.
+# Quantities whose errors a row has.
 _COMPARED = "force", "contact_duration", "impulse", "target_displacement"
 
-# Far below the differences between models.
+# Tolerance of time integration, far below the differences between models.
 _IN_TIME = Adaptive(rtol=1e-6)
 
 # Names of curves.
@@ -52,7 +52,7 @@ Models = tuple[Any, ...]
 
 @dataclass(frozen=True)
 class Compared:
-    """One pair of models.
+    """Cost and errors of one pair of models.
 
     Attributes
     ----------
@@ -63,10 +63,10 @@ class Compared:
     build, run : float
         Time to make the models, from the finite elements on, and to run them, s.
     force, contact_duration, impulse, displacement : float
-        Relative errors; of force and of the target's contact displacement the largest over the
-        record, relative to the largest value.
+        Relative errors. Those of force and of the target's contact displacement are the largest
+        over the record, relative to the largest value.
     failure : str
-        Why there are no numbers (then they are 0 and NaN); else empty.
+        Reason for a failure, with which the numbers are 0 and NaN; else empty.
     """
 
     model: str
@@ -82,7 +82,7 @@ class Compared:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
-    """Models of one impact.
+    """Costs and errors of models of one impact.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Comparison:
     exact : str
         The model that the errors are relative to.
     exact_error : float or None
-        Its own relative error of time integration, as far as it is known.
+        Relative error of time integration of that model; None if it is not known.
     rows : tuple of Compared
     linear_solver : str
         Linear solver of the reduced models; empty for dense matrices.
@@ -153,7 +153,7 @@ class Comparison:
         return error_axes(ax, "degrees of freedom", up)
 
     def to_csv(self, path: FilePath) -> None:
-        """Write the table: one row a model, times in s, errors relative.
+        """Write the table: one row per model, times in s, errors relative.
 
         Examples
         --------
@@ -207,35 +207,35 @@ def compare(
 ) -> Comparison:
     """Run an impact with models from rigid to full; return the cost and the error of each.
 
-    It is along one direction of travel: simulate an oblique one with quantity= and rtol=. Both
-    bodies are modelled alike; those given by numbers have no more oscillators than they have.
+    The impact is along one direction of travel; for an oblique one use `simulate` with quantity=
+    and rtol=. Both bodies have the same kind of model; a model given by numbers keeps its number of
+    oscillators where more are asked for.
 
     Parameters
     ----------
     projectile, target : ContactPoint, FullModel, AOModel or Body
-        A reduced model stands for the finite-element body that it was made of.
+        A reduced model stands for the finite-element body that it was made from.
     velocity, law, duration, gap
-        As in `simulate`, also where `law` or `duration` is left out.
+        As in `simulate`, also if `law` or `duration` is left out.
     oscillators : iterable of int, optional
         Numbers of scene-fitted anti-oscillators.
     modes : iterable of int, optional
         Numbers of natural modes of classical truncations.
     full : bool, optional
-        True to run the finite-element bodies themselves, by Newmark's rule. Errors are relative
-        to that; without it, to the model of the most oscillators.
+        True to run the finite-element bodies themselves, by Newmark's rule. Errors are relative to
+        this run; without it, to the model with the most oscillators.
     other_targets : mapping of str to ContactPoint or model, optional
-        The same target by other elements, such as shells in place of thin solids, struck at the
-        same place; by the label of its row. Each is run under the same law as `simulate` takes it,
-        reduced by default, with the projectile as it is given. The time to build it includes the
-        choice of its models. Displacements are those of contact points, which on solids contain
-        the indentation.
+        The same target with other elements, such as shells in place of thin solids, struck at the
+        same place, by the label of its row. Each is simulated under the same law, reduced by
+        default, with the projectile as it is given. Its build time includes the choice of models.
+        Displacements are those of contact points, which on solids contain the indentation.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         Linear solver of the reduced models, as `solver` of `antioscillators`.
 
     Raises
     ------
     InputError
-        If there is nothing to compare with.
+        If there is no model to compare with.
 
     Examples
     --------
@@ -273,14 +273,14 @@ def compare(
         body_model(f"other_targets[{text('a label of other_targets', label)!r}]", other)
         if label in {*labels, *truncations, exact}:
             raise InputError(f"other_targets: {label!r} is a row of its own; give another label")
-    with held_warnings():  # each run has them again
+    with held_warnings():  # each run repeats them
         _, plan = pair(projectile, target, speed, law, gap=gap)
         law = own_law(plan.contacts[0].law)
         if duration is None:
             duration = simulate(projectile, target, speed, law=law, gap=gap).duration
     run = partial(simulate, law=law, velocity=speed, duration=duration, gap=gap)
-    # The finite-element bodies that models were made of; AO models by numbers as they are. Over the
-    # same patches: `simulate` would fit those of full models alone.
+    # Finite-element bodies in place of the models made from them; AO models given by numbers stay.
+    # All get the same patches here: `simulate` would fit only those of full models.
     bodies = tuple(whole(body.tips) if body.tips else body for body in plan.bodies)
     bodies = tuple(Foreseen(replace(plan, bodies=bodies)).fitted(ROLES, {}).bodies)
 

@@ -1,4 +1,4 @@
-"""The contact law that a measurement shows, with the uncertainty of its parameters."""
+"""Fit of a contact law to a measurement, with the uncertainty of its parameters."""
 
 from __future__ import annotations
 
@@ -34,18 +34,19 @@ from ..laws import ContactLaw
 from ..reduction import rigid
 from ..testrig import Signal
 
-# Far below the noise of measurements, and of differences with that step.
+# Tolerance of the runs, far below the noise of measurements and of differences, and step of the
+# differences.
 _SOLVER = Adaptive(rtol=1e-9)
 _STEP = 1e-4
 
-# Offset of the variables: SciPy's steps are relative to them.
+# Offset of the variables, since SciPy's steps are relative to the variables.
 _ORIGIN = 30.0
 
-# A parameter whose standard error is a larger share of it is not determined.
+# Largest relative standard error of a parameter that counts as determined.
 _DETERMINED = 0.5
 
-# Where a class is fitted: the first guess by the parameter's unit, in powers of the largest force,
-# the indentation and the velocity; else by its name.
+# First guess of a parameter if a class is fitted. By its unit: a factor, and exponents of the
+# largest force, the indentation and the velocity; else by its name.
 _GUESSES: dict[str, tuple[float, float, float, float]] = {
     "N": (0.3, 1.0, 0.0, 0.0),
     "m": (0.3, 0.0, 1.0, 0.0),
@@ -60,45 +61,47 @@ _BOUNDS = {"n": (1.0, math.inf), "restitution": (0.0, 1.0), "beta": (0.0, 1.0)}
 # Largest factor between a parameter and its first guess: beyond it, one is rounding to the other.
 _RANGE = 1.0 / np.finfo(float).eps
 
-# The share of the peak up to which a force has hardly begun, as Hertz's at that share of the
-# indentation has not; and the time from start to peak by Hertz's law, in δ/v.
+# Share of the peak force up to which a contact has hardly begun, and share of the indentation at
+# which only a force that jumps exceeds it. Time from start to peak by Hertz's law, in δ/v.
 _FOOT, _EARLY, _RISE = 0.05, 0.01, 1.47
 
-# Samples before and after that place, between which a force that jumps may begin.
+# Number of samples before and after the estimated start among which the start of a force that jumps
+# is searched, and distance of a start from a sample, over their spacing.
 _SAMPLES = 4
-_APART = 1e-3  # of their spacing
+_APART = 1e-3
 
-# A residual is of the law and not noise where it is so many times the noise, and this share of
-# the largest value; the noise is that of second differences, from eight values on.
+# A residual above _OFF times the noise and _VISIBLE of the largest value is due to the law. The
+# noise is estimated from second differences of at least _FEW values.
 _OFF, _VISIBLE, _FEW = 3.0, 0.02, 8
 
-# A fit of noise alone takes about a variance for each parameter off the sum of squares, and a few
-# where it may choose its start among a thousand samples.
+# Smallest decrease of the sum of squares per parameter, in variances, by a meaningful fit. A fit of
+# noise alone decreases it by about one variance per parameter, and by a few if it may choose its
+# start among a thousand samples.
 _EXPLAINED = 10.0
 
-# Distance from a bound, as a logarithm, within which a parameter is at it.
+# Difference of logarithms of a parameter and a bound within which the parameter is at the bound.
 _AT_BOUND = 1e-2
 
-# Singular values of the sensitivities, relative to the first, that are rounding.
+# Singular values of the scaled sensitivities, relative to the largest, that are rounding.
 _SINGULAR = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class LawFit(Frozen):
-    """A contact law as it was measured.
+    """A contact law fitted to a measurement.
 
     Attributes
     ----------
     law : ContactLaw
-        With the parameters that fit best.
+        The law with the parameters that fit best.
     standard_errors : dict of str to float
-        Of each parameter that was fitted, in its unit; `start_time` among them for a history.
+        Standard error of each fitted parameter, in its unit, and of `start_time` for a history.
     correlation : ndarray
-        Of the parameters, in the order of `standard_errors`.
+        Correlation matrix of the parameters, in the order of `standard_errors`.
     residual : float
-        Standard deviation of the measurement from the law, in its unit.
+        Standard deviation of the measurement from the law, in the measurement's unit.
     start_time : float or None
-        When the contact began on the clock of a force history, s.
+        Start of the contact in the times of a force history, s; None for other measurements.
     undetermined : tuple of str
         Parameters that the data do not determine.
 
@@ -130,12 +133,13 @@ class LawFit(Frozen):
 
 @dataclass(frozen=True)
 class _Problem:
-    """The misfit of a law to a measurement, over logarithms of its free parameters.
+    """Misfit of a law to a measurement as a function of the logarithms of its free parameters.
 
-    The last variable of a history is the start of the contact, by the time that it takes. All are
-    counted from `_ORIGIN`. `shown` gives what a law shows with a contact that begins at a time, s.
-    Of the measurement it has about the largest force, N, and indentation, m; the velocity, m/s;
-    when the contact begins; and the spacing of the samples, s.
+    The last variable of a history is the start of the contact over the time of indentation. All
+    variables are offset by `_ORIGIN`. `shown` returns the values predicted by a law for a contact
+    that begins at a time, s. `force`, N, `depth`, m, `velocity`, m/s, and `start`, s, are estimates
+    of the largest force and indentation, of the velocity and of the start of the contact; `sample`
+    is the spacing of the samples, s.
     """
 
     measured: FloatArray
@@ -150,17 +154,17 @@ class _Problem:
 
     @property
     def time(self) -> float:
-        """About how long the indentation takes, s."""
+        """Approximate time of indentation, s."""
         return self.depth / self.velocity
 
     @cached_property
     def first(self) -> FloatArray:
-        """The parameters to begin with."""
+        """Initial values of the free parameters."""
         return np.array([getattr(self.law, name) for name in self.names])
 
     @cached_property
     def bounds(self) -> FloatArray:
-        """The least and the largest values of the variables, shape (2, n)."""
+        """Lower and upper bounds of the variables, shape (2, n)."""
         bounds = np.array([_BOUNDS.get(name, (0.0, math.inf)) for name in self.names])
         bounds = np.clip(bounds / self.first[:, None], 1.0 / _RANGE, _RANGE)
         timed = [[-math.inf], [math.inf]] if self.start is not None else np.empty((2, 0))
@@ -172,7 +176,7 @@ class _Problem:
         return found
 
     def parameters(self, x: FloatArray) -> FloatArray:
-        """Return those of the law, and of a history the start of the contact, s."""
+        """Return the free parameters, and for a history the start of the contact, s."""
         values = self.first * np.exp(x[: len(self.names)] - _ORIGIN)
         if self.start is None:
             return values
@@ -183,13 +187,14 @@ class _Problem:
         return cast(ContactLaw, replace(self.law, **values))
 
     def misfit(self, x: FloatArray) -> FloatArray:
-        """Return what the law shows less what was measured."""
+        """Return the predicted less the measured values."""
         return self.shown(self.law_at(x), float(self.parameters(x)[-1])) - self.measured
 
     def solved(self) -> Any:
         """Return SciPy's solution.
 
-        A force that begins with a jump, or nearly so, has a minimum between any two samples.
+        The misfit of a force that begins with a jump, or nearly so, has a local minimum with a
+        start between any two samples.
         """
         first = np.full(self.bounds.shape[1], _ORIGIN)
         refused = 2.0 * self.misfit(first)
@@ -197,7 +202,7 @@ class _Problem:
         def misfit(x: FloatArray) -> FloatArray:
             try:
                 return self.misfit(x)
-            except AOImpactError:  # no law: the step is refused, and shorter ones are tried
+            except AOImpactError:  # invalid parameters: SciPy refuses the step, and shortens it
                 return refused
 
         def within(x: FloatArray, bounds: FloatArray) -> Any:
@@ -207,7 +212,7 @@ class _Problem:
         found = within(first, self.bounds)
         if self.start is None:
             return found
-        # A force that is there soon after the contact has begun jumps.
+        # A force that is large soon after the contact has begun jumps.
         early = self.law_at(found.x).force(_EARLY * self.depth, self.velocity)
         if not early > _FOOT * self.force:
             return found
@@ -218,7 +223,7 @@ class _Problem:
             begin = np.append(found.x[:-1], bounds[:, -1].mean())
             between.append(within(begin, bounds))
         best = min(between, key=lambda one: one.cost)
-        # The first force depends on the start like a root, which no slope describes.
+        # The force at the first sample depends on the start like a root, which no slope describes.
         best.jac = np.delete(best.jac, np.argmax(best.fun + self.measured > 0.0), axis=0)
         return best
 
@@ -236,41 +241,41 @@ def fit_law(
     dent: ArrayLike | None = None,
     free: Iterable[str] | None = None,
 ) -> LawFit:
-    """Return the law that a measurement shows, by least squares, and its uncertainty.
+    """Fit a contact law to a measurement by least squares, and estimate its uncertainty.
 
     The measurement is one of three:
 
-    - a force history, `signal`, of a mass that meets a wall, or of two models of bodies. When the
-      contact began on its clock is found, too;
+    - a force history, `signal`, of a mass that meets a wall, or of two models of bodies. The start
+      of the contact is fitted as well;
     - a curve of `force` over `indentation` in the order of loading, unloading and reloading;
     - diameters of the dents that a mass left at several velocities, `dent`.
 
     Parameters
     ----------
     law : ContactLaw or type
-        A law to begin with: parameters that are not `free` are kept. Or its class, where a history
-        or a curve gives a first guess.
+        Law to begin with, whose parameters that are not `free` are kept. Or a class, if the
+        measurement, a history or a curve, gives a first guess.
     signal : Signal or (t, values), optional
         Contact force, N.
     mass : float, optional
-        Of a rigid body that meets a wall, or reduced mass of a pair, kg.
+        Mass of a rigid body that meets a wall, or reduced mass of a pair, kg.
     velocity : float or array_like, optional
-        Of approach, m/s; for dents one each.
+        Approach velocity, m/s; one for each dent.
     projectile, target : optional
         Models of the bodies, in place of `mass`, as `simulate` takes them.
     indentation, force : array_like, optional
-        m and N.
+        Points of a curve, m and N.
     dent : array_like, optional
-        Diameters, m; the law needs a radius.
+        Diameters of dents, m; the law needs a radius.
     free : iterable of str, optional
-        Names of the parameters to fit; by itself all those that the law must be given, but for its
-        radius and for the mass and velocity of the test.
+        Names of the parameters to fit; by default all that the law requires but its radius and the
+        mass and velocity of the test.
 
     Returns
     -------
     LawFit
-        The standard errors are those of independent errors of one size in all points: of a signal
-        that was filtered they are too small.
+        Its standard errors assume independent errors of the same size in all points; for a filtered
+        signal they are too small.
 
     Raises
     ------
@@ -280,9 +285,9 @@ def fit_law(
     Warns
     -----
     AOImpactWarning
-        If the data do not determine a parameter: its standard error is more than half of it. If
-        the law does not describe them: the residual is more than three times the noise and 2 % of
-        the largest value, or a parameter is at a bound. If they are hardly more than noise.
+        If the data do not determine a parameter: its standard error is more than half of it. If the
+        law does not describe the data: the residual is more than three times the noise and 2 % of
+        the largest value, or a parameter is at a bound. If the data are hardly more than noise.
 
     Examples
     --------
@@ -316,7 +321,7 @@ def fit_law(
     start = law if isinstance(law, ContactLaw) else _guess(law, data, mass)
     names = _free(start, free)
     problem = replace(data, law=start, names=names)
-    # Errors of laws far from the measurement, and of none at all, are ignored.
+    # Laws far from the measurement may overflow.
     with np.errstate(all="ignore"), shared_models():
         found = problem.solved()
         variance = 2.0 * float(found.cost) / (len(data.measured) - len(found.x))
@@ -345,12 +350,12 @@ def fit_law(
 def _warn_of_a_poor_fit(
     problem: _Problem, x: FloatArray, residual: float, poor: Mapping[str, float]
 ) -> None:
-    """Warn where the law does not describe the measurement, with by how much."""
+    """Warn if the law does not describe the measurement, and say by how much."""
     largest = float(np.abs(problem.measured).max())
     noise = 0.0
     if (
         problem.force and len(problem.measured) >= _FEW
-    ):  # of independent errors, differences have √6 σ
+    ):  # second differences of independent errors of σ have √6 σ
         second = np.abs(np.diff(problem.measured, 2))
         noise = float(np.median(second)) / (0.6745 * math.sqrt(6.0))
     if residual > max(_OFF * noise, _VISIBLE * largest):
@@ -381,7 +386,7 @@ def _uncertainty(jacobian: FloatArray, residual: float) -> ArrayPair:
     covariance = spread @ spread.T
     errors = np.sqrt(np.diag(covariance))
     share = errors * residual / size
-    share[~(errors <= 0.1 / _SINGULAR)] = math.inf  # NaN, too, where nothing has an influence
+    share[~(errors <= 0.1 / _SINGULAR)] = math.inf  # also NaN, if no variable has an influence
     return share, covariance / np.outer(errors, errors)
 
 
@@ -409,7 +414,7 @@ def _free(law: ContactLaw, free: Iterable[str] | None) -> list[str]:
 
 
 def _guess(cls: Any, data: _Problem, mass: float | None) -> ContactLaw:
-    """Return a law of that class to begin with, from the size of what was measured."""
+    """Return an initial law of that class, estimated from the size of the measured values."""
     if not (isinstance(cls, type) and issubclass(cls, ContactLaw)):
         raise InputTypeError(f"law must be a contact law or its class, got {cls!r}")
     known, needed = {"mass": mass, "velocity": data.velocity}, _needed(cls)

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# Share of the impact energy, larger than errors of a channel and less than a struck specimen takes.
+# Share of the impact energy above the errors of a channel and below what a specimen absorbs.
 _TAKEN = 0.02
 
-# Room for the filter before and after a simulated force, in periods of its class.
+# Time added before and after a simulated force, in periods 1/CFC, in which the filter dies out.
 _SMEARED = 3.0
 
 
@@ -41,7 +41,7 @@ class Point(NamedTuple):
     Attributes
     ----------
     time, force, deflection, energy : float
-        s, N, m, J; the energy is what the specimen has taken up by then.
+        Time, s, force, N, deflection, m, and energy that the specimen has taken up by then, J.
     """
 
     time: float
@@ -57,18 +57,18 @@ class DropWeight(Frozen):
     Attributes
     ----------
     t : ndarray, shape (n,)
-        s.
+        Times, s.
     force : ndarray, shape (n,)
-        N; filtered where a class was given.
+        Force on the impactor, N; filtered if a class was given.
     velocity, deflection, energy : ndarrays, shape (n,)
-        Velocity of the impactor, m/s; its way from where it touched, m; and the energy that the
-        specimen has taken up, J.
+        Velocity of the impactor, m/s; its displacement since the first touch, m; and the energy
+        that the specimen has taken up, J.
     signal : Signal
-        The force; ``signal.raw`` is what it was before it was filtered.
+        Signal of the force; ``signal.raw`` is the unfiltered one.
     mass, impact_velocity, gravity : float
-        kg, m/s, m/s².
+        Mass of the impactor, kg, velocity at the first touch, m/s, and gravity, m/s².
     start, end : float
-        First and last touch, s.
+        Times of the first and last touch, s.
     simulated : bool
         True if the bodies are those of a simulation, which cannot break.
 
@@ -113,8 +113,8 @@ class DropWeight(Frozen):
     def puncture(self) -> Point | None:
         """Fall of the force to half of its peak while the impactor goes on (ISO 6603-2).
 
-        None where it turned back before, and of every simulated impact: its bodies do not break,
-        and a force that falls is a vibration.
+        None if the impactor turned back before, and for every simulated impact: its bodies do not
+        break, and its force falls only by vibration.
         """
         fallen = self.force <= 0.5 * self.force.max()
         fallen[: np.argmax(self.force)] = False
@@ -172,7 +172,7 @@ class DropWeight(Frozen):
         ----------
         ax : Axes, optional
         over : {"time", "deflection"}, optional
-            From the first touch on; over the deflection only while they touch.
+            Time since the first touch, or deflection during the contact.
 
         Returns
         -------
@@ -188,7 +188,7 @@ class DropWeight(Frozen):
         return self._draw(ax, "energy", choice("over", over, ("time", "deflection")), kwargs)
 
     def plot_force(self, ax: Axes | None = None, *, raw: bool = True, **kwargs: Any) -> Axes:
-        """Draw the force over time from the first touch on; `raw`: the unfiltered one in grey.
+        """Draw the force over time from the first touch on; `raw` adds the unfiltered one in grey.
 
         Keywords go to ``Axes.plot``.
 
@@ -204,7 +204,7 @@ class DropWeight(Frozen):
     def _draw(
         self, ax: Any, name: str, over: str, kwargs: dict[str, Any], raw: Signal | None = None
     ) -> Axes:
-        """Draw force or energy over the time since the first touch, or while they touch."""
+        """Draw force or energy over the time since first touch, or over deflection in contact."""
         margin = 0.1 * (self.end - self.start) if over == "time" else 0.0
         shown = slice(*np.searchsorted(self.t, [self.start - margin, self.end + margin]))
         across, unit = (self.t - self.start, "s") if over == "time" else (self.deflection, "m")
@@ -215,7 +215,7 @@ class DropWeight(Frozen):
         return draw_curves(ax, (across[shown], over, unit), name, of, curves)
 
     def to_csv(self, path: FilePath) -> None:
-        """Write t, force, velocity, deflection and energy, one row a time, under a header line.
+        """Write t, force, velocity, deflection and energy, one row per time, under a header line.
 
         Examples
         --------
@@ -268,20 +268,20 @@ def drop_weight(
     Parameters
     ----------
     source : Signal, (t, force) or Result
-        The force on the impactor, N: measured or simulated. Of a scene, with its gravity,
-        ``Signal.of(run, contact=0)``, with mass and velocity.
+        Force on the impactor, N, measured or simulated. For a scene with gravity, give
+        ``Signal.of(run, contact=0)``, mass and velocity.
     mass : float, optional
         Mass of the impactor, kg; by default that of a result's projectile.
     velocity : float, optional
-        v_i, m/s; of a result its own.
+        v_i, m/s; by default that of a result.
     gravity : float, optional
-        g, m/s²; 9.80665, and of a result none, since `simulate` has none.
+        g, m/s²; by default 9.80665, or 0 for a result, since `simulate` has no gravity.
     cfc : float, optional
-        Channel frequency class by which the force is filtered; see `Signal.filtered`. Integrated is
-        the force before the filter: integrals need none, and it smears the ends of the contact.
+        Channel frequency class by which the force is filtered; see `Signal.filtered`. The
+        unfiltered force is integrated: integrals need no filter, which smears the contact's ends.
     start : float, optional
-        t_i, s; of a result its first contact, else the last time below 1 % of the peak before the
-        force first passes 10 %. The end is found likewise.
+        t_i, s; by default the start of a result's first contact, or the last time that a measured
+        force is below 1 % of its peak before it first passes 10 %. The end is found likewise.
 
     Returns
     -------
@@ -297,7 +297,7 @@ def drop_weight(
     -----
     AOImpactWarning
         If more energy comes back than went in, the impactor is hardly slowed, the record ends
-        within the contact, or the class takes out the contact itself.
+        within the contact, or the filter removes the contact itself.
 
     Examples
     --------
@@ -386,10 +386,10 @@ def _warn_of_doubts(test: DropWeight, cfc: float | None) -> None:
 
 
 def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, float]:
-    """First and last touch: of a simulation, as given, or where a share of the peak is passed.
+    """Return first and last touch, s: simulated, as given, or where a share of the peak is passed.
 
-    A filter smears the force ahead, so the first is sought before it; the rig rings on, so the
-    last is sought after it.
+    A filter smears the force ahead, so the first touch is searched in the unfiltered force; the rig
+    rings on, so the last touch is searched in the filtered force.
     """
     raw = signal.raw or signal
     if not isinstance(source, Result):

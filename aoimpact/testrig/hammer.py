@@ -24,17 +24,17 @@ from ..fields import Probe
 from ..results import Run
 from .signal import RISEN, UNEVEN, Signal, contacts, force_at
 
-# Powers of iω that divide an accelerance.
+# Power of iω by which an accelerance is divided to give each kind.
 _KINDS = {"accelerance": 0, "mobility": 1, "receptance": 2}
 
-# A hammer excites frequencies up to where the spectrum of its force has fallen by 10 to 20 dB.
+# Force spectrum over its maximum up to which a hammer excites: 10 to 20 dB down.
 _EXCITED = 0.1
 
 # Share of a resonance that comes from the second half of a record in which the vibration falls to a
 # half in each half: q (1 - q)/(1 - q²) with q = 1/2.
 _SECOND_HALF = 1.0 / 3.0
 
-# The confidence of the error by noise is 1 less this.
+# 1 less the confidence level of the error due to noise.
 _OUTSIDE = 0.05
 
 
@@ -45,7 +45,7 @@ class MeasuredResponse(FrequencyResponse):
     Attributes
     ----------
     frequencies : ndarray, shape (n,)
-        Hz, multiples of one over the length of the record, up to half of the rate.
+        Frequencies, Hz: multiples of one over the length of the record, up to half of the rate.
     values : ndarray of complex, shape (n,)
         Response over force, of the `kind`, for e^{iωt}.
     error : ndarray, shape (n,)
@@ -53,10 +53,10 @@ class MeasuredResponse(FrequencyResponse):
     kind : str
         "accelerance" (m/(s² N)), "mobility" (m/(s N)) or "receptance" (m/N).
     coherence : ndarray, shape (n,)
-        1 where all hits give the same value, and so for a single hit.
+        Coherence; 1 if all hits give the same value, as does a single hit.
     force : ndarray, shape (n,)
-        Spectrum of the force, root mean square over the hits, N s. Where it is less than a tenth of
-        its maximum, the values are mostly noise.
+        Spectrum of the force, root mean square over the hits, N s. At frequencies with less than a
+        tenth of its maximum, the values are mostly noise.
     """
 
     coherence: FloatArray
@@ -71,25 +71,25 @@ def frf(
     Parameters
     ----------
     force : Signal, Result or Run; or a list of them, one for each hit
-        The hammer's force, N. Of a result it is taken at the times of the response; of a scene it
-        is that of the first contact.
+        The hammer's force, N. That of a result is taken at the times of the response; that of a
+        scene's run is the force of the first contact.
     response : Signal or Probe; or a list of them, one for each hit
         Velocity (unit "m/s") or acceleration (unit "m/s²") of the measured point, at rest before
         the hit, at the same even times as the force. The mean of a velocity before the force rises
-        is taken off it. A probe along a direction gives its velocity.
+        is subtracted from it. A probe along a direction gives its velocity.
     kind : {"accelerance", "mobility", "receptance"}, optional
         Acceleration, velocity or displacement over force.
     estimator : {"H1", "H2"}, optional
-        H1 averages noise of the response, H2 noise of the force. For one hit both are A/F.
+        H1 averages out noise of the response, H2 noise of the force. For one hit both are A/F.
 
     Returns
     -------
     MeasuredResponse
-        Its ``error`` is the sum of four parts: what the second half of the record adds, which is
-        more than the vibration after the record would if it falls to a half or less in that time;
-        the change from every second sample to all; what the model of a probe leaves out, by a
-        finer one; and, of several hits, what their scatter leaves
-        unknown with 95 % confidence if the noise is that of the response.
+        Its ``error`` is the sum of four parts: the contribution of the second half of the record,
+        which exceeds that of the vibration after the record if this falls to a half or less in that
+        time; the change from every second sample to all; the error of a probe's model, by a finer
+        one; and, for several hits, the bound of the error from their scatter, with 95 % confidence
+        if the noise is in the response.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def frf(
         error = rest + np.abs(values - coarser) + np.abs(lacking)
         if len(hits) > 1:
             # |error|² over (1/γ² - 1)|H|²/(n - 1) has the F distribution of 2 and 2(n - 1) degrees
-            # of freedom, whose quantile this is, over n - 1.
+            # of freedom; `quantile` is its 95 % quantile over n - 1.
             quantile = _OUTSIDE ** (-1.0 / (len(hits) - 1)) - 1.0
             error += np.abs(values) * np.sqrt(quantile * (1.0 / coherence - 1.0))
 
@@ -160,7 +160,7 @@ def frf(
 
 
 def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal, FloatArray]]:
-    """Return the force and the motion of each hit, and what this may lack, at the same times."""
+    """Return force, motion and error of the motion's model for each hit, at the same times."""
     forces, responses = (of if isinstance(of, list) else [of] for of in (force, response))
     if len(forces) != len(responses) or not forces:
         raise InputError(
@@ -205,22 +205,22 @@ def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal, FloatArray]]:
 
 
 def _spectra(values: FloatArray, step: float, count: int, velocity: bool = False) -> ComplexArray:
-    """Fourier transforms of rows of samples at k/(count step), k from 1 to count/2.
+    """Return Fourier transforms of rows of samples at k/(count step), k from 1 to count/2.
 
-    Velocities, which last beyond the record, give the transforms of the accelerations.
+    Velocities, which need not end with the record, give the transforms of the accelerations.
     """
     if not velocity:
         return step * np.fft.rfft(values, count)[:, 1:]
     turns = np.arange(1, count // 2 + 1) / count
-    # From rest: the first sample of a model may move, by the residual compliance of its modes.
+    # From rest: a model may move at the first sample already, by its residual compliance.
     steps = np.fft.rfft(np.diff(values, prepend=0.0), count)[:, 1:]
-    # Over sinc: iω times the sum of the samples, so that what sampling does to the force, it does
-    # to the response.
+    # Division by sinc gives iω times the sum of the samples, so that sampling changes force and
+    # response alike.
     return np.asarray(np.exp(1j * np.pi * turns) / np.sinc(turns) * steps)
 
 
 def _estimates(loaded: ComplexArray, moved: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """H1 and H2 of the spectra of hits, shape (hits, n)."""
+    """Return H1 and H2 of the spectra of hits, shape (hits, n)."""
     both = np.sum(loaded.conj() * moved, axis=0)
     force, motion = (np.sum(np.abs(of) ** 2, axis=0) for of in (loaded, moved))
     return both / force, motion / both.conj()

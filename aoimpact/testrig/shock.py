@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# Frequencies of a spectrum by itself: so many an octave, from this share of one over the length of
-# the signal to this share of its rate.
+# Default frequencies: number per octave, lowest over one over the length of the signal, and highest
+# over its sampling rate.
 _PER_OCTAVE, _LOWEST, _HIGHEST = 12, 0.1, 0.1
 
-# Points in a period of the oscillator, among which the largest is off by 0.3 % at most.
+# Points per period of the oscillator: the largest response among them is too low by 0.3 % at most.
 _PER_PERIOD = 40
 
-# Points in the first period after the signal, among which the largest is off by 1e-6 at most.
+# Points in the first period after the signal: the largest among them is too low by 1e-6 at most.
 _AFTER = 2001
 
 _KINDS = {
@@ -54,9 +54,9 @@ class ShockSpectrum(Frozen):
     frequencies : ndarray, shape (n,)
         Undamped natural frequencies, Hz.
     positive, negative : ndarrays, shape (n,)
-        The largest response in each of both directions, as a number ≥ 0.
+        Largest response in the positive and in the negative direction, as a number ≥ 0.
     primary, residual : ndarrays, shape (n,)
-        The largest response of any sign while the signal lasts, and after it.
+        Largest response of any sign while the signal lasts, and after it.
     kind, unit : str
         The response, and its unit.
     damping_ratio : float
@@ -132,19 +132,20 @@ def shock_spectrum(
 ) -> ShockSpectrum:
     """Return the shock response spectrum of an acceleration, ISO 18431-4.
 
-    Oscillators of one degree of freedom stand on a base that moves with the signal, at rest before
-    it; straight lines between the samples are responded to exactly (ramp-invariant filters), and
-    the free vibration after the last one in closed form.
+    Oscillators of one degree of freedom, at rest before the signal, stand on a base with the
+    signal's acceleration. Their response is exact for straight lines between the samples
+    (ramp-invariant filters), and in closed form for the free vibration after the last sample.
 
     Parameters
     ----------
     source : Signal, (t, values), Probe or Result
         Acceleration of the base, m/s². A probe of a body along a direction gives that of its point;
-        a result that of the projectile, its contact force over its mass, counted in the direction
+        a result that of the projectile, its contact force over its mass, positive in the direction
         in which it is decelerated.
     frequencies : array_like, shape (n,), optional
-        Undamped natural frequencies of the oscillators, Hz, up to half of the samples a second; by
-        itself twelve an octave from a tenth of one over the signal's length to a tenth of its rate.
+        Undamped natural frequencies of the oscillators, Hz, up to half of the sampling rate; by
+        default twelve per octave, from a tenth of one over the signal's length to a tenth of its
+        rate.
     damping_ratio : float, optional
         ζ, below 1; 0.05 is Q = 10.
     kind : {"absolute acceleration", "relative displacement", "pseudo-velocity"}, optional
@@ -162,8 +163,8 @@ def shock_spectrum(
     Warns
     -----
     AOImpactWarning
-        If a frequency is above a tenth of the rate: straight lines between samples then leave out
-        some of what shakes the oscillator, 3 % of it at a tenth and 9 % at a sixth.
+        If a frequency is above a tenth of the rate: straight lines between samples then lack part
+        of the excitation, 3 % at a tenth and 9 % at a sixth.
 
     Examples
     --------
@@ -214,11 +215,11 @@ def shock_spectrum(
 
 
 def _largest(signal: Signal, frequency: float, damping: float, unit: str) -> tuple[float, ...]:
-    """Largest response up and down; and of any sign while the signal lasts, and after it.
+    """Return the largest response up, down, of any sign during the signal, and after it.
 
-    The oscillator z'' + 2ζω z' + ω² z = -u is solved exactly for its eigenvalue λ: q' = λq + u, and
+    The oscillator z'' + 2ζω z' + ω² z = -u is solved exactly in its eigenvalue λ: q' = λq + u, and
     z = 2 Re(r q). The absolute acceleration z'' + u has λ² r in place of r, the pseudo-velocity
-    ω r. The signal is straight between samples, also of a finer step.
+    ω r. The signal is linear between its samples, which are interpolated to smaller steps.
     """
     from scipy.signal import cont2discrete, lfilter  # slow to import
 

@@ -40,25 +40,25 @@ if TYPE_CHECKING:
 
 STANDARD_GRAVITY = 9.80665  # m/s², ISO 80000-3
 
-# Samples are evenly spaced if each is within this share of a step of where it should be.
+# Largest distance of a sample from its even place, over a step, of evenly spaced samples.
 UNEVEN = 0.05
 
-# Samples of a simulated force: in its hardest contact.
+# Default number of samples of a simulated force in its hardest contact.
 _PER_CONTACT = 500
 
-# Samples beyond which a record is taken for a mistake.
+# Number of samples beyond which a record is taken for a mistake.
 _MOST = 20_000_000
 
-# Samples in a period of the class's frequency: of SAE J211-1, and above which two poles at 1 are
-# all rounding.
+# Samples per period of the class's frequency: minimum by SAE J211-1, and maximum, above which both
+# poles of the digital filter differ from 1 by rounding alone.
 _SAMPLES_OF_CLASS = 10.0, 1e6
 
-# A measured contact begins where the force was last below the first share of its peak before it
-# passes the second, and ends where it is below the first again. Noise of the channel, usually 0.4 %
-# of the peak rms, passes the first now and then, but not the second.
+# A measured contact begins where the force is last below BEGINS of its peak before it passes RISEN
+# of it, and ends where it is below BEGINS again. Noise of the channel, usually 0.4 % of the peak
+# rms, passes BEGINS now and then, but not RISEN.
 BEGINS, RISEN = 0.01, 0.1
 
-# Line of a signal before it was filtered.
+# Line style of an unfiltered signal.
 UNFILTERED = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
 
 
@@ -71,7 +71,7 @@ class Signal(Frozen):
     t : array_like, shape (n,)
         Times, s, rising; at least two.
     values : array_like, shape (n,)
-        In SI units.
+        Values in SI units.
     unit : str, optional
         Unit of the values: "N", "m/s²", ….
     name : str, optional
@@ -134,12 +134,12 @@ class Signal(Frozen):
         ----------
         source : Signal, (t, values), Result, Run or Probe
             A result gives its contact force; a probe along a direction the acceleration of its
-            point, from differences of its velocity: give it times close enough.
+            point, from differences of its velocity, which needs closely spaced times.
         contact : int, optional
-            Which contact of a scene's run, in the order of `Scene.connect`.
+            Number of the contact in a scene's run, in the order of `Scene.connect`.
         rate : float, optional
-            Samples a second, Hz, of a result; by itself 500 in the hardest contact, and those of a
-            solver of fixed steps, between which lines are straight.
+            Sampling rate of a result, Hz; by default that of 500 samples in the hardest contact, or
+            of the steps of a solver of fixed steps, between which the force is linear.
         margin : float, optional
             Length of zero force before and after the record of a result, s: room for a filter.
 
@@ -190,7 +190,7 @@ class Signal(Frozen):
 
     @property
     def mean_rate(self) -> float:
-        """Samples a second on the average, Hz."""
+        """Mean sampling rate, Hz."""
         return float((len(self.t) - 1) / (self.t[-1] - self.t[0]))
 
     @property
@@ -201,12 +201,12 @@ class Signal(Frozen):
 
     @property
     def rate(self) -> float:
-        """Samples a second, Hz.
+        """Sampling rate, Hz.
 
         Raises
         ------
         InputError
-            If they are not evenly spaced.
+            If the samples are not evenly spaced.
         """
         if not self.even:
             steps = np.diff(self.t)
@@ -222,12 +222,12 @@ class Signal(Frozen):
         Parameters
         ----------
         rate : float
-            Samples a second, Hz; not below the mean rate of the signal.
+            Sampling rate, Hz; not below the mean rate of the signal.
 
         Raises
         ------
         InputError
-            If the rate is lower: what is faster than half of it would appear as something slow.
+            If the rate is lower: frequencies above half of it would be aliased.
 
         Examples
         --------
@@ -249,17 +249,18 @@ class Signal(Frozen):
     # ------------------------------------------------------------------- the filter
 
     def filtered(self, cfc: float | None = None, *, corner: float | None = None) -> Signal:
-        """Return the signal by the filter of a channel frequency class; `raw` keeps this one.
+        """Return the signal filtered by a channel frequency class; its `raw` is this signal.
 
-        SAE J211-1, appendix C: a Butterworth filter of two poles, forward and backward, so that no
-        phase is shifted. It is 3 dB down at 1.65 times the class's frequency. Beyond its ends the
-        signal is continued odd about the end sample, as by SciPy's `filtfilt`; so the period of the
-        class next to an end is right only if the signal is at rest or straight there.
+        SAE J211-1, appendix C: a Butterworth filter of two poles, run forward and backward for zero
+        phase shift. It is 3 dB down at 1.65 times the class's frequency. Both ends are extended by
+        odd reflection about the end sample, as in SciPy's `filtfilt`; so the period of the class
+        next to an end is right only if the signal is at rest or straight there.
 
         Parameters
         ----------
         cfc : float, optional
-            The class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same formula.
+            Channel frequency class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same
+            formula.
         corner : float, optional
             In place of the class, the frequency where the signal is 3 dB down, Hz.
 
@@ -289,7 +290,7 @@ class Signal(Frozen):
         return replace(self, values=smooth, raw=self)
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the signal over time, what it was before it was filtered in grey behind it.
+        """Draw the signal over time, with the unfiltered one in grey behind it.
 
         Keywords go to ``Axes.plot``. Returns the axes.
 
@@ -305,14 +306,14 @@ class Signal(Frozen):
 
 
 def force_at(run: Run, contact: int, times: FloatArray) -> FloatArray:
-    """Force of a contact at times within the record, N; straight between fixed steps."""
+    """Return the force of a contact at times within the record, N; linear between fixed steps."""
     return np.asarray(run.recorder.pushes(times)[run.plan.layout.normal][contact])
 
 
 def contacts(force: Signal, name: str) -> list[tuple[int, int]]:
-    """First and last sample of each contact in a measured force.
+    """Return the first and last sample of each contact in a measured force.
 
-    name: of the force, for the message where it is never positive.
+    `name`: name of the force in messages.
     """
     from scipy.ndimage import find_objects, label  # slow to import
 
@@ -334,7 +335,7 @@ def _steps(length: float, rate: float) -> int:
     return int(count)
 
 
-# Units that have prefixes, in SI, also as else they are written; and factors to SI of all.
+# SI units that take prefixes, by each way to write them. Factor and SI unit of all units by name.
 _BASES = {of: of for of in ("N", "s", "m", "V", "m/s", "m/s²")} | {"m/s2": "m/s²", "m/s^2": "m/s²"}
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
 _UNITS = {
@@ -366,7 +367,7 @@ def read_signal(
     ----------
     path : path
     time, values : int or str, optional
-        Columns, by number from 0 or by the heading (without the unit will do).
+        Columns, by number from 0 or by the heading, with or without its unit.
     time_unit : str, optional
         Unit of the times in the file: "s", "ms", "µs" (or "us").
     unit : str, optional
