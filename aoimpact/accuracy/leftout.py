@@ -217,7 +217,7 @@ def finer_plan(
         law = own_law(contact.law) if any(contact.removed) else contact.law
         known = contact._replace(law=law, removed=(0.0, 0.0))
         known = known.of_models(bodies, bounded=number in bounded)
-        more = 0.0  # keeps a node's indentation, if the law does not replace it, that of the mesh
+        more = 0.0  # compensates the change of a node's indentation by refinement
         for body, port in known.ports:
             tip = plan.bodies[body].touched_at(port)
             if tip is not None and _is_bare(law, tip):

@@ -61,7 +61,7 @@ class Sensor(Frozen):
         @lru_cache(maxsize=_COMPARED)
         def response(run: Run) -> Response:
             found = response_of(run, number)
-            assert found is not None  # a body with a mesh
+            assert found is not None  # the body has a mesh
             return found
 
         def history(run: Run, times: FloatArray) -> FloatArray:

@@ -306,7 +306,7 @@ class AccelerationAt(Sensor):
             )
 
     def measured(self, body: FEModel) -> Any:
-        """See `Sensor`; values that the end of the record leaves unknown are 0, not compared.
+        """See `Sensor`; values too close to the end of the record are set to 0, not compared.
 
         :meta private:
         """

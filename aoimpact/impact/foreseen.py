@@ -153,7 +153,7 @@ def _known(find: Callable[..., float | None], met: Any) -> float | None:
 
 
 def goes_against(tip: ContactPoint | None, *, outward: bool) -> bool:
-    """True if a direction goes into the body although `outward`, or out of it if not."""
+    """True if a contact point's direction goes into the body, or out of it if not `outward`."""
     if tip is None or tip.normal is None or tip.direction is None:
         return False
     return (float(tip.direction @ tip.normal) > 0.0) != outward

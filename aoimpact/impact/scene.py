@@ -205,7 +205,7 @@ class Scene:
             Contact law; by default Hertz's law of the materials of both bodies and the curvatures
             of their surfaces at the contact.
         gap : float, optional
-            Initial gap beyond the distance of the positions, m; may be negative.
+            Gap between the bodies at equal positions, m; may be negative if positions are given.
         friction : float, optional
             Coefficient of friction; see `simulate`.
         name : str, optional
@@ -357,10 +357,10 @@ class Scene:
             "impulse", "contact_duration" (of the first touch) or "contact_count". For every body
             that is not held at rest: "rebound_velocity" (after the last contact). For a scene of
             one contact: "restitution". With friction: "peak_friction_force",
-            "tangential_restitution" or "final_spin". All of a list meet `rtol`. Bodies given by
-            contact points are reduced as far as `rtol` allows; AO models are truncated if this or
-            `rtol` is given. `Run.models` has the resulting models, `Run.value` returns numbers. A
-            body that was added twice is reduced once.
+            "tangential_restitution" or "final_spin". Each quantity of a list meets `rtol`. Bodies
+            given by contact points are reduced as far as `rtol` allows; AO models are truncated if
+            `quantity` or `rtol` is given. `Run.models` has the resulting models, `Run.value`
+            returns numbers. A body that was added twice is reduced once.
         rtol : float, optional
             Relative tolerance of `quantity`; by default 2e-3, or up to 1e-2 if the largest models
             tried do not meet 2e-3. The error of a history is its largest over the record, relative

@@ -86,8 +86,8 @@ def simulate(
         `ReactionAt`. Numbers are "peak_force", "peak_time", "impulse", "contact_duration" (of the
         first contact), "contact_count", "rebound_velocity", "restitution" and, with friction,
         "peak_friction_force", "tangential_restitution" or "final_spin". Bodies given by contact
-        points are reduced as far as `rtol` allows; AO models are truncated if this or `rtol` is
-        given. `Result.models` has the resulting models. Only this quantity, or each of a list,
+        points are reduced as far as `rtol` allows; AO models are truncated if `quantity` or `rtol`
+        is given. `Result.models` has the resulting models. Only this quantity, or each of a list,
         meets `rtol`; `Result.error` estimates the errors of all others by name. A second quantity
         of the same name gets a number: ``error["strain_2"]``.
     rtol : float, optional

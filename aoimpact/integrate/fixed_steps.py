@@ -321,7 +321,7 @@ def _start(plan: Scenario, rule: Newmark) -> _Start:
         forces = np.where(pressed, np.maximum(forces, 0.0), forces)
         if found[0] is not None:
             apart = float(np.abs(forces - found[0]).max(initial=0.0))
-            if apart >= before:  # rounding
+            if apart >= before:  # only rounding errors remain
                 break
             before = apart
         found = forces, (late - early) / instant

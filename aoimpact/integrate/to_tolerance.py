@@ -117,7 +117,7 @@ def _refuse_gain(plan: Scenario, run: DenseRecorder) -> None:
     if fed or any(contact.law.by_caller for contact in plan.contacts):
         return
     moving = zip(plan.modal, plan.velocities, strict=True)
-    if any(speed and not body.inertia.any() for body, speed in moving):  # a wall that pushes
+    if any(speed and not body.inertia.any() for body, speed in moving):  # a moving wall adds energy
         return
     rows = run.rows(np.array([0.0, run.duration]), energies=True)
     bodies = [plan.layout.body(rows, number) for number in range(len(plan.bodies))]

@@ -142,7 +142,7 @@ class BodyModel(ABC):
     @property
     @abstractmethod
     def static_mode(self) -> FloatArray:
-        """φ_st at the first port, eqs. (2), (3), shape (n_dofs,).
+        """Static mode φ_st at the first port, eqs. (2), (3), shape (n_dofs,).
 
         :meta private:
         """
@@ -322,7 +322,7 @@ class Body(Frozen, BodyModel):
     Attributes
     ----------
     kind : str
-        "AO", "modal", "interface", "rigid" or "wall".
+        Kind of the model: "AO", "modal", "interface", "rigid" or "wall".
     n : int
         Number of anti-oscillators of an "AO" model, else of modes.
     omega : ndarray, shape (n,)
@@ -409,7 +409,7 @@ class Body(Frozen, BodyModel):
 
     @cached_property
     def constrained(self) -> bool:
-        """True if no port can move without a deformation, or it is a wall."""
+        """True if no port can move without a deformation, or if the body is a wall."""
         return self.wall or not self.shape[:, self.omega == 0.0].any()
 
     @property
@@ -424,7 +424,7 @@ class Body(Frozen, BodyModel):
 
     @property
     def static_mass(self) -> float:
-        """The mass that an impact on its lightest port moves statically, kg, eq. (10)."""
+        """Least mass of the static modes of all ports, kg, eq. (10)."""
         if self.numbers is not None:
             return self.numbers.static_mass
         return min(float(q @ q) for q in map(self._static, range(self.ports)))
@@ -439,7 +439,7 @@ class Body(Frozen, BodyModel):
 
     @property
     def ports(self) -> int:
-        """Number of its contact functionals.
+        """Number of contact functionals.
 
         :meta private:
         """
@@ -579,9 +579,10 @@ class Body(Frozen, BodyModel):
     # ------------------------------------------------------- its motion as a whole
 
     def _static(self, port: int = 0) -> FloatArray:
-        """Modal coordinates of φ_st at a port, eqs. (2), (3), without the part by `following`.
+        """Modal coordinates of the static mode φ_st at a port, eqs. (2), (3).
 
-        φ_st is the rigid motion with u = 1 if a force at the port moves the body as a whole.
+        φ_st is the rigid motion with u = 1 if a force at the port moves the body as a whole. The
+        part of φ_st that follows forces at once (`following`) is left out.
         """
         r, still = self.shape[port], self.omega == 0.0
         if r[still].any():
@@ -592,7 +593,7 @@ class Body(Frozen, BodyModel):
 
     @cached_property
     def static_mode(self) -> FloatArray:
-        """φ_st at the first port, eqs. (2), (3), shape (n_dofs,).
+        """Static mode φ_st at the first port, eqs. (2), (3), shape (n_dofs,).
 
         :meta private:
         """
@@ -825,7 +826,7 @@ def of_modes(
     ----------
     tips : tuple of ContactPoint
     omega2 : ndarray, shape (n,)
-        ω², (rad/s)², ascending; 0 for rigid motions.
+        Squares of the natural frequencies, (rad/s)², ascending; 0 for rigid motions.
     vectors, coordinates
         As of `Body`.
     **how

@@ -61,7 +61,7 @@ class FullModel(Frozen, BodyModel):
 
     @property
     def static_mode(self) -> FloatArray:
-        """φ_st at the first port, eqs. (2), (3), shape (n_dofs,).
+        """Static mode φ_st at the first port, eqs. (2), (3), shape (n_dofs,).
 
         :meta private:
         """
@@ -74,7 +74,7 @@ class FullModel(Frozen, BodyModel):
 
     @cached_property
     def static_mass(self) -> float:
-        """The mass that an impact on its lightest port moves statically, kg, eq. (10)."""
+        """Least mass of the static modes of all contact points, kg, eq. (10)."""
         return min(static_mode(tip).mass for tip in self.tips)
 
     @cached_property
@@ -119,7 +119,7 @@ class FullModel(Frozen, BodyModel):
         """Initial velocities of the dofs for a unit velocity, shape (n_dofs,).
 
         The body translates if it can, or if it has several contact points, whose models know no
-        other motion as a whole; else it moves in φ_st.
+        other motion as a whole; else it moves in the static mode.
 
         :meta private:
         """

@@ -69,7 +69,7 @@ class Recovery:
         return {"model": self.model, "loads": self.loads, "s": self.s}
 
     def displacement(self, coordinates: FloatArray, forces: FloatArray) -> FloatArray:
-        """Return X on the free dofs, m.
+        """Return the displacement X of the free dofs, m.
 
         Parameters
         ----------

@@ -115,7 +115,7 @@ def _first_oscillators(
     order: str,
     solvers: Invert,
 ) -> tuple[_Found, float]:
-    """Return oscillators, `n` or more, and an upper bound of the mass of one not found.
+    """Return the oscillators found, and an upper bound of the mass of one not found.
 
     Lanczos' method is applied in the space bᵀφ = 0, started from the projection of φ_st. The masses
     of its Ritz values are Gauss quadrature weights of the masses m_i over 1/(ω_i² + s²). Between

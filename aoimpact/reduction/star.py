@@ -61,7 +61,7 @@ class AOModel(Frozen):
         Contact (residual) mass, kg, eq. (10). Zero is allowed if there are oscillators; infinite,
         without oscillators, is a fixed wall.
     k0 : float, optional
-        Ground spring, N/m, eq. (11); 0 for a free body.
+        Stiffness of the ground spring, N/m, eq. (11); 0 for a free body.
     m, k : array_like, shape (n,), optional
         Masses, kg, eq. (9), and stiffnesses, N/m, eq. (12), of the anti-oscillators, all positive.
     damping : Rayleigh or ModalDamping, optional
@@ -425,7 +425,7 @@ class AOModel(Frozen):
         Returns
         -------
         omega2 : ndarray, shape (modes,)
-            ω², (rad/s)², ascending.
+            Squares of the natural frequencies, (rad/s)², ascending.
         participation : ndarray, shape (modes,)
             Participation factors r_j = bᵀφ_j of the mass-normalised modes, 1/√kg, so that the
             receptance is Σ r_j²/(ω_j² - ω²).
@@ -579,9 +579,9 @@ def with_shapes(
         Masses and stiffnesses of the model.
     tip : ContactPoint
     static : ndarray, shape (n_dofs,)
-        φ_st, eqs. (2), (3).
+        Static mode φ_st, eqs. (2), (3).
     shapes : ndarray, shape (n_dofs, n)
-        Ψ_i = c_i φ_i, eq. (8).
+        Shapes Ψ_i = c_i φ_i of the anti-oscillators, eq. (8).
     **how
         Further attributes of `Body`.
     """
@@ -597,7 +597,7 @@ def with_shapes(
     placed[: n + 1, others.shape[1] :] = coordinates * r
     shape = np.concatenate([np.zeros(others.shape[1]), r])[None]
     follow = None
-    if numbers.m0 == 0.0:  # the contact alone moves, and no oscillator
+    if numbers.m0 == 0.0:  # a force moves the contact at once, and no oscillator
         follow = numbers.residual * np.concatenate([[1.0], -np.ones(n), np.zeros(len(still.T))])
     body = Body(
         kind="AO" if n or numbers.k0 else "rigid",

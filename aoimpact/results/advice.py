@@ -53,8 +53,9 @@ _WIDTH, _STRAIN = 0.3, 0.2
 _SPEED = 0.01
 
 # Largest deflection relative to the thickness of a body constrained on both sides, and relative to
-# the size of any body. At the first the linear deflection is 12 % off: the load on a clamped plate
-# is proportional to w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*, section 100).
+# the size of any body. At the first the linear deflection has an error of 12 %: the load on a
+# clamped plate is proportional to w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
+# section 100).
 _THICKNESS, _SIZE = 0.5, 0.1
 
 # Largest abs(cosine) between an axis and the contact's direction at which supports along the axis
@@ -434,7 +435,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     """Warn of bodies and contact points outside the range of the method.
 
     The warnings are of damping that would retard a massless contact, of unknown rebound velocities,
-    of directions oblique to the surface, and of bodies that meet with alike outward normals.
+    of directions oblique to the surface, and of two bodies on the same side of their contact.
 
     Parameters
     ----------
@@ -468,7 +469,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     for (number, tip), law in laws.items():
         along, normal = tip.direction, tip.normal
         cosine = 1.0 if along is None or normal is None else abs(float(normal @ along))
-        if along is not None and cosine < _OBLIQUE:  # only the normal velocity takes part
+        if along is not None and cosine < _OBLIQUE:  # smooth bodies meet by their normal velocity
             angle = math.degrees(math.acos(cosine))
             warn(
                 f"{names[number]} is touched along {plain(along)}, {angle:.0f}° off the "
@@ -491,7 +492,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
 
 
 def _face_alike(first: ContactPoint, second: ContactPoint) -> bool:
-    """True if two bodies touch at one point, in common coordinates, with alike outward normals."""
+    """True if two meshes in common coordinates lie on the same side of a common contact."""
     nodes, place, along = first.body.given.nodes, first.point, first.direction
     if first.body is second.body or nodes is None or place is None or second.point is None:
         return False
@@ -654,7 +655,7 @@ def _missed(run: Run) -> str:
     gap, contact = gaps[number], run.plan.contacts[number]
     at = int(gap.argmin())
     moved = float(np.abs(layout.body(rows, contact.first).port_displacements).max())
-    if gap.max() <= ROUNDING * moved:  # side by side
+    if gap.max() <= ROUNDING * moved:  # the bodies move on in touch, without a force
         return ""
     least, when, cure = float(gap[at]), float(t[at]), "take a smaller gap, or a larger velocity"
     if at == 0:

@@ -111,7 +111,7 @@ class Quantity:
     history : callable, optional
         Histories of a `Run` at times, s, shape (rows, times).
     each : {"contacts", "bodies", ""}
-        Owner of the k numbers or histories: each contact, each body, or the run as a whole. A run
+        Owner of the k numbers or histories: each contact, each body, or the run as a whole, which
         has one number, or none if it is not defined for the scene; an unknown number is NaN.
     scenes : bool
         True if scenes have the quantity, False if only impacts of two bodies do.
@@ -337,10 +337,10 @@ def number_errors(
     known : mapping of str to float, optional
         Errors that are known already.
     on_the_way : bool, optional
-        True to bound the errors of numbers that integrate the force from below, by the root mean
-        square difference of the transferred momentum during contact: two different forces may have
-        the same integral by chance. These errors are infinite where one run touches more often than
-        the other: the true motion may touch more often than both.
+        True for a lower bound of the errors of numbers that integrate the force: the root mean
+        square difference of the momentum transferred during contact, since two different forces may
+        have the same integral by chance. These errors are infinite if one run touches more often
+        than the other: the true motion may touch more often than both.
     """
     before = np.array(run.plan.velocities)
 

@@ -121,7 +121,7 @@ class BodyResult(Frozen, Measured):
     mass : float or None
         Total mass [kg]; None where it is not known.
     constrained : bool
-        Whether supports or a ground spring constrain it.
+        True if supports or a ground spring constrain the body.
     port_displacements, port_velocities : (p, n) arrays
         Displacements and velocities of all contact coordinates [m, m/s].
     """
@@ -134,7 +134,7 @@ class BodyResult(Frozen, Measured):
     port_velocities: FloatArray
     _motion: dict[str, FloatArray] = field(repr=False)
     _run: Run = field(repr=False)
-    _number: int = field(repr=False)  # of the body
+    _number: int = field(repr=False)  # number of the body in the scene
 
     def __repr__(self) -> str:
         mass = "" if self.mass in (None, math.inf) else f", {self.mass:.4g} kg"
@@ -177,7 +177,7 @@ class BodyResult(Frozen, Measured):
         Raises
         ------
         InputError
-            If no velocity and no friction in three directions was given.
+            If the run has only one direction of travel.
         """
         return self._at_end[:3]
 
@@ -566,7 +566,7 @@ class Run:
 
     @cached_property
     def pushes(self) -> FloatArray:
-        """Contact forces, each followed by its two tangential friction forces, N.
+        """Contact forces, N, each followed by its friction forces along two tangents, if any.
 
         Without friction they are computed without the motions, which would cost more.
 
@@ -1068,9 +1068,9 @@ class Result(Eventful, Run):
 
     @property
     def advice(self) -> tuple[Advice, ...]:
-        """The impact relative to the limits of linear elasticity; see `Advice`.
+        """Results of the checks of linear elasticity that the summary lists; see `Advice`.
 
-        The rows are yield, deflection, mass ratio and speed, as far as known, as in the summary.
+        The checks are of yield, deflection, mass ratio and speed, as far as they are known.
 
         Examples
         --------

@@ -158,7 +158,7 @@ class Contact(NamedTuple):
         Raises
         ------
         InputError
-            If nothing is left of the law, which is less compliant than the meshes from the start.
+            If the law is stiffer than the meshes from the first touch on.
         """
         known = [extraction_of(self.law, bodies[body], port) for body, port in self.ports]
         friction = self.friction and self.friction.between(self.materials(bodies), known)

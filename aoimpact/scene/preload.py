@@ -96,7 +96,7 @@ class _Springs:
             still = np.zeros(len(which))
             _core.law_force(law, within[which], still, own, steepness, damping, False)
             force[which], slope[which] = own, steepness
-        slope = np.where(depth > 0.0, np.maximum(slope, 0.0), 0.0)  # rounding makes it negative
+        slope = np.where(depth > 0.0, np.maximum(slope, 0.0), 0.0)  # rounding errors may be < 0
         return np.where(depth > 0.0, force + slope * (depth - within), 0.0), slope
 
     def stiffness_under(self, load: float) -> FloatArray:

@@ -137,10 +137,10 @@ class RecordLayout:
         return np.isin(self._pushes, self._starts)
 
     def of_contacts(self, record: FloatArray) -> FloatArray:
-        """Return the rows of all contacts: a view."""
+        """Return the rows of all contacts, as a view."""
         return record[: self._starts[-1]]
 
     def centre_velocities(self, record: FloatArray) -> FloatArray:
-        """Return the velocities of all centres of mass, m/s, shape (bodies, times): a copy."""
+        """Return the velocities of all centres of mass, m/s, shape (bodies, times), as a copy."""
         at = BodyRows._fields.index("velocity")
         return record[self._first[:-1] + at]
