@@ -151,8 +151,8 @@ AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double
                                 double *k0, double *m, double *k, const aoi_pause *pause);
 
 /* The AO model of a body by its constraint modes: K phi + mu b = omega2 M phi with b^T phi = 0, where b is the contact
- * functional, u = b^T X, and mu the force that holds u at zero. Eqs. (6), (9), (10), (12). Modes of equal frequency give
- * one oscillator, those without mass none. A residual mass within rounding is zero. Where all modes of K and M are known,
+ * functional, u = b^T X, and mu the force that holds u at zero. Eqs. (6), (9), (10), (12). Modes of equal frequency form
+ * one oscillator, modes without mass none. A residual mass within rounding is set to zero. Where all modes of K and M are known,
  * aoi_star_from_modal is simpler, with weight = (b^T phi)^2/(phi^T M phi).
  *   n            degrees of freedom
  *   count        modes; all n - 1, or some
@@ -286,8 +286,8 @@ AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table
  * AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
 AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
 
-/* AOI_ERROR_ARGUMENT where a law cannot be used: NULL, without force or potential, with a compliance that is
- * not finite, with a limit that is not positive. */
+/* Checks a law. AOI_ERROR_ARGUMENT where it cannot be used: NULL, without force or potential, with
+ * a compliance that is not finite, with a limit that is not positive. */
 AOI_API int aoi_law_check(const aoi_law *law);
 
 /* Force of a law and its derivatives, as in fixed steps: zero at and below rest, and cut at zero
@@ -421,15 +421,17 @@ typedef struct aoi_full {
     const aoi_pause *pause; /* or NULL: asked at each step, and while a run starts                   */
 } aoi_full;
 
-/* A body with ports (its contact functionals) in natural modes: x_j'' + 2 decay_j x_j' + omega_j^2 x_j
- * = gravity_j + sum_p push[p][j] f_p, u_p = sum_j shape[p][j] x_j + sum_q residual[p][q] f_q, with f_p the
- * contact forces plus the load. The scale of x_j is free; for mass-normalised modes shape = push =
- * participation, and inertia may be NULL. A wall has one mode with shape 1, push 0 and inertia 0, which
- * moves without being affected. decay, residual, gravity and centre_residual may be NULL (zero).
+/* A body with ports (its contact functionals) in natural modes, with f_p the contact forces plus
+ * the load:
+ *   x_j'' + 2 decay_j x_j' + omega_j^2 x_j = gravity_j + sum_p push[p][j] f_p,
+ *   u_p = sum_j shape[p][j] x_j + sum_q residual[p][q] f_q.
+ * The scale of x_j is free; for mass-normalised modes shape = push = participation, and inertia may
+ * be NULL. A wall has one mode with shape 1, push 0 and inertia 0, whose motion forces do not
+ * change. decay, residual, gravity and centre_residual may be NULL (zero).
  *
- * With full, the coordinates x are the body's degrees of freedom instead: shape = push are the contact functionals,
- * gravity is a force [N], and omega, decay, residual, inertia and centre_residual are NULL. Only Newmark's rule takes
- * such a body. */
+ * With full, the coordinates x are the body's degrees of freedom instead: shape = push are the
+ * contact functionals, gravity is a force [N], and omega, decay, residual, inertia and
+ * centre_residual are NULL. Only Newmark's rule takes such a body. */
 typedef struct aoi_modes {
     size_t n, ports;
     const double *omega;           /* [n], ascending, rad/s                          */

@@ -33,9 +33,9 @@
 static const double SUDDEN = 1e-22, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_RELAXED = 1e-5,
                     MOST_STEPS = 100.0;
 
-/* Largest relaxation time of a dashpot in units of the first step of a run: beyond, its force is but rounding.
- * Measured: 1e14 and 1e15 solve all of the 400 scenes of coupled.c's YIELD, of which 4 are not without it; 1e13 moves
- * the first touch of another contact by 4e-8. */
+/* Largest relaxation time of a dashpot in units of the first step of a run: beyond, its force is
+ * only rounding. Measured: 1e14 and 1e15 solve all of the 400 scenes of coupled.c's YIELD, of which
+ * 4 fail without this limit; 1e13 moves the first touch of another contact by 4e-8. */
 static const double RIGID = 1e15;
 
 /* Largest relaxation time of a dashpot in units of an implicit step: beyond, its indentation
@@ -77,7 +77,7 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
         const double here = e->free[i] = aoi_contact_free(run, contact->contact, &rate);
         e->rate_free[i] = time > 0.0 ? rate + (here - contact->indentation) / time : 0.0;
         for (size_t k = 0; k < width; k++) {
-            const size_t j = i + k - e->band; /* wraps round below the first */
+            const size_t j = i + k - e->band; /* below 0 it wraps round: no column */
             e->compliance[i * width + k] =
                 j < e->count ? aoi_system_residual(run->system, contact->contact, run->balanced[j].contact)
                              : 0.0;
@@ -195,10 +195,11 @@ static double time_of_contacts(const aoi_adaptive *run, size_t count)
 /* A force cut at zero, for laws without adhesion. */
 static double cut(const aoi_law *law, double force) { return law->pulls ? force : fmax(force, 0.0); }
 
-/* A contact's force after an implicit step of length time, linear in its rate: the force at its rate without changes of
- * contact forces, and as damping its derivative by the rate. after: indentations are those at the end of the step, and
- * `acts` says which contacts have a force; otherwise those at its start, and laws without adhesion are cut at zero:
- * by the event that the step has located, if there is one. */
+/* A contact's force after an implicit step of length `time`, linear in its rate: the force at its
+ * rate without changes of contact forces, and as damping its derivative by the rate. after = 1: at
+ * the indentations of the step's end, where `acts` tells which contacts have a force. after = 0: at
+ * those of its start, where laws without adhesion are cut at zero, by the event that the step has
+ * located if there is one. */
 static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int after)
 {
     const aoi_contact_state *of = &run->balanced[i];
@@ -252,7 +253,7 @@ static double change_rates(const aoi_adaptive *run, double time, int after, cons
         const double *row = e->compliance + i * (2 * e->band + 1);
         double sum = 0.0, size = 0.0;
         for (size_t k = 0; k <= 2 * e->band; k++) {
-            const size_t j = i + k - e->band; /* wraps round below the first */
+            const size_t j = i + k - e->band; /* below 0 it wraps round: no column */
             sum += j < e->count ? row[k] * change[j] : 0.0;
             size += j < e->count ? fabs(row[k] * change[j]) : 0.0;
         }
@@ -271,7 +272,7 @@ static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
     for (size_t i = 0; i < e->count; i++) {
         e->indentation[i] = aoi_contact_free(run, run->balanced[i].contact, &e->rate_free[i]);
         for (size_t k = 0; k < width; k++) {
-            const size_t j = i + k - e->band; /* wraps round below the first */
+            const size_t j = i + k - e->band; /* below 0 it wraps round: no column */
             e->indentation[i] -= j < e->count ? e->compliance[i * width + k] * e->force[j] : 0.0;
         }
     }

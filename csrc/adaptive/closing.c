@@ -27,7 +27,7 @@ static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
  * Measured: a third of the stride costs 2.0 % more work, three times as much 0.8 %. */
 static const double SHALLOW = -28.0, STRIDE = 0.35;
 
-/* The integral of a force over an interval of indentation, in which it is a power of the indentation. */
+/* The integral of a force over an interval of indentation, as a power of it between the two ends. */
 static double power_work(double here, double force, double next, double next_force)
 {
     const double power = force > 0.0 ? log(next_force / force) / log(next / here) : 0.0;

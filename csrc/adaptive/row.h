@@ -13,14 +13,21 @@
 enum aoi_row { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRACK_CONTACTS,
                AOI_TRACK_SIZE, AOI_TRACK_FIXED };
 
-/* A body in a row. */
+/* Values of a body in a row. */
 enum aoi_row_body { AOI_TRACK_BODY = 0, AOI_TRACK_BODY_WORK, AOI_TRACK_BODY_LOST, AOI_TRACK_STATE };
 
-/* A contact in a row: which; whether its force begins at the row's start and ends at its end (1 or 0); the edge it was
- * solved with; piece, memory, work done on it before, and lost at the end of the row (J); the rate at which its force
- * began; the force at the row's start, and at the nodes; the Legendre coefficients of the indentation. A contact that
- * is in no later row, or goes on as AOI_SLACK, without a row in which it ends, has ended where its last row with force
- * does. */
+/* Values of a contact in a row.
+ *   CONTACT        its number
+ *   BEGINS, ENDS   1 if its force begins at the row's start, and ends at its end, else 0
+ *   EDGE           with which it was solved
+ *   PIECE, MEMORY  of its law
+ *   WORK, LOST     work done on it before the row, energy lost at the row's end, J
+ *   RATE           at which its force began, m/s
+ *   START_FORCE    at the row's start, N
+ *   FORCE          at the nodes, N
+ *   INDENTATION    Legendre coefficients, m
+ * A contact that is in no later row, or goes on as AOI_SLACK, without a row in which it ends, has
+ * ended where its last row with force does. */
 enum aoi_row_contact {
     AOI_TRACK_CONTACT = 0,
     AOI_TRACK_BEGINS,

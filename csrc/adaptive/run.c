@@ -18,8 +18,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Least number of levels by which a step grows at once; most times that one step is cut short for an event, and that a
- * run goes on in a loop without a step: guards against loops without end. Tried: of both no run changes. */
+/* Least number of levels by which a step grows; and guards against loops without end: most times
+ * that one step is cut short for an event, and that a run loops without a step. Tried: of both
+ * guards no run changes. */
 enum {
     LEAST_RISE = 2,
     MOST_TRIMS = 12,
@@ -230,7 +231,8 @@ static void start_ledger(aoi_adaptive *run)
     }
 }
 
-/* Sets the time of the next halt: between two of them no body's load has more bends than its share of all. */
+/* Sets the time of the next halt, until which no body's load has more bends than its share of
+ * AOI_MOST_BENDS. */
 static void set_halt(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
@@ -314,7 +316,8 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
                           .span = aoi_system_span(system), .crowded = aoi_crowd_pays(system)};
     run->row_size = aoi_adaptive_room(system);
     run->grain = modes > 1 && is_quick(system) ? AOI_LEVELS : 1;
-    run->table_cost = modes > 1 && !aoi_system_rubs(system) ? (double)modes : 0.0; /* far below a step's with friction */
+    /* with friction tables cost far less than a step */
+    run->table_cost = modes > 1 && !aoi_system_rubs(system) ? (double)modes : 0.0;
     (void)lay_out(run, system, run);
     if (!aoi_vector_take(all, start->x, run->x) || !aoi_vector_take(all, start->v, run->v)) {
         return AOI_ERROR_NOT_FINITE;

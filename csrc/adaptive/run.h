@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-/* Lengths of a step whose tables a body keeps. */
+/* Number of step lengths whose tables a body keeps. */
 enum { AOI_TABLES = 12 };
 
 /* Role of a body in a step; the larger prevails: free motion, a watched contact, contact forces. */
@@ -54,7 +54,7 @@ typedef struct aoi_closed {
  * estimate at a touch, before any step, N. */
 typedef struct aoi_scales {
     double indentation, rate, impulse, force;
-    double mobility; /* of both ports under a sudden force, 1/kg */
+    double mobility; /* acceleration of both ports per sudden force, 1/kg */
 } aoi_scales;
 
 /* Totals of a contact in the run; impulse since its last touch, N s; work of its force, J. */
@@ -101,18 +101,19 @@ struct aoi_adaptive {
     aoi_stretch *spring;
     aoi_contact_state *balanced; /* contacts at massless contact points, while their forces are found */
 
-    aoi_list closed;     /* contacts, ascending                                           */
+    aoi_list closed;     /* closed contacts, ascending                                    */
     aoi_list watched[2]; /* open ones in free motion: 0 those with no touch yet found, 1 those that touch */
     aoi_list engaged, changed; /* bodies: in this step; since their last row              */
     size_t span, row_size;
     int crowded; /* aoi_crowd_pays */
-    size_t closed_count, entry_count; /* the entries: those of closed contacts first, then of contacts beside them */
+    /* numbers of entries: of closed contacts, which come first; with open ones beside them */
+    size_t closed_count, entry_count;
     int level;                        /* steps are base 2^(-level/8) long */
     int grain;                        /* levels are multiples of this */
     /* cost of new tables, one step per mode, and steps that a coarser level would have saved */
     double table_cost, saved;
     double base;
-    double indentation_scale, impulse_scale; /* the largest of the contacts that are closed */
+    double indentation_scale, impulse_scale; /* largest scales of closed contacts */
     double force_scale; /* largest force in the step tried, where more than one contact is closed; else 0 */
     double origin, elapsed; /* time is their sum, so that short steps late in a run are not rounded away */
     double left_off;        /* rounding error of elapsed, s */
@@ -128,7 +129,7 @@ struct aoi_adaptive {
 
 /* Steps are base 2^(-level/8) long. */
 enum {
-    AOI_LEVELS = 8, /* an octave */
+    AOI_LEVELS = 8, /* per octave */
     AOI_DEEPEST_LEVEL = 90 * AOI_LEVELS,
     AOI_HIGHEST_LEVEL = -40 * AOI_LEVELS,
     AOI_NO_LEVEL = 1000
@@ -207,7 +208,7 @@ size_t aoi_balance_size(size_t count, size_t span);
 /* Empties the lists of the step's bodies and contacts; its open contacts are watched again. */
 void aoi_step_release(aoi_adaptive *run);
 
-/* True if an event that long after the start of a step of length h counts as one at its start. */
+/* True if an event at a time `after` the start of a step of length h counts as one at its start. */
 int aoi_is_at_start(const aoi_adaptive *run, double after, double h);
 
 /* Computes a step of length h without accepting it; level as in aoi_adaptive, or AOI_NO_LEVEL. */
@@ -216,8 +217,8 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt);
 /* Writes the step's row, advances bodies and contacts to its end and applies its events there. */
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size);
 
-/* Writes the row of bodies that move freely from now on; contacts: entries of the step, 0 for none; of: the first of them in
- * the row. Returns its size. */
+/* Writes a row: of bodies that move freely from now on, or of a step of length h. contacts: number
+ * of entries of the step, or 0; of: the first contact in the row. Returns the row's size. */
 size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row, double **of);
 
 /* Reduction of a contact's indentation by the contact forces on residual compliances, m; with rates, the same of its

@@ -24,8 +24,8 @@
  * steps of a contact, and grow from one contact to the next. These and the next: see the table in ../README.md. */
 static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
-/* Share of these in the first and last step of a contact: there the force is no smooth function of time, and the
- * quadrature of its defect misses part of it. */
+/* Factor on these shares in the first and last step of a contact: there the force is no smooth
+ * function of time, and the quadrature of its defect misses part of it. */
 static const double END_SHARE = 0.03;
 
 /* A step is not tried at more than this share of the length that its error allows: see ../README.md. */
@@ -42,7 +42,8 @@ static const double EDGE_REACH = 1.4;
 /* Order of the error of friction's impulse in the step's length where its rate has a kink. */
 static const double KINK_ORDER = 3.0;
 
-/* Above the ratio of the forces at the last two nodes where the force grows like t^(1/4) from the start, 0.986. */
+/* A little above the ratio of the forces at the last two nodes where the force grows like t^(1/4)
+ * from the start, 0.986. */
 static const double NEAR_TOP = 0.99;
 
 /* Relative error of the force for a relative error of the indentation, over that of Hertz's law; at least 1. */

@@ -11,9 +11,9 @@
 #include <float.h>
 #include <math.h>
 
-/* A contact with a negligible force is opened if its indentation is below this share of the tolerance at which it would
- * touch again, and so well below the half of it that it is given as slack: it does not close at once. Tried: no run
- * changes. */
+/* Share of the tolerance of a touch below which the indentation of a contact with a negligible
+ * force must be for the contact to be opened. It then gets half that tolerance as slack, so that it
+ * does not close at once. Tried: no run changes. */
 static const double SKIP_SHARE = 0.1;
 
 /* True if a function of time falls below zero in the step; finds the place. If it ends within the tolerance below zero, and
@@ -76,7 +76,7 @@ static void leaves(const double *values, double tolerance, int kind, aoi_adaptiv
     }
 }
 
-/* start and AOI_NODES nodes of factor * value + shift. */
+/* Sets values to factor * value + shift, at the start and the AOI_NODES nodes. */
 static void line_up(double start, const double *nodes, double factor, double shift, double *values)
 {
     values[0] = factor * start + shift;
@@ -156,7 +156,8 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
 {
     const aoi_law *law = aoi_step_law(run, entry);
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
-    const double touch = aoi_law_rest(law, entry->memory); /* or, to its tolerance, where it began */
+    /* a contact that begins may start below, within the tolerance */
+    const double touch = aoi_law_rest(law, entry->memory);
     const double rest = contact->closed.begins ? fmin(touch, entry->start) : touch;
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double tolerance = aoi_event_tolerance(run, scale);

@@ -72,7 +72,8 @@ static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double si
     }
 }
 
-/* Copies the two bodies' states, and fits the indentation by contact forces over the step; forced: its memory. */
+/* Copies the two bodies' states, and fits the indentation by contact forces over the step; forced:
+ * memory for that fit. */
 static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_free_pair *pair, aoi_forced *forced)
 {
     const aoi_contact *of = &run->system->contact[c];

@@ -31,7 +31,8 @@ typedef struct crowd {
     int bends;                           /* 1: add the effect of residual compliances                               */
     double *pushed, *used, *moved[2];    /* forces on the modes of all bodies at the nodes; 1: a body has some; how
                                             the modes move under them                                              */
-    double *own[2], *inverse;            /* influence of a force on its own place; of a block                      */
+    /* influences of forces on their own places; inverses of blocks */
+    double *own[2], *inverse;
     double *stiffness, *damping;         /* slopes of the laws, of all entries at the nodes                        */
     double *effect[2], *right;           /* effect of forces; right-hand side, then solution                       */
     double *basis, *triangle;            /* of GMRES: vectors, and by columns its triangle                         */
@@ -101,7 +102,7 @@ static const double *influence_of(const crowd *of, size_t b, size_t kind)
     return kind == 0 ? of->response[b].influence : of->response[b].influence_rate;
 }
 
-/* Influences of each force on its own place. */
+/* Finds the influence of each force on its own place. */
 static void find_own(const crowd *of)
 {
     for (size_t s = 0; s < of->count; s++) {

@@ -85,7 +85,7 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
     }
 }
 
-/* Adds a block, its columns weighed. */
+/* Adds a block whose columns are multiplied by a derivative of the law. */
 static void add_block(enum aoi_edge edge, const double *by, const double *block, size_t stride,
                       double *matrix)
 {
@@ -104,7 +104,7 @@ static void add_block(enum aoi_edge edge, const double *by, const double *block,
 typedef struct equations {
     size_t n, half, stride;
     double *band, *matrix; /* element (i, j) is matrix[i * stride + j] */
-    double *right;         /* and the solution                         */
+    double *right;         /* right-hand side, then solution           */
 } equations;
 
 /* Lays out the equations in the work space behind the couplings. */
@@ -193,7 +193,7 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
     if (count > 0 && response[system->contact[entry->contact].body[0]].columns.count == AOI_BY_MODES) {
         return aoi_crowd_solve(system, response, h, count, entry, work);
     }
-    if (count == 1) { /* without friction, which has three */
+    if (count == 1) { /* without friction, which has three entries */
         return aoi_collocation_solve_one(system, response, h, entry);
     }
     const size_t blocks = 2 * span + 1, size = count * blocks * SQUARE;

@@ -99,7 +99,8 @@ void aoi_newton_invert(enum aoi_edge edge, const double *stiffness, const double
         }
         inverse[at + q] += 1.0;
     }
-    aoi_nodes_invert(inverse); /* pivots as in many.c; the inverse has columns likewise */
+    /* pivots are near or above 1, as in many.c; the inverse is by columns, too */
+    aoi_nodes_invert(inverse);
 }
 
 /* Adds factor times (aim - values), interpolated to the points where the law is evaluated. */

@@ -157,7 +157,7 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
     }
     memcpy(now.place, equation->guess, sizeof now.place);
     evaluate(friction, state, equation, rate_by, &now);
-    for (int iteration = 0; !(now.size <= 0.0); iteration++) { /* NaN goes on */
+    for (int iteration = 0; !(now.size <= 0.0); iteration++) { /* NaN enters the loop */
         if (!isfinite(now.size)) {
             return isnan(now.force[0]) ? AOI_ERROR_LAW : AOI_ERROR_NOT_FINITE;
         }

@@ -1,4 +1,4 @@
-/* Forces that run straight between given times. */
+/* Loads: forces that are linear between given times. */
 #include "model/load.h"
 #include "linear/vector.h"
 

@@ -1,4 +1,4 @@
-/* Bodies in modes and the contacts between them: whether they can be run, and who touches whom. */
+/* A system of bodies and contacts: its checks, its links, and the layout of its records. */
 #include "model/load.h"
 #include "model/modes.h"
 #include "model/system.h"
@@ -11,7 +11,7 @@
 /* Entries of a residual that should be equal may differ by this share of the ports' own: rounding of a reduction. */
 static const double SYMMETRY = 1e-6;
 
-/* An array that may be missing. */
+/* True if an array, which may be missing, has finite values only. */
 static int all_finite(const double *values, size_t count)
 {
     return !values || aoi_vector_is_finite(count, values);
@@ -179,7 +179,7 @@ size_t aoi_system_size(const aoi_system *system)
     return memory.used;
 }
 
-/* Which contacts each body has. */
+/* Lists the contacts of each body. */
 static void link_contacts(const aoi_system *system, size_t *first_contact, size_t *contact_of)
 {
     const size_t ends = 2 * system->contact_count;

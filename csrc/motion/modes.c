@@ -1,4 +1,4 @@
-/* A linear body in its natural modes, under loads that run straight between given times. */
+/* A linear body in its natural modes, under loads that are linear between given times. */
 #include "motion/modes.h"
 #include "motion/lanes.h"
 #include "motion/oscillator.h"

@@ -13,8 +13,9 @@ static inline int aoi_path_rings(double omega, double decay, double h)
     return omega * h > AOI_PATH_FAST && decay <= omega;
 }
 
-/* The polynomial that solves x'' + 2 decay x' + omega^2 x = f over a time h, omega > 0, and its rate v. f, x, v: AOI_NODES
- * Legendre coefficients. Under strong damping (decay > omega) digits are lost unless f runs straight. */
+/* The polynomial that solves x'' + 2 decay x' + omega^2 x = f over a time h, omega > 0, and its
+ * rate v. f, x, v: AOI_NODES Legendre coefficients. Under strong damping (decay > omega) digits are
+ * lost unless f is linear in time. */
 void aoi_path_follow(double omega, double decay, double h, const double *f, double *x, double *v);
 
 /* Motion of a mode from x, v over a time h. force: Legendre coefficients, as above; straight: 1 if

@@ -10,7 +10,8 @@ typedef struct aoi_rule_step {
     double dt, predict_u, predict_v, correct_u, correct_v, reach;
 } aoi_rule_step;
 
-/* AOI_ERROR_ARGUMENT for an invalid rule, or where dt^2 leaves the range of numbers. */
+/* Prepares the steps of a rule. AOI_ERROR_ARGUMENT for an invalid rule, or where dt^2 leaves the
+ * range of numbers. */
 int aoi_rule_prepare(const aoi_rule *rule, aoi_rule_step *step);
 
 enum { AOI_STEPPED_OWN = 3, AOI_PLAIN_SEEN = 4 };
@@ -25,7 +26,7 @@ typedef struct aoi_stepped {
     double *gain;                         /* [ports][n]: the next acceleration per force on a port   */
     double *before;                       /* [n]: rates before the step of a damped body, else NULL  */
     double *own[AOI_STEPPED_OWN];         /* [n] each: arrays of the kind                            */
-    double *seen;                         /* [n][AOI_PLAIN_SEEN], of a plain body                    */
+    double *seen;                         /* [n][AOI_PLAIN_SEEN]: weights, modal.c                   */
     /* [ports][ports]: displacements and velocities of the ports at the end of a step, per force then */
     double *compliance, *rate_compliance;
     double dissipated;                    /* J, since the start                                      */

@@ -30,7 +30,7 @@ struct aoi_newmark {
     aoi_rubbing *rubbing;                    /* of those with friction                                    */
     double *displacement, *velocity;         /* of all ports: in a step first without contacts */
     double *displacement_before;             /* at the last column                                        */
-    double *push, *push_before;              /* on all ports, with loads: now and a step before           */
+    double *push, *push_before;              /* forces on all ports, with loads: now and before           */
     double *load, *load_before;
     double *load_work, *gravity_start;       /* of the bodies, J                                          */
     double *column;                          /* some columns of the record, row by row                    */
@@ -441,7 +441,7 @@ static int rests_deflected(const aoi_system *system, const aoi_start *start)
     return start->rested && !start->force && aoi_system_bends(system);
 }
 
-/* Names the contact, ports, law and friction of each force. */
+/* Sets the contact, ports, law and friction of each force. */
 static void set_states(aoi_newmark *run)
 {
     const aoi_system *system = run->system;
@@ -460,7 +460,7 @@ static void set_states(aoi_newmark *run)
     }
 }
 
-/* Contacts and accelerations at the start. */
+/* Sets contacts and accelerations at the start. */
 static int begin(aoi_newmark *run, const aoi_start *start)
 {
     const aoi_system *system = run->system;
@@ -570,7 +570,7 @@ static int predict(aoi_newmark *run, double time)
     return AOI_OK;
 }
 
-/* Adds the contact forces. */
+/* Adds the contact forces to bodies and ports. */
 static void correct(aoi_newmark *run)
 {
     const aoi_system *system = run->system;
