@@ -18,7 +18,7 @@ from ..scenefile import SceneFile
 
 _FIGURES = ("force", "indentation", "displacement", "energy")
 
-# Times of a body's fields, beside that of the peak force: enough to see it move.
+# Number of times of a body's field, besides that of the peak force: enough to see it move.
 _FRAMES = 20
 
 
@@ -56,11 +56,11 @@ _ERRORS = "total", "mesh", "contact", "model", "time", "energy"
 
 
 def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
-    """Return what a report has of a result."""
+    """Return the content of the report on a result."""
     kept: Any = keeper(quantities) if quantities else lambda _: {}
 
     def intervals(name: str) -> Any:
-        """Start and end of each touch, or slip; by contact, where there may be several."""
+        """Return start and end of each touch, or slip; of a scene, a list of these by contact."""
         found = [getattr(of, name) for of in result.each_contact]
         return found[0] if isinstance(result, Result) else found
 
@@ -82,7 +82,7 @@ def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
 
 
 def rows(table: SweepTable) -> dict[str, Any]:
-    """Return what a report has of a sweep; "inf" of a wall."""
+    """Return the content of the report on a sweep; infinite parameters become "inf"."""
     found = []
     for number, values in enumerate(table.data):
         row = dict(zip(table.columns, values.item(), strict=True))
@@ -94,6 +94,6 @@ def rows(table: SweepTable) -> dict[str, Any]:
 
 
 def as_json(report: dict[str, Any]) -> str:
-    """Return the text of a report; numbers with all their digits, null for one not known."""
+    """Return the text of a report, with all digits of numbers, and null for NaN or infinity."""
     known = json.loads(json.dumps(report), parse_constant=lambda _: None)
     return json.dumps(known, indent=2, ensure_ascii=False)

@@ -74,8 +74,8 @@ def _parser() -> argparse.ArgumentParser:
 def _paper(options: argparse.Namespace) -> None:
     """Recompute the paper's tables and Figures 3 to 11, in about a minute.
 
-    E. Jacquelin, 'On the rigid projectile model for low velocity impacts': each number beside the
-    one that the paper prints, what agrees, what does not, and why.
+    E. Jacquelin, 'On the rigid projectile model for low velocity impacts'. Each number is shown
+    beside the one that the paper prints, with the reason of any difference.
     """
     from ..paper import reproduce
 
@@ -88,8 +88,8 @@ def _paper(options: argparse.Namespace) -> None:
 def _run(options: argparse.Namespace) -> None:
     """Run the impact or scene of a TOML file, see docs/scene-files.md, and print a summary.
 
-    It has the peak force, the contact time, the rebound, and how wrong they may be. A file with a
-    [sweep] is run once for each combination of its values, and a table is printed.
+    The summary has the peak force, the contact time, the rebound, and their estimated errors. A
+    file with a [sweep] is run once for each combination of its values, and a table is printed.
     """
     from ..base import held_warnings, writable_folder
     from ..batch import sweep_file
@@ -128,8 +128,8 @@ def _run(options: argparse.Namespace) -> None:
 def _compare(options: argparse.Namespace) -> None:
     """Run the impact of a TOML file with models from rigid bodies to the full ones.
 
-    With more and more anti-oscillators and with natural modes; what each costs is printed, and how
-    wrong it is.
+    The models between have more and more anti-oscillators, or natural modes. The cost and the
+    errors of each model are printed.
     """
     from ..base import writable_folder
     from ..scenefile import read_scene
@@ -139,7 +139,7 @@ def _compare(options: argparse.Namespace) -> None:
     if scene.kind != "impact":
         raise InputError(f"{scene.path}: compare needs an [impact] of two bodies, not a [scene]")
     case = scene.case()
-    for name in ("solver", "quantity", "rtol"):  # every model is run by what suits it, in full
+    for name in ("solver", "quantity", "rtol"):  # compare sets these for each model itself
         case.pop(name, None)
     table = compare(**case, full=not options.no_full)
     print(f"{scene.title}\n{table}")

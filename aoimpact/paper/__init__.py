@@ -1,6 +1,6 @@
-"""The paper, recomputed from its own meshes beside its printed numbers.
+"""Results of the paper, recomputed with its own meshes and shown beside its printed numbers.
 
-It uses the public names of the package, as a reader would. Only `cli` uses it.
+The code uses the public names of the package, as a user would. Only `cli` imports it.
 """
 
 from .reproduction import reproduce

@@ -1,6 +1,6 @@
 """Section 4 of the paper: the sphere on a simply supported beam. Bodies, runs and tables.
 
-Each body and each run is computed where it is first used, and kept.
+Each body and each run is computed when it is first used, and kept.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ BEAM_MASS = ALUMINIUM.rho * LENGTH * WIDTH**2
 LAW = ao.Hertz.between(STEEL, RADIUS, ALUMINIUM, math.inf)
 
 COUNT = 28  # anti-oscillators of the beam
-STEP = 2e-6  # Newmark's, s; the paper's
-SHORT, LONG = 200e-6, 20e-3  # records of Figs. 9 and 10, and of Fig. 11, s
+STEP = 2e-6  # Newmark's step in the paper, s
+SHORT, LONG = 200e-6, 20e-3  # length of the records of Figs. 9 and 10, and of Fig. 11, s
 
 PAPER_FREQUENCIES = (58.0, 233.0, 315.0, 520.0, 915.0)  # Hz
 
-# A mode whose kinetic energy is to more than this share vertical is one of vertical bending.
+# Share of vertical motion in the kinetic energy above which a mode is one of vertical bending.
 _VERTICAL = 0.75
 
 
 def bending_frequency(order: int) -> float:
-    """Return a natural frequency of the simply supported Euler-Bernoulli beam, Hz.
+    """Return natural frequency number j = `order` of the simply supported Euler-Bernoulli beam, Hz.
 
     f = (jπ)²/(2πL²) √(EI/ρA), with I/A = h²/12.
     """
@@ -44,8 +44,9 @@ def bending_frequency(order: int) -> float:
 def beam_model(kind: str = "hexahedron", level: float = 0.0) -> ao.FEModel:
     """Return the beam on its supports: one bottom edge pinned, the other on rollers.
 
-    Three nodes each, constrained in x, y and z and in y and z: fifteen constraints, as the paper's
-    1362 dofs imply. z is up, the beam lies along x; the supports are `level` m above its bottom.
+    The pinned edge has three nodes held in x, y and z, the other three nodes held in y and z:
+    fifteen constraints, as the paper's 1362 dofs imply. z is up, and the beam lies along x; the
+    supports are `level` m above its bottom.
     """
     mesh = ao.box_mesh((LENGTH, WIDTH, WIDTH), (50, 2, 2), kind=kind)
     line = np.flatnonzero(np.isclose(mesh.nodes[:, 2], level))
@@ -61,7 +62,7 @@ def beam() -> ao.ContactPoint:
 
 @cache
 def star(order: Literal["mass", "frequency"] = "mass") -> ao.AOModel:
-    """Return the beam by its anti-oscillators of largest mass or of lowest frequency."""
+    """Return the beam's model of its anti-oscillators of largest mass or of lowest frequency."""
     return ao.antioscillators(beam(), n=COUNT, order=order)
 
 
@@ -72,8 +73,8 @@ def hit(models: str, duration: float = SHORT, step: float = STEP) -> ao.Result:
     Parameters
     ----------
     models : str
-        "ao", one anti-oscillator on the beam's; "rigid", a rigid sphere on these; "full", one
-        anti-oscillator on the beam's finite elements.
+        "ao": sphere of one anti-oscillator on the beam's anti-oscillators; "rigid": rigid sphere on
+        these; "full": sphere of one anti-oscillator on the beam's finite elements.
     duration, step : float
         Length of the record and Newmark's step, s.
     """
@@ -93,13 +94,13 @@ def table_4() -> list[Row]:
 
 
 def table_5() -> list[Row]:
-    """Table 5: natural frequencies, and what they should be."""
+    """Table 5: natural frequencies, beside those of finer elements and of beam theory."""
     body, model = beam().body, ao.modal(beam(), n=7)
     assert body.free is not None
     kinetic = model.modes * (body.M @ model.modes)
     vertical = np.sum(kinetic[body.free % 3 == 2], axis=0) > _VERTICAL
     nearest = []
-    for paper in PAPER_FREQUENCIES:  # 315 Hz is near no vertical one
+    for paper in PAPER_FREQUENCIES:  # 315 Hz is near no vertical mode
         among = model.frequencies if paper == 315.0 else model.frequencies[vertical]
         nearest.append(among[np.argmin(np.abs(among - paper))])
     quadratic = beam_model("hexahedron20").frequencies(1)[0]
@@ -126,7 +127,7 @@ def force() -> list[Row]:
 
 
 def displacement() -> list[Row]:
-    """Figures 10 and 11: how far the beam goes."""
+    """Figures 10 and 11: displacements of the beam."""
     one, exact = hit("ao"), hit("full").target.displacement
     pushed = 1e6 * np.trapezoid(one.force * (one.t[-1] - one.t), one.t) / BEAM_MASS
     long, hard, whole = (

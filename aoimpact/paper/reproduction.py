@@ -1,8 +1,8 @@
-"""The paper, end to end: every table and figure recomputed beside the printed numbers.
+"""Every table and figure of the paper, recomputed and shown beside its printed numbers.
 
-``python -m aoimpact paper`` runs :func:`reproduce`; notebooks/paper.ipynb goes the same way step by
-step. The paper's curves are not published as numbers; where it prints some, they are drawn as thin
-lines and crosses. Each figure belongs to no window.
+``python -m aoimpact paper`` runs :func:`reproduce`; notebooks/paper.ipynb does the same step by
+step. The paper's curves are not published as numbers; numbers that it prints are drawn as thin
+lines and crosses. Figures have no windows.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 FULL, RIGID, ONE_AO, WIDE, LINE, CROSS = texts()["styles"].values()
 
-# Runs of Figs. 9 to 11.
+# Labels and styles of the runs of Figs. 9 to 11.
 ON_BEAM = {
     "full": ("one-AO sphere, full beam", WIDE),
     "ao": ("one-AO sphere", FULL),
@@ -44,7 +44,7 @@ ON_BEAM = {
 
 
 def figure(draw: Callable[..., None]) -> Figure:
-    """Return a figure that a function draws, with its texts in data/paper.toml."""
+    """Return the figure that a function draws, with its texts from data/paper.toml."""
     from matplotlib.figure import Figure
 
     text = texts()[draw.__name__]
@@ -93,7 +93,7 @@ def figure_05(ax: Axes) -> None:
 
 
 def figure_06(ax: Axes) -> None:
-    """Masses and springs between two spheres, which make the modified law."""
+    """Masses and springs of the models of both spheres, most of which make the modified law."""
     model, law = sphere.one_ao(), ("F = k δ^1.5\nk", sphere.LAW.k, "N/m^1.5")
     m0, m1, k1 = ("m0", model.m0, "kg"), ("m1", model.m[0], "kg"), ("k1", model.k[0], "N/m")
     ax.axhline(0.0, color="black")
@@ -193,7 +193,7 @@ def reproduce(out: FilePath, *, progress: bool = True) -> list[Path]:
     folder, rows = writable_folder(out), list[Row]()
     files = [folder / "results.csv", folder / "results.md"]
     total = len(TABLES) + len(FIGURES)
-    # The paper's meshes are coarse, of which warnings would tell with every figure.
+    # The coarse meshes of the paper would warn with every figure.
     with bar("the paper", total, unit="part", wanted=progress) as shown, held_warnings():
         for table in TABLES:
             rows += table()

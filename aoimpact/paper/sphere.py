@@ -1,6 +1,6 @@
-"""Section 3 of the paper: a steel sphere on a like sphere at 1 m/s. Bodies, runs and tables.
+"""Section 3 of the paper: a steel sphere on an equal sphere at 1 m/s. Bodies, runs and tables.
 
-Each body and each run is computed where it is first used, and kept.
+Each body and each run is computed when it is first used, and kept.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ BALL = ao.rigid(mass=BALL_MASS)
 # (6 ... 40 µm at the contact) with unilateral contact, explicit, converged; force ± 0.5 N.
 RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 
-# Radius of the patch, m, that the shipped mesh resolves; the contact's own is 0.32 mm.
+# Radius of the patch, m, that the shipped mesh resolves; that of the contact is 0.32 mm.
 PATCH = 0.003
 
 # Numbers of modes of Fig. 4; velocities of Fig. 7, m/s.
 MODE_COUNTS = (6, 25, 50, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000)
 SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 0.25, 0.5, 1.0, 2.0, 10.0)
 
-# Newmark's steps at 1 m/s, s. The paper does not give its own. Finite elements and modes: at 0.1 µs
-# the peak force has converged to some 1e-5. Rigid and one-AO spheres: the light m0 rings at about
-# half a megahertz, which at 0.1 µs is a few 1e-4 of the peak force, at 0.01 µs some 1e-6.
+# Newmark's steps at 1 m/s, s, which the paper does not give. Finite elements and modes: with 0.1 µs
+# the peak force has converged to some 1e-5. Rigid and one-AO spheres: the light m0 vibrates at
+# about half a megahertz, which at 0.1 µs is a few 1e-4 of the peak force, at 0.01 µs some 1e-6.
 _STEP, _STAR_STEP = 0.1e-6, 0.01e-6
 _DURATION = 100e-6  # of the records at 1 m/s, s
 
@@ -65,8 +65,8 @@ def at_one_dof(
 ) -> ao.ContactPoint:
     """Return the paper's contact functional, eq. (1): one dof of the node at a point.
 
-    Made without a place on the surface, so that the law keeps all of its indentation, as the
-    paper's does; `FEModel.contact` would take the compliance of the mesh out of it.
+    The contact point has no place on the surface, so that the law keeps all of its indentation, as
+    in the paper; `FEModel.contact` would remove the compliance of the mesh from the law.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def pair(body: ao.AOModel | ao.Body | ao.FullModel, speed: float = VELOCITY) -> 
 
 @cache
 def by_modes() -> dict[int, ao.Result]:
-    """Run both spheres by their first natural modes, for each number of modes of Fig. 4."""
+    """Run both spheres with their first natural modes, for each number of modes of Fig. 4."""
     modes = ao.modal(sphere(), n=max(MODE_COUNTS))
     return {n: pair(modes.truncated(n)) for n in MODE_COUNTS}
 
@@ -171,7 +171,7 @@ def force_and_time(hit: ao.Result) -> tuple[float, float]:
 
 
 def excesses(hit: ao.Result, base: ao.Result) -> tuple[float, float]:
-    """Excess of peak force and duration over those of another run, %."""
+    """Return the excess of peak force and duration over those of another run, %."""
     force = hit.peak_force / base.peak_force
     duration = hit.contact_duration / base.contact_duration
     return 100.0 * (force - 1.0), 100.0 * (duration - 1.0)
@@ -193,7 +193,7 @@ def modal_series() -> list[Row]:
 
 
 def energy() -> list[Row]:
-    """Figures 5 and 7: where the energy goes."""
+    """Figures 5 and 7: kinetic and elastic energy of the target, local over nonlocal energy."""
     percent = 100.0 / (0.5 * one_ao().mass * VELOCITY**2)
     target = pair(one_ao()).energy.target
     ratios = (local_over_nonlocal(speed) for speed in (1e-4, 1.0, 10.0))
@@ -208,7 +208,7 @@ def local_over_nonlocal(speed: float) -> float:
 
 
 def resolved() -> list[Row]:
-    """Resolved contact mechanics, and how far off each model is."""
+    """Differences of the models from resolved contact mechanics."""
     place = (RADIUS, 0.0, 0.0)
     patch = sphere().body.contact(point=place, direction=(1.0, 0.0, 0.0), radius=PATCH)
     bodies = all_dofs(), BALL, ao.antioscillators(patch, n=1)

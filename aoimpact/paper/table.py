@@ -1,4 +1,4 @@
-"""Numbers beside those that the paper prints: rows, their verdicts, and how they are shown.
+"""Recomputed numbers beside those that the paper prints: rows, verdicts, tables in Markdown.
 
 A verdict is computed, never given: a number *agrees* if it rounds to the digits that the paper
 prints, is *close* within 1 % of it (one point, for percentages), and *differs* beyond.
@@ -19,7 +19,7 @@ from ..base import aligned
 # Largest difference of numbers that are "close", % or points.
 _CLOSE = 1.0
 
-# Characters of a line of notes: about as long as the tables' rows.
+# Maximum characters of a line of notes, about the length of the tables' rows.
 _WIDTH = 96
 
 
@@ -29,13 +29,13 @@ class Row(NamedTuple):
     Attributes
     ----------
     table : str
-        Title of its table.
+        Title of the table.
     against : str
-        Source of the number it is compared with.
+        Source of the printed number.
     quantity, unit : str
         Name and unit.
     printed : str
-        Number as the source prints it; empty where it gives none.
+        Number as the source prints it; empty if it gives none.
     computed : float
         Recomputed number.
     difference : float or None
@@ -67,7 +67,7 @@ def compared(computed: float, printed: str, unit: str) -> tuple[float | None, st
         return None, ""
     change, whole = computed - float(printed), 100.0 if unit == "%" else abs(float(printed))
     difference = 100.0 * change / whole if whole else None
-    # The little extra is for numbers that end on a five.
+    # Slightly more than 0.5, for numbers whose next digit is an exact five.
     if abs(change) <= 0.5000001 * 10.0 ** -len(printed.partition(".")[2]):
         return difference, "agrees"
     near = difference is not None and abs(difference) <= _CLOSE
@@ -88,9 +88,9 @@ def beside(name: str, *values: float, **notes: Any) -> list[Row]:
     ----------
     name : str
     values : float
-        In the order of its rows.
+        Computed values, in the order of the table's rows.
     notes : optional
-        Fill the braces in its texts.
+        Values for the braces in the table's texts.
     """
     table, rows = texts()[name], []
     for (quantity, printed, unit, *why), value in zip(table["rows"], values, strict=True):
@@ -101,7 +101,7 @@ def beside(name: str, *values: float, **notes: Any) -> list[Row]:
 
 
 def markdown(rows: Iterable[Row]) -> str:
-    """Return tables in Markdown, aligned to be read as they are, with the reasons as notes."""
+    """Return tables in Markdown, aligned for reading as plain text, with the reasons as notes."""
     lines = ["# The paper, recomputed", ""]
     for (title, against), group in groupby(rows, key=lambda row: row[:2]):
         cells = [("quantity", str(against), "computed", "difference", "verdict")]

@@ -1,8 +1,8 @@
 """Scene files: impacts, scenes and sweeps in TOML.
 
-binding.py binds tables to signatures, tables.py has the function that each table calls, by its
-public name, and the values of a sweep and their places, lines.py the lines for errors.
-For `batch` and `cli`.
+binding.py binds the tables of a file to the signatures of functions, tables.py says which function
+each table calls and reads the values of a sweep, lines.py finds the lines of errors. For `batch`
+and `cli`.
 """
 
 from .file import SceneFile, read_scene

@@ -1,8 +1,8 @@
-"""Tables bound to the signatures of the functions that they call.
+"""Binding of a file's tables to the signatures of the functions that they call.
 
 A table of a file gives keywords of a public function. Binding checks its keys and the types of its
-values by the function's annotations, and calls nothing: what comes of it is a `Call`, with all
-problems of the file on a list. `SceneFile` then makes the objects.
+values by the function's annotations, and calls nothing: it returns a `Call`, and lists all problems
+of the file. `SceneFile` then makes the objects.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from .lines import Place
 
 
 class Numbers:
-    """Stands in annotations for arrays: a number, or lists of numbers of any depth."""
+    """Annotation in place of arrays: a number, or lists of numbers of any depth."""
 
 
-# What annotations name: also what a body's methods return, whose files import that of bodies.
+# Names used in annotations, also those that modules import for type checkers alone.
 _ARRAYS = SimpleNamespace(ArrayLike=Numbers, FloatArray=Numbers)
 _STAND_INS = vars(fem) | vars(contact) | vars(_ARRAYS) | {"npt": _ARRAYS}
 
@@ -34,7 +34,7 @@ _STAND_INS = vars(fem) | vars(contact) | vars(_ARRAYS) | {"npt": _ARRAYS}
 class Call:
     """A function with its arguments, which may be calls themselves.
 
-    `keep`: whether the object is kept for the next run of a sweep, by the text of the call.
+    `keep`: whether the object made is kept for the next runs of a sweep, by the text of the call.
     """
 
     function: Callable[..., Any]
@@ -45,16 +45,16 @@ class Call:
 
 @record
 class Reader:
-    """Reads values of some types.
+    """Reader of an argument's values in a file.
 
     Attributes
     ----------
     wanted : str
-        Their name in messages.
+        Name of the values in messages.
     types : tuple of type
-        Types that tomllib gives.
+        Accepted types, of those that tomllib gives.
     read : callable
-        Binder, value and place to what an argument is.
+        Function of binder, value and place that returns the argument.
     """
 
     wanted: str
@@ -62,20 +62,20 @@ class Reader:
     read: Callable[[Any, Any, Place], Any] = lambda binder, value, place: value
 
     def fits(self, value: Any) -> bool:
-        """True if a value is of these types; true and false are no numbers."""
+        """Return whether a value is of these types; true and false are no numbers."""
         if isinstance(value, bool):
             return bool in self.types or object in self.types
         return isinstance(value, self.types)
 
     def __call__(self, binder: Binder, value: Any, place: Place) -> Any:
-        """Return what an argument is; None where something is wrong with it, which is said."""
+        """Return the argument of a value; None if the value is wrong, which is noted."""
         if not self.fits(value):
             return binder.say(place, f"must be {self.wanted}, got {_shown(value)}")
         return self.read(binder, value, place)
 
 
 def passes_on(target: Callable[..., Any], *but: str) -> Callable[[Any], Any]:
-    """Give a function with ``**more`` the other parameters of the one that it passes them to."""
+    """Add to a function with ``**more`` the parameters of `target`, to which it passes them."""
 
     def marked(function: Any) -> Any:
         function.passes_on = target, but
@@ -92,13 +92,14 @@ class Table:
     ----------
     function : callable
     keys : dict of str to str
-        Names in the file of parameters that are called otherwise.
+        Parameter of each key in the file that has another name than its parameter.
     hints : dict
-        Annotations for parameters that the function leaves open.
+        Annotations in place of the function's own, by parameter.
     owner : callable, optional
-        Another function whose arguments the table gives; the tables within are for what it makes.
+        Another function whose arguments the table gives as well. The tables within the table call
+        methods of the object that it makes.
     keep : bool
-        True if what is made takes long, and is kept for the next run of a sweep.
+        True to keep the object made, which takes long, for the next runs of a sweep.
     """
 
     function: Callable[..., Any]
@@ -123,7 +124,7 @@ class Table:
 
 @cache
 def _parameters(function: Any) -> dict[str, inspect.Parameter]:
-    """Parameters that can be read from a file, with their annotations."""
+    """Return the parameters that can be read from a file, with their annotations."""
     target = function.__init__ if isinstance(function, type) else function  # type: ignore[misc]
     hints = get_type_hints(target, None, _STAND_INS, include_extras=True)
     found = {
@@ -142,18 +143,18 @@ def _parameters(function: Any) -> dict[str, inspect.Parameter]:
 
 
 class Binder:
-    """Binds tables to functions, and collects what is wrong.
+    """Binds tables to functions, and collects the problems.
 
     Parameters
     ----------
     folder : Path
-        That paths in the file start from.
+        Folder that paths in the file are relative to.
 
     Attributes
     ----------
     around : dict
-        Arguments of the table around the value that is read, as far as they are read; as "self"
-        what its owner makes.
+        Arguments of the enclosing table that are read so far; under "self" the object that its
+        owner makes.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -166,7 +167,7 @@ class Binder:
         self.problems.append((place, message))
 
     def find(self, known: Mapping[str, Any], where: str, name: str, place: Place) -> Any:
-        """Return what has a name; None where there is none, which is said."""
+        """Return the entry of `known` by its name; None if there is none, which is noted."""
         if name not in known:
             listed = ", ".join(known) or "nothing"
             self.say(place, f"{where} has no {name!r}{nearest(name, known)}; it has {listed}")
@@ -177,7 +178,7 @@ class Binder:
     ) -> Call:
         """Bind a table to the function whose keywords fit its keys best, the first of several.
 
-        Methods are those of what the owner of the table around makes.
+        The `self` of methods is the object that the owner of the enclosing table makes.
 
         Parameters
         ----------
@@ -186,7 +187,7 @@ class Binder:
         """
 
         def fit(table: Table) -> tuple[Table, list[str], list[str], list[str]]:
-            """Return the keys that a table may have, those unknown to it, and those missing."""
+            """Return the table, the keys that it may have, and the unknown and missing keys."""
             known = {
                 k: of for k, of in table.parameters.items() if of.annotation and k not in given
             }
@@ -216,7 +217,7 @@ class Binder:
     def tagged(
         self, value: Mapping[str, Any], place: Place, options: Mapping[str, Any]
     ) -> tuple[Any, dict[str, Any]]:
-        """Return what the key `type` of a table names, and its other keys; None for no such."""
+        """Return the option that a table's key `type` names, or None, and its other keys."""
         kind = value.get("type")
         if not (isinstance(kind, str) and kind in options):
             listed = ", ".join(f'"{option}"' for option in options)
@@ -227,18 +228,19 @@ class Binder:
 
 
 def table(*functions: Table | Callable[..., Any]) -> Reader:
-    """Return what reads a table that gives the arguments of one of some functions."""
+    """Return the reader of a table that gives the arguments of one of some functions."""
     tables = [of if isinstance(of, Table) else Table(of) for of in functions]
     return Reader("a table", (dict,), lambda binder, *of: binder.bind(tables, *of))
 
 
 def typed(*functions: Table | Callable[..., Any], **more: str) -> Reader:
-    """Return what reads a table whose key `type` names one of some functions.
+    """Return the reader of a table whose key `type` names one of some functions.
 
     Parameters
     ----------
     **more : optional
-        Arguments that do not come from the table, by the key of the table around that gives them.
+        For each argument that does not come from the table: the argument of the enclosing table
+        that gives it.
     """
     tables = [of if isinstance(of, Table) else Table(of) for of in functions]
     options = {of.function.__name__: of for of in tables}
@@ -265,7 +267,7 @@ def calls(node: Any) -> Iterator[Call]:
 
 
 def reader(hint: Any) -> Reader | None:
-    """Return what reads an annotation; None for one of which a file can say nothing."""
+    """Return the reader for an annotation; None if a file cannot give such a value."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return next(of for of in inner if isinstance(of, Reader))
@@ -283,7 +285,7 @@ def reader(hint: Any) -> Reader | None:
 
 
 def _either(hints: Sequence[Any]) -> Reader | None:
-    """The first of several readers whose types a value has."""
+    """Return the reader of values of several annotations, by the first that a value fits."""
     path = any(get_origin(hint) is os.PathLike for hint in hints)
     found = (reader(hint) for hint in hints if not (path and hint in (str, Any)))
     kinds = list(dict.fromkeys(filter(None, found)))
@@ -298,7 +300,7 @@ def _either(hints: Sequence[Any]) -> Reader | None:
 
 
 def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:
-    """A list of values of one kind, or of some kinds in their order."""
+    """Return the reader of a list of values of one kind, or of some kinds in their order."""
     each = [found for hint in hints if (found := reader(hint))]
     if len(each) < len(hints):
         return None
@@ -316,7 +318,7 @@ def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:
 
 
 def _entries(hint: Any) -> Reader | None:
-    """A table of values of one kind by names of the user's choice."""
+    """Return the reader of a table of values of one kind, by names of the user's choice."""
     each = reader(hint)
     if each is None:
         return None
@@ -328,7 +330,7 @@ def _entries(hint: Any) -> Reader | None:
 
 
 def _number(binder: Binder, value: Any, place: Place) -> Any:
-    """A number, or lists of numbers, that doubles can hold."""
+    """Return a number, or lists of numbers, that doubles can hold; note others."""
     if isinstance(value, list):
         return [_number(binder, of, (*place, i)) for i, of in enumerate(value)]
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -340,7 +342,7 @@ def _number(binder: Binder, value: Any, place: Place) -> Any:
 
 PATH = Reader("a path", (str,), lambda binder, value, place: binder.folder / value)
 
-# By annotation; tables.py adds those of classes.
+# Readers by annotation; tables.py adds those of classes.
 READERS: dict[Any, Reader] = {
     float: Reader("a number", (int, float), _number),
     Numbers: Reader("a list of numbers", (int, float, list), _number),

@@ -40,10 +40,10 @@ _UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
 # The argument that a message begins with: "n must be ...", "fixed[0]: ...".
 _ARGUMENT = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
-# Problems of a file that are shown: as many as fit on a screen.
+# Maximum number of problems of a file that are shown: as many as fit on a screen.
 _SHOWN = 20
 
-# Finished objects that the runs of a sweep share: those that are needed again, not every mesh.
+# Maximum number of objects kept for the next runs of a sweep: those needed again, not every mesh.
 _MOST_KEPT = 8
 
 
@@ -84,13 +84,13 @@ def read_scene(path: FilePath) -> SceneFile:
     """
     file = file_path("path", path)
     try:
-        text = file.read_text(encoding="utf-8-sig")  # with a mark at its start, or without
+        text = file.read_text(encoding="utf-8-sig")  # with or without a byte order mark
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         found = _UNREADABLE.fullmatch(str(error))
         where, what = (f":{found[2]}:{found[3]}", found[1]) if found else ("", str(error))
         raise SceneFileError(f"{file}{where}: is not TOML: {what}") from None
-    except (OSError, ValueError, RecursionError) as error:  # also of other text, or deep nesting
+    except (OSError, ValueError, RecursionError) as error:  # also no UTF-8, or deep nesting
         raise SceneFileError(f"{file}: cannot be read: {error}") from None
     return SceneFile(file, data, text)
 
@@ -103,9 +103,9 @@ class SceneFile:
     ----------
     path : Path
     data : dict
-        As tomllib gives it.
+        Content of the file as tomllib gives it.
     text : str
-        All of it, by which errors name lines.
+        Text of the file, in which errors find their lines.
 
     Examples
     --------
@@ -188,7 +188,7 @@ class SceneFile:
 
     @property
     def members(self) -> tuple[str, ...]:
-        """Names of the bodies: in their scene, in an impact in [bodies]."""
+        """Names of the bodies that take part: in the scene, or for an impact in [bodies]."""
         return tuple(name for name, _ in self._bound.taking)
 
     def _refuse(self, problems: Sequence[tuple[Place, str] | SceneFileError]) -> None:
@@ -201,7 +201,7 @@ class SceneFile:
             raise SceneFileError("\n".join(lines))
 
     def _sweep_problems(self) -> Iterator[Any]:
-        """Yield what is wrong with the sweep, and with the file only by its values."""
+        """Yield problems of the sweep, and of the file with the sweep's values."""
         before: dict[str, Any] = {}
         try:
             grid = self.grid
@@ -228,8 +228,9 @@ class SceneFile:
         Parameters
         ----------
         values : mapping
-            By place, such as "bodies.ball.mass", "scene.contacts.0.gap" or "scene.bodies.ball.
-            velocity"; what begins with no table of the file is in its impact or scene: "velocity".
+            Values by place, such as "bodies.ball.mass", "scene.contacts.0.gap" or
+            "scene.bodies.ball.velocity"; a place that begins with no table of the file, such as
+            "velocity", is in its impact or scene.
 
         Raises
         ------
@@ -259,7 +260,7 @@ class SceneFile:
         return SceneFile(self.path, data, self.text, self._kept)
 
     def _with(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """The data with other values at some places, and without the sweep."""
+        """Return the data with other values at some places, and without the sweep."""
         data = copy.deepcopy({name: of for name, of in self.data.items() if name != "sweep"})
         places = {name: place_of(self.data, self.kind, name) for name in values}
         for (name, place), (other, longer) in itertools.permutations(places.items(), 2):
@@ -279,7 +280,7 @@ class SceneFile:
         Raises
         ------
         SceneFileError
-            If a value makes no sense, with its line.
+            If a value is invalid, with its line.
 
         Examples
         --------
@@ -300,7 +301,7 @@ class SceneFile:
         """
         case, made = self._bound.bound[self.kind], dict[int, Any]()
         problems: dict[int, SceneFileError] = {}
-        for call in calls(case):  # first all that takes no time; a scene is filled in its order
+        for call in calls(case):  # first the quick calls, except those that fill a scene in order
             late = call.keep or "self" in call.arguments
             if not late and all(id(of) in made for of in calls(call.arguments)):
                 try:
@@ -311,7 +312,7 @@ class SceneFile:
         return self._made(case, made)
 
     def _made(self, node: Any, made: dict[int, Any]) -> Any:
-        """Return a value with all calls in it made, each once; `made` has those made before."""
+        """Return a value with each call replaced by the object made; `made`: objects by call id."""
         if isinstance(node, Mapping):
             return {key: self._made(value, made) for key, value in node.items()}
         if isinstance(node, list | tuple):
@@ -326,7 +327,7 @@ class SceneFile:
                 with self._located(*node.place):
                     found = node.function(**arguments)
             if key:
-                self._kept[key] = found  # as the one that was needed last
+                self._kept[key] = found  # at the end, as the most recently used
                 if len(self._kept) > _MOST_KEPT:
                     del self._kept[next(iter(self._kept))]
             made[id(node)] = found
@@ -362,7 +363,7 @@ class SceneFile:
             return run
 
     def probes(self, result: Run) -> dict[str, FloatArray]:
-        """Return what each of the file's probes reads over the times of a result, in SI units.
+        """Return the values of each of the file's probes at the times of a result, in SI units.
 
         Parameters
         ----------
@@ -376,7 +377,7 @@ class SceneFile:
         Raises
         ------
         InputError, InputTypeError
-            If it is not a result of this file; with the line if a probe makes no sense.
+            If it is not a result of this file, or a probe is invalid, with its line.
 
         Examples
         --------
@@ -431,7 +432,7 @@ class SceneFile:
         except SceneFileError:
             raise
         except (InputError, InputTypeError) as error:
-            # The argument that a message begins with is a key of the table more often than not.
+            # The argument that a message begins with is usually a key of the table.
             named = _ARGUMENT.match(str(error))
             word, number = named.groups() if named else ("", None)
             finer: list[Place] = [(*place, word, int(number or 0)), (*place, word), place]

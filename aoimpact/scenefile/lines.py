@@ -1,6 +1,7 @@
-"""The line of every key and array entry of a TOML text, by tomllib, which gives none.
+"""Line of every key and array entry of a TOML text, by means of tomllib, which reports no lines.
 
-A place begins in the first line up to which the text, with all closed that is open there, holds it.
+A place begins in the first line at which the text up to there, with open strings and brackets
+closed, contains the place.
 """
 
 from __future__ import annotations
@@ -10,11 +11,11 @@ import re
 import tomllib
 from typing import Any
 
-# Names of tables and keys, and numbers of places in arrays.
+# Path to a value: names of tables and keys, and indices in arrays.
 Place = tuple[str | int, ...]
 
-# Strings of several lines, which may end with two more quotes, and of one; comments; brackets; ends
-# of lines.
+# Tokens: strings of several lines, which may end with two more quotes, and of one line; comments;
+# brackets; ends of lines.
 _TOKEN = re.compile(
     r'"""(?:[^"\\]|\\.|"{1,2}(?!"))*"{3,5}'
     r"|'''(?:[^']|'{1,2}(?!'))*'{3,5}"
@@ -26,16 +27,16 @@ _TOKEN = re.compile(
 )
 
 
-# A text of more characters is searched for no lines: parts of it are read some twenty times, which
-# takes half a second at this length.
+# Maximum number of characters of a text that is searched for lines: parts of it are parsed some
+# twenty times, which takes half a second at this length.
 _LONGEST = 100_000
 
 
 def line_of(text: str, place: Place) -> int | None:
     """Return the line, from 1, where a place of a TOML text begins.
 
-    That of the nearest table around a place that the text does not hold; None of the text as such,
-    and of a long one.
+    If the text does not contain the place, it is the line of the nearest enclosing table. None for
+    the text as a whole, and in long texts.
     """
     if len(text) > _LONGEST:
         return None
@@ -65,7 +66,7 @@ def line_of(text: str, place: Place) -> int | None:
 
 
 def holds(data: Any, place: Place) -> bool:
-    """Return whether there is such a place in what tomllib gives."""
+    """Return whether tomllib's data contain a place."""
     for part in place:
         try:
             data = data[part]

@@ -1,4 +1,4 @@
-"""Tables of a scene file, the functions that each of them calls, and the values of a sweep."""
+"""Tables of a scene file, the functions that they call, and the values of a sweep."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ _MATERIALS = (
 
 
 def _named(which: str) -> Reader:
-    """The name of a material or body."""
+    """Return the reader of the name of a material or body."""
     return Reader(f"a name from [{which}]", (str,), lambda binder, *at: binder.entry(which, *at))
 
 
@@ -68,7 +68,7 @@ READERS.update(dict.fromkeys((fem.Material, fem.Orthotropic, Layers, fem.Beam), 
 
 @dataclass(frozen=True)
 class _MeshFile:
-    """A mesh file; `force` and `time` are the units of its sections."""
+    """A mesh file; `scale`, `force` and `time`: its units of length, force and time, in SI."""
 
     file: Annotated[Any, PATH]
     scale: float = 1.0
@@ -98,7 +98,7 @@ def _where(
     y: float | None = None,
     z: float | None = None,
 ) -> Any:
-    """Nodes by name, by number, or by planes on all of which they lie."""
+    """Return nodes by name or number, or the function that selects those on all given planes."""
     planes = np.array([x, y, z], dtype=float)
     free = np.isnan(planes)
     if (nodes is None) == free.all():
@@ -197,7 +197,7 @@ _SIDE = Annotated[Any, table(_surface)]
 
 @cache
 def _of_surfaces(law: Callable[..., laws.ContactLaw]) -> Table:
-    """The table of a law between two surfaces."""
+    """Return the table of a law between two surfaces."""
 
     @passes_on(law, "material_1", "radius_1", "material_2", "radius_2")
     def made(between: tuple[_SIDE, _SIDE], **more: Any) -> laws.ContactLaw:
@@ -207,7 +207,7 @@ def _of_surfaces(law: Callable[..., laws.ContactLaw]) -> Table:
 
 
 def _read_law(binder: Binder, value: Any, place: Place) -> Any:
-    """A law by its parameters or its restitution; k may be that of two surfaces."""
+    """Return the call of a law, by its parameters or restitution; k may be that of two surfaces."""
     law, given = binder.tagged(value, place, _LAWS)
     if law is None:
         return None
@@ -233,7 +233,7 @@ _LAWS = {name: law for name, law in LAWS.items() if law is not laws.UserLaw}
 
 
 def _finite(name: str, body: Any) -> fem.FEModel:
-    """The finite-element model of a body."""
+    """Return the finite-element model of a body."""
     if not body.tips:
         raise InputError(f"body: {name!r} has no finite elements, so no places")
     model: fem.FEModel = body.tips[0].body
@@ -255,7 +255,7 @@ def _place(body: _FINITE, point: Numbers, direction: Numbers) -> ContactPoint:
 
 
 def _read_sensor(binder: Binder, value: Any, place: Place) -> Any:
-    """A sensor, or, without a type, a place whose displacement is meant."""
+    """Return the call of a sensor, or, without a type, of a place of measured displacement."""
     if "type" not in value:
         return binder.bind(Table(_place), value, place)
     if "body" not in value:
@@ -268,13 +268,13 @@ _PROBES = Mapping[str, Annotated[Any, _SENSOR]]
 
 # ------------------------------------------------------------------------- impacts and scenes
 
-# Parts of results, by the beginning of names of their numbers.
+# Classes of the parts of results, by the first word of the names of their numbers.
 _PARTS: dict[str, type] = dict.fromkeys(("bodies", "projectile", "target"), BodyResult)
 _PARTS |= {"contacts": ContactResult, "error": ErrorEstimate}
 
 
 def _read_number(binder: SceneBinder, name: str, place: Place) -> Any:
-    """The name of a number of the results."""
+    """Return the name of a number of the results; note a name without a number."""
     try:
         keeper((name,))
     except InputError as error:
@@ -324,7 +324,7 @@ _MEMBER = Table(Scene.add, hints={"body": Annotated[Any, _named("bodies")]})
 def _read_member(binder: SceneBinder, value: Any, place: Place) -> Any:
     name = value.get("name", value.get("body", ""))
     found = binder.bind(_MEMBER, {"name": name, **value}, place)
-    if isinstance(name, str):  # or it has been refused
+    if isinstance(name, str):  # else it has been noted as a problem
         if name in binder.handles:
             binder.say((*place, "name"), f"{name!r} is another body of the scene; give a new name")
         binder.handles[name] = found
@@ -337,7 +337,7 @@ def _port(body: Handle, port: int = 0) -> Handle:
 
 
 def _read_handle(binder: SceneBinder, value: Any, place: Place) -> Any:
-    """A body of the scene, or one of its places."""
+    """Return a body of the scene, or the call of one of its contact points."""
     if isinstance(value, dict):
         return binder.bind(Table(_port), value, place)
     return binder.find(binder.handles, "the scene", value, place)
@@ -353,7 +353,7 @@ def _history(self: Scene, body: Handle, times: Numbers, forces: Numbers) -> None
 
 
 def _read_wanted(binder: SceneBinder, value: Any, place: Place) -> Any:
-    """The quantity of a scene: a name, a body, one of its places, or a sensor."""
+    """Return the quantity of a scene: a name, a body, one of its contact points, or a sensor."""
     if isinstance(value, str):
         return binder.handles.get(value, value)
     return (_read_handle if "port" in value else _read_sensor)(binder, value, place)
@@ -380,12 +380,12 @@ _SCENE = Table(_scene, hints={"quantity": _WANTED | Sequence[_WANTED]}, owner=Sc
 
 # ------------------------------------------------------------------------------------- sweeps
 
-# More values of one place than these are a slip of the pen.
+# Number of values of one place beyond which they are taken for a mistake.
 _MOST_VALUES = 1_000_000
 
 
 def _range(start: float, to: float, count: int, spacing: str = "linear") -> list[Any]:
-    """Return values from the first to the last; whole numbers where the steps are whole."""
+    """Return `count` values from `start` to `to`; integers if the linear steps are whole."""
     integer("count", count, low=1, high=_MOST_VALUES)
     log = choice("spacing", spacing, ("linear", "log")) == "log"
     for name, end in (("from", start), ("to", to)):
@@ -399,7 +399,7 @@ _RANGE = Table(_range, {"from": "start"})
 
 
 def _read_over(binder: Any, value: Any, place: Place) -> dict[str, Any]:
-    """Values by the dotted name of their place, a list or the call of a range."""
+    """Return a sweep's values, lists or calls of ranges, by the dotted name of their place."""
     found: dict[str, Any] = {}
     for key, entry in value.items():
         at = (*place, key)
@@ -445,7 +445,7 @@ def place_of(data: Mapping[str, Any], kind: str, name: str) -> Place:
 
 
 def _numbered(entries: Any) -> Iterator[tuple[str, int]]:
-    """Names of the entries of a list: their numbers, and of bodies in a scene their names."""
+    """Yield names and indices of a list's entries: each index, and for a body its name as well."""
     entries = entries if isinstance(entries, list) else []
     for i, entry in enumerate(entries):
         yield str(i), i
@@ -462,14 +462,14 @@ def _sweep(
     workers: int = 1,
     checkpoint: str | None = None,
 ) -> Any:
-    """The grid; `batch` reads the others."""
+    """Return the grid; `batch` reads the other settings."""
     integer("workers", workers, low=1)
     keeper(keep)
     return over
 
 
 def _read_each(binder: SceneBinder, value: Any, place: Place) -> None:
-    """All materials or bodies, whether they take part or not."""
+    """Bind all materials or bodies, whether they take part or not."""
     for name in value:
         binder.entry(str(place[0]), name, place)
 
@@ -486,7 +486,7 @@ def _file(
     sweep: Annotated[Any, table(_sweep)] = None,
     title: str = "",
 ) -> None:
-    """The tables at the top."""
+    """Top-level tables of a file, as the parameters of a function."""
 
 
 _FILE = Table(_file)
@@ -499,13 +499,13 @@ class SceneBinder(Binder):
     Attributes
     ----------
     data : mapping
-        As tomllib gives it.
+        Content of the file as tomllib gives it.
     taking : list of (str, Call)
         Bodies that take part, by name, in the order of the run.
     handles : dict of str to Call
         Bodies in the scene, by their names there.
     swept : dict of str to tuple
-        Places in the file of what a sweep changes, by dotted name.
+        Places in the file of the swept values, by dotted name.
     """
 
     def __init__(self, data: Mapping[str, Any], folder: Path) -> None:
@@ -520,7 +520,7 @@ class SceneBinder(Binder):
             self.say((), "the file needs either an [impact] or a [scene]")
 
     def entry(self, which: str, name: str, place: Place) -> Any:
-        """Return a material or body of the file, bound once, that is named at a place."""
+        """Return a material or body of the file, named at a place; it is bound once."""
         entries = self.data.get(which)
         given = self.find(entries if isinstance(entries, dict) else {}, f"[{which}]", name, place)
         at = which, name
