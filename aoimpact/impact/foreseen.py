@@ -89,7 +89,7 @@ class Foreseen:
                 bodies[of] = fits[key]
         around = _around(plan, names)
         for i, body in enumerate(bodies):
-            # The direction of each contact must be final before a model of several is made.
+            # A model with several contact points needs the final direction of each.
             if len(body.tips) > 1 or plan.oblique is not None:
                 bodies[i], around[i] = body.turned(around[i]), ()
         bounded = frozenset(number for number, way in eased.items() if way == "whole")

@@ -224,5 +224,5 @@ def _most_times(rows: int) -> int:
 
 
 def _thinned(times: FloatArray, most: int) -> FloatArray:
-    """Regular selection of about `most` times at most."""
+    """Every k-th time, with k such that about `most` times remain at most."""
     return times[:: 1 + len(times) // most]

@@ -88,7 +88,7 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
         return 0.0, float(t[0])
     here, bend = force[1:-1], np.diff(force, 2)
     beside = np.pad(bend, 1, constant_values=np.inf)  # unknown at the ends of the record
-    beside = np.minimum(beside[:-2], beside[2:])  # the less negative one
+    beside = np.minimum(beside[:-2], beside[2:])  # the stronger curvature, which is negative
     peaks = (here >= force[:-2]) & (here >= force[2:]) & (beside <= _LEAST_CURVATURE * bend)
     middle = 1 + np.flatnonzero(peaks)
     top, shift = parabola_tops(force, middle)

@@ -238,8 +238,8 @@ def antioscillators(
         takes the constraint modes of the paper, which are fitted to no time scale and converge at
         every one.
     order : {"mass", "frequency"}, optional
-        Order of the oscillators: by descending mass (default of "eigen"), or by ascending frequency
-        (the only order of "krylov").
+        Order of the oscillators, of which the first `n` are taken: by descending mass (default of
+        "eigen"), or by ascending frequency (the only order of "krylov").
     contact_time : float, optional
         Approximate duration of the contact, s ("krylov" only); by default estimated, see
         `KrylovSpace`.

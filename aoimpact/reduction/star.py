@@ -47,7 +47,7 @@ _MOST_TURNING = 1e5
 # Share of the total participation, or mass, below which modes, or oscillators, are not excited.
 _NOT_EXCITED = 1e-13
 
-# Relative difference of ω² up to which they are equal: rounding errors of two last digits.
+# Relative difference of ω² up to which they are equal: two units in the last place.
 _ONE_FREQUENCY = 4e-16
 
 

@@ -156,7 +156,7 @@ def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
 
 
 def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]:
-    """Yield the rows of one contact of a run; `exceeded` skips limits that are surely kept."""
+    """Yield the rows of one contact; with `exceeded`, only of rules whose `most` is exceeded."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
     if not events.contacts:
         return
@@ -420,14 +420,14 @@ def _touches(run: Run, body: int) -> list[tuple[float, float]]:
 # Ratio of β to the contact's duration above which neglected dashpots at a massless contact matter.
 # At it, the relative errors for a body of one oscillator are 2e-4 (peak), 9e-4 (rebound velocity).
 _LAGS = 1e-4
-# Mass at the contact, relative to the body's, that changes the force by about as much.
+# Mass that a warning proposes for such a contact, relative to the body's: its effect is as small.
 _LIGHT = 1e-6
 
 # Least cosine of the angle between direction and normal without a warning. 10° allow for the facets
 # of coarse meshes.
 _OBLIQUE = math.cos(math.radians(10.0))
 
-# Points of two bodies closer than this share of the first body's size count as one.
+# Largest distance of two contact points that count as one, relative to the first body's size.
 _SHARED = 1e-3
 
 

@@ -457,7 +457,7 @@ class Handle:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """A scene over time; curves are computed when they are read.
+    """Result of a simulated scene, whose histories are computed when they are read.
 
     ``run[handle]`` is a body's motion, ``run.contacts[i]`` a contact in the order of `connect`.
 

@@ -195,7 +195,7 @@ def _until_over(run: Run) -> float:
     if touching is None and not forced and run.each_contact:
         part = (of.indentation[-1] < of.indentation[0] for of in run.each_contact)
         if all(part):
-            return run.duration  # bodies move on as they began: a spin may part them at once
+            return run.duration  # the bodies part from the start, such as by a spin
     if touching is None or run.in_contact_at_end:
         return math.inf
     start, end = touching

@@ -23,24 +23,24 @@ ROLES = ("projectile", "target")
 _HISTORIES = {
     "contact": (
         ("force", "N", "contact force, positive in compression"),
-        ("indentation", "m", "of the contact law; negative while the bodies are apart"),
-        ("friction_force", "N", "on the second body, in three directions"),
-        ("stuck", "1", "share of the contact's radius within which it sticks"),
+        ("indentation", "m", "indentation of the contact law; negative while the bodies are apart"),
+        ("friction_force", "N", "friction force on the second body, in three directions"),
+        ("stuck", "1", "radius of the stick zone over that of the contact"),
     ),
     "body": (
-        ("displacement", "m", "of the contact coordinate"),
-        ("velocity", "m/s", "of the contact coordinate"),
-        ("centre_displacement", "m", "of the centre of mass"),
-        ("centre_velocity", "m/s", "of the centre of mass"),
-        ("kinetic_energy", "J", "of each body"),
+        ("displacement", "m", "displacement of the contact coordinate"),
+        ("velocity", "m/s", "velocity of the contact coordinate"),
+        ("centre_displacement", "m", "displacement of the centre of mass"),
+        ("centre_velocity", "m/s", "velocity of the centre of mass"),
+        ("kinetic_energy", "J", "kinetic energy of each body"),
         ("elastic_energy", "J", "strain energy of each body"),
-        ("spin", "rad/s", "of each body, in three directions"),
+        ("spin", "rad/s", "angular velocity of each body, in three directions"),
     ),
     "run": (
-        ("contact_energy", "J", "stored in the contact laws"),
-        ("dissipated_energy", "J", "lost in contact laws and damping since t = 0"),
-        ("total_energy", "J", "constant in an exact run"),
-        ("friction_energy", "J", "the part of it lost by friction"),
+        ("contact_energy", "J", "energy stored in the contact laws"),
+        ("dissipated_energy", "J", "energy lost in contact laws, friction and damping since t = 0"),
+        ("total_energy", "J", "total energy, constant in an exact run"),
+        ("friction_energy", "J", "part of the dissipated energy lost by friction"),
     ),
 }
 
