@@ -174,6 +174,11 @@ def choose_models(
             f"{in_steps:.2g} of the peak force or the impulse, and that of the models, "
             f"{error:.2g}, are more; {cure}"
         )
+    if absent := [of.name for of in wanted if not of.is_history and not of.names(run)]:
+        raise InputError(
+            f"quantity={absent[0]!r}: the run has no such number, since its bodies do not move "
+            "towards or past each other before they meet; leave it out"
+        )
     known = dict(zip([of.name for of in wanted], errors, strict=True))
     numbers = number_errors(run.beside or run, compared, known)
     quantities = {of.name: (of.unit, of.largest(run)) for of in wanted}

@@ -99,11 +99,14 @@ def _changes(
     def change(name: str) -> float:
         return sum(of[name] for of in each)
 
+    def there(name: str) -> bool:
+        return not math.isnan(run.numbers[name])
+
     known = {
         of.name: sum(of.difference(other, run) for other in runs)
         if of.is_history
         # In a scene the largest of all contacts or bodies.
-        else max(map(change, of.names(run)), default=0.0)
+        else max((change(at) for at in of.names(run) if there(at)), default=0.0)
         for of in wanted
     }
     return Found(lambda: number_errors(run, ()), change, known)

@@ -130,9 +130,9 @@ class History:
 
     @property
     def doubt(self) -> FloatArray:
-        """Signed bound of the error of the values, shape (n, ...); 0 for a full model."""
+        """Signed bound of the error of the values, shape (n, ...); NaN where it is not known."""
         apart = [self.seen(of, self.t) - self.values for of in self.source.others]
-        return _DIFFERENCES * sum(apart, np.zeros_like(self.values))
+        return _DIFFERENCES * sum(apart, np.full_like(self.values, 0.0 if apart else np.nan))
 
     def told(self) -> FloatArray:
         """Return the values, and warn if they may be badly wrong."""

@@ -591,11 +591,11 @@ class Scene:
             )
         if interest.name.endswith("restitution"):
             met = [body for of in plan.contacts for body, _ in of.ports]
-            speeds, comes = np.array(plan.velocities), plan.weighed or bool(plan.loads)
+            speeds = np.array(plan.velocities)
             if interest.sliding and plan.oblique is not None:
-                along = plan.oblique.axes[1:].T
-                speeds, comes = np.array(plan.oblique.velocities)[:, :3] @ along, False
-            if len(plan.contacts) != 1 or not (comes or np.ptp(speeds[met], axis=0).any()):
+                speeds = np.array(plan.oblique.velocities)[:, :3] @ plan.oblique.axes[1:].T
+            comes = plan.weighed or plan.loads or np.ptp(speeds[met], axis=0).any()
+            if len(plan.contacts) != 1 or not comes:
                 way = "past" if interest.sliding else "towards"
                 raise InputError(
                     f"quantity={interest.name!r} is of one contact between two bodies that move "

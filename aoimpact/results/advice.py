@@ -160,12 +160,14 @@ def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
     if not events.contacts:
         return
-    before = run.velocities_before.tolist()
-    both = zip(plan.bodies, before, strict=True)
+    both = zip(plan.bodies, run.velocities_before.tolist(), strict=True)
     moving = [(math.inf if of.known_mass is None else of.known_mass, v) for of, v in both if v]
+    before = run.velocities_before
+    if len(plan.contacts) > 1:  # others may have come first
+        before = run.mean_velocities(events.contacts[0][0])
     reached = {
         "force": events.peak_force,
-        "speed": abs(before[contact.first] - before[contact.second]),
+        "speed": abs(float(before[contact.first] - before[contact.second])),
         "energy": sum(0.5 * m * v * v for m, v in moving),
     }
     for name, limit in limits(plan, contact).items():

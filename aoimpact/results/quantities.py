@@ -550,7 +550,8 @@ _ALL = (
         least=lambda _: _LEAST_REBOUND,
         column=True,
         by_momentum=lambda run, momenta: (
-            _of_bodies(run, momenta).sum(keepdims=True) / np.ptp(run.velocities_before)
+            _of_bodies(run, momenta).sum(keepdims=True)
+            / np.ptp(run.velocities_before[[of.body for of in run.plan.contacts[0].ports]])
         ),
     ),
     Quantity("peak_friction_force", "N", of_run=_friction_peaks, sliding=True),

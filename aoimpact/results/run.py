@@ -666,7 +666,9 @@ class Run:
 
         :meta private:
         """
-        found = [] if self.other_runs is None else self.other_runs(replace(self, asked=None))
+        if self.other_runs is None or FullModel in map(type, self.plan.bodies):
+            return []  # what the mesh of a full body leaves out is not known
+        found = self.other_runs(replace(self, asked=None))
         runs = [of for of in found if isinstance(of, Run)]
         return runs if len(runs) == len(found) else []
 

@@ -254,7 +254,8 @@ class Scenario:
     @cached_property
     def fastest(self) -> float:
         """Largest speed at which bodies of the scene may first meet, m/s."""
-        spread = max(self.velocities) - min(self.velocities)
+        met = [self.velocities[body] for of in self.contacts for body, _ in of.ports]
+        spread = max(met, default=0.0) - min(met, default=0.0)
         return max([spread, *(self.approach(contact)[1] for contact in self.contacts)])
 
     def approach(self, contact: Contact) -> tuple[float, float]:

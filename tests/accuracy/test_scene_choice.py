@@ -224,6 +224,35 @@ def test_restitution_compares_with_the_speed_at_which_bodies_meet():
     assert run[dropped].centre_velocity.max() == pytest.approx(math.sqrt(2 * 9.81 * 0.1), rel=1e-3)
 
 
+def test_a_body_that_touches_nothing_changes_no_force():
+    ball, tip, runs = ao.ball(0.01, STEEL), free_plate(), []
+    for speed in (0.0, 1000.0):
+        scene = ao.Scene()
+        contact = scene.connect(scene.add(ball, velocity=1.0), scene.add(tip))
+        scene.add(ao.rigid(mass=1.0), velocity=speed)
+        runs.append(scene.simulate(duration=1e-4).contacts[contact].peak_force)
+    assert runs[0] == pytest.approx(runs[1], rel=1e-9)
+
+
+def test_a_held_body_leaves_the_rebounds_of_others_their_bound():
+    mesh = ao.box_mesh((0.04, 0.04, 0.01), (4, 4, 2), kind="hexahedron20")
+    block = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
+    scene = ao.Scene()
+    ball = scene.add(ao.ball(0.005, STEEL), velocity=1.0)
+    scene.connect(ball, scene.add(block.contact(point=(0.02, 0.02, 0.01))))
+    run = scene.simulate(quantity="rebound_velocity")
+    assert math.isnan(run.value("bodies.1.rebound_velocity"))
+    assert run.error.total == run.error["bodies.0.rebound_velocity"].total < 0.1
+
+
+def test_rest_has_no_restitution():
+    scene = ao.Scene(gravity=9.81)
+    mass, floor = scene.add(ao.rigid(mass=1.0)), scene.add(ao.rigid(mass=math.inf))
+    scene.connect(mass, floor, ao.Linear(k=1e6))
+    with pytest.raises(ao.InputError, match=r"^quantity"):
+        scene.simulate(quantity="restitution", preload=True, duration=1e-2)
+
+
 def test_tangential_restitution_is_of_bodies_that_move_past_each_other():
     """While it slides a sphere loses μ (1 + e) of its normal speed; gravity turns its path."""
     ball, floor = ao.ball(0.01, STEEL), ao.wall(STEEL)

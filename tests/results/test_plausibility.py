@@ -121,6 +121,18 @@ def test_speeds_beside_that_of_waves_are_said() -> None:
     assert "1.0% of the speed of waves, 5092 m/s" in text
 
 
+def test_the_speed_of_a_contact_is_that_at_which_its_own_bodies_meet() -> None:
+    """A heavy body sends a ball on at twice its speed (Huygens)."""
+    ball, soft = ao.ball(1e-4, ALU), ao.Hertz(k=1e9)
+    scene = ao.Scene()
+    heavy = scene.add(ao.rigid(mass=1.0), velocity=0.0055 * math.sqrt(ALU.E / ALU.rho))
+    first, second = scene.add(ball), scene.add(ball)
+    scene.connect(heavy, first, soft)
+    scene.connect(first, second, soft, gap=1e-3)
+    with pytest.warns(ao.AOImpactWarning, match="of the speed of waves"):
+        scene.simulate(duration=1e-4)
+
+
 # ------------------------------------------------------------------- deflection
 
 
