@@ -21,7 +21,8 @@ static void check(int status, const char *what)
 
 int main(void)
 {
-    const double mass = 0.0327, radius = 0.01, stiffness = 1.6e10, mu = 0.15; /* a steel ball; Hertz's law, N/m^1.5 */
+    /* A steel ball, kg, m; stiffness of Hertz's law, N/m^1.5; coefficient of friction. */
+    const double mass = 0.0327, radius = 0.01, stiffness = 1.6e10, mu = 0.15;
     const double moment = 0.4 * mass * radius * radius;
     /* The normal points from the ball to the rod, and so does the arm of the ball. */
     const aoi_rigid rigid = {mass, {moment, moment, moment}, {radius, 0.0, 0.0}};
@@ -36,7 +37,8 @@ int main(void)
     aoi_law law;
     aoi_friction friction;
     check(aoi_law_create(&law, "hertz", 1, &stiffness), "law");
-    check(aoi_friction_create(&friction, &law, mu, 1.4 / 1.7, 1e-4), "friction"); /* 2 (1 - nu)/(2 - nu), nu = 0.3 */
+    /* ratio 2 (1 - nu)/(2 - nu), nu = 0.3 */
+    check(aoi_friction_create(&friction, &law, mu, 1.4 / 1.7, 1e-4), "friction");
     const aoi_contact contact = {.body = {0, 1}, .law = &law, .friction = &friction};
     aoi_system system = {.body_count = 2, .contact_count = 1, .body = body, .contact = &contact};
     void *links = malloc(aoi_system_size(&system));

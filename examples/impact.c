@@ -13,7 +13,8 @@
 
 enum { MODES = 20, ROWS = 4000, TIMES = 5, DOFS = 12 };
 
-static const double MASS = 0.1, SPEED = 1.0, STIFFNESS = 1e10; /* of the ball; of Hertz's law, N/m^1.5 */
+/* Mass and speed of the ball, kg, m/s; stiffness of Hertz's law, N/m^1.5. */
+static const double MASS = 0.1, SPEED = 1.0, STIFFNESS = 1e10;
 
 static void check(int status, const char *what)
 {

@@ -179,7 +179,7 @@ AOI_API int aoi_star_from_constraint_modes(size_t n, size_t count, const double 
 enum { AOI_LAW_PARAMETERS = 9, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };
 
 typedef struct aoi_law aoi_law;
-struct aoi_law_values; /* the core's own */
+struct aoi_law_values; /* for the core alone */
 
 /* Value of a law: force [N], d force / d indentation [N/m], d force / d rate [N s/m]. */
 typedef struct aoi_law_value {
@@ -416,8 +416,9 @@ typedef struct aoi_solver {
 typedef struct aoi_full {
     aoi_sparse K, M;
     double alpha, beta;     /* Rayleigh's damping, 1/s and s, not negative                           */
-    aoi_solver solver;      /* of (1 + alpha gamma dt) M + (beta_N dt^2 + beta gamma dt) K, where dt,
-                               beta_N and gamma are the rule's                                       */
+    /* solves with (1 + alpha gamma dt) M + (beta_N dt^2 + beta gamma dt) K, where dt, beta_N and
+     * gamma are the rule's */
+    aoi_solver solver;
     const aoi_pause *pause; /* or NULL: asked at each step, and while a run starts                   */
 } aoi_full;
 
@@ -440,8 +441,8 @@ typedef struct aoi_modes {
     const double *residual;        /* [ports][ports], m/N, symmetric                 */
     const double *gravity;         /* [n]                                            */
     const double *inertia;         /* [n], energy inertia v^2 / 2; NULL: 1           */
-    const double *centre;          /* [n], displacement of the centre of mass; required */
-    const double *centre_residual; /* [ports], the same per force, added */
+    const double *centre;          /* [n], displacement of the centre of mass per x_j; required */
+    const double *centre_residual; /* [ports], the same per force, in addition */
     aoi_load load;
     const aoi_full *full;          /* NULL, or the body's matrices                   */
 } aoi_modes;
@@ -578,7 +579,7 @@ typedef struct aoi_rule {
 
 /* A run in steps of dt, in memory of the caller: aoi_newmark_size bytes, aligned as by malloc. */
 typedef struct aoi_newmark aoi_newmark;
-AOI_API size_t aoi_newmark_size(const aoi_system *system); /* linked */
+AOI_API size_t aoi_newmark_size(const aoi_system *system); /* of a linked system */
 
 /* Sets a run of a linked system to its beginning and writes column 0 of the record.
  *   run       aoi_newmark_size(system) bytes
@@ -624,7 +625,7 @@ typedef struct aoi_track {
  * the caller: aoi_adaptive_size bytes, aligned as by malloc. Bodies that overlap at the start are in
  * contact from the start. The cost of a step depends only on the bodies that take part in it. */
 typedef struct aoi_adaptive aoi_adaptive;
-AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* linked */
+AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* of a linked system */
 
 /* Sets a run of a linked system to its beginning.
  *   run     aoi_adaptive_size(system) bytes
@@ -672,7 +673,7 @@ AOI_API int aoi_track_check(const aoi_system *system, const aoi_track *track);
 /* A reader of a track at any times, in memory of the caller: aoi_sampler_size bytes, aligned as by
  * malloc. */
 typedef struct aoi_sampler aoi_sampler;
-AOI_API size_t aoi_sampler_size(const aoi_system *system); /* linked */
+AOI_API size_t aoi_sampler_size(const aoi_system *system); /* of a linked system */
 
 /* Sets a sampler to the beginning of a track, which it keeps: one that a run of this system has
  * written, or that aoi_track_check has passed. AOI_ERROR_ARGUMENT for one that does not start with

@@ -46,7 +46,7 @@ static double deepest(const aoi_law *law, const double *memory, double energy, d
     aoi_law_value value;
     aoi_law_push(law, memory, here, 0.0, &value);
     double lack = energy + force * here - HERTZ_SHARE * value.force * here, before = value.force;
-    if (!(lack > 0.0)) { /* below, it rises like Hertz's */
+    if (!(lack > 0.0)) { /* below `here` the force rises like Hertz's */
         const double work = HERTZ_SHARE * value.force * here;
         return here * fmax(pow(energy / work, 0.4), pow(force * here / work, 2.0 / 3.0));
     }
@@ -178,7 +178,8 @@ static void first_level(aoi_adaptive *run, size_t c, double time)
  * has another rate after the load's next bend. */
 static double time_left(const aoi_adaptive *run, size_t c)
 {
-    const double now = aoi_run_now(run) * (1.0 + 8.0 * DBL_EPSILON); /* past a bend that is here within rounding */
+    /* past a bend that is now within rounding */
+    const double now = aoi_run_now(run) * (1.0 + 8.0 * DBL_EPSILON);
     double end = run->end;
     for (int side = 0; side < 2 && aoi_system_residual(run->system, c, c) > 0.0; side++) {
         end = fmin(end, aoi_modes_next_bend(&run->system->body[run->system->contact[c].body[side]], now));
@@ -283,7 +284,7 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
         contact->closed.piece = AOI_SLACK;
         contact->closed.force = 0.0;
     }
-    if (!bends) { /* else the balance of the contact point finds it */
+    if (!bends) { /* else the balance of the contact point finds the force */
         aoi_contact_note_peak(run, c, run->contact[c].closed.force, 0.0);
     }
     estimate_scales(run, c, &pair, rate, alone);

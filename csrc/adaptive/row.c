@@ -190,7 +190,7 @@ double aoi_row_stuck(const double *of, double place)
     for (; i < AOI_SLIP_CHANGES && change[i] <= place; i++) {
         slips = !slips;
         low = change[i];
-        from = NAN; /* all that slips sticks at once */
+        from = NAN; /* slipping springs stick all at once */
     }
     if (slips) {
         return 0.0;

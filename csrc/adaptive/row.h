@@ -84,10 +84,10 @@ void aoi_row_rub(const aoi_contact *contact, const double *of, double place, dou
  * polynomial is a fit over the whole row. */
 void aoi_row_forces(const aoi_contact *contact, const double *of, double h, double place, double force[3][AOI_NODES]);
 
-/* Work on the contact's own slide up to a place, with that before the row, J. The own slide
- * includes the compliance taken out times the force: aoi_row_slide_work leaves out its part by
- * friction. With it, by aoi_row_slide_stored, this is the energy dissipated or stored in the
- * stretches. */
+/* Work of friction up to a place, with that before the row, J, on the contact's own slide: that of
+ * the bodies plus the compliance taken out times the forces. aoi_row_slide_work leaves out the
+ * deflection by friction itself. With it, aoi_row_slide_stored is the energy dissipated or stored
+ * in the stretches. */
 double aoi_row_slide_work(const aoi_contact *contact, const double *of, double place);
 double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double place);
 

@@ -546,7 +546,8 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
         const double after = attempt->place * attempt->h;
         const double place = fmax(attempt->place, aoi_event_tolerance(run, 1.0));
         const int at_start = aoi_is_at_start(run, after, attempt->h);
-        const int pulls_off = at_start && aoi_step_pulls_off(run, place); /* applied at the end of a step */
+        /* a pull-off is applied at the end of a step */
+        const int pulls_off = at_start && aoi_step_pulls_off(run, place);
         if (at_start && !pulls_off && aoi_step_at_start(run, place)) {
             return prepare(run, limit);
         }
@@ -607,7 +608,7 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
         int level;
         const double h = step_length(run, limit, trim, &level);
         if (!(run->elapsed + h > run->elapsed)) {
-            break; /* below the rounding of the time */
+            break; /* h is below the rounding of the time */
         }
         aoi_attempt attempt;
         aoi_step_try(run, h, level, &attempt);

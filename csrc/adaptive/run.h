@@ -21,7 +21,7 @@ enum aoi_part { AOI_FREE_MOTION = 0, AOI_WATCHED, AOI_UNDER_FORCE };
 /* State of a body in a run: the time at which x, v hold, and the tables of the last step lengths. */
 typedef struct aoi_adaptive_body {
     double time;
-    int engaged; /* in this step: an aoi_part */
+    int engaged; /* its aoi_part in this step */
     int changed; /* 1: its state has changed since its last row */
     double work, dissipated;
     aoi_columns columns; /* columns of its tables */
@@ -35,7 +35,7 @@ typedef struct aoi_adaptive_body {
 /* State of an open contact. until: both bodies are in free motion, and do not touch before this time. */
 typedef struct aoi_flight {
     double until;
-    int touches;  /* whether it touches at that time */
+    int touches;  /* 1: the contact touches at that time */
     size_t place; /* its place among the watched contacts */
     double slack; /* indentation beyond rest that is not yet a touch, m */
 } aoi_flight;
@@ -92,20 +92,20 @@ struct aoi_adaptive {
     const aoi_system *system;
     double rtol, time, end;
     int rested; /* 1: the bodies start at rest under loads and contacts; 0: loads and contacts begin at time */
-    double *x, *v; /* of all bodies */
+    double *x, *v; /* coordinates and rates of all bodies */
     aoi_adaptive_body *body;
     aoi_adaptive_contact *contact;
     aoi_contact_step *entry;
     aoi_response *response;
-    aoi_sliding *sliding; /* of the contacts with friction, and their springs */
+    aoi_sliding *sliding; /* friction of the contacts that have it, and their springs */
     aoi_stretch *spring;
     aoi_contact_state *balanced; /* contacts at massless contact points, while their forces are found */
 
     aoi_list closed;     /* closed contacts, ascending                                    */
     aoi_list watched[2]; /* open ones in free motion: 0 those with no touch yet found, 1 those that touch */
-    aoi_list engaged, changed; /* bodies: in this step; since their last row              */
+    aoi_list engaged, changed; /* bodies in this step; bodies changed since their last row */
     size_t span, row_size;
-    int crowded; /* aoi_crowd_pays */
+    int crowded; /* of aoi_crowd_pays: contacts are solved by modes */
     /* numbers of entries: of closed contacts, which come first; with open ones beside them */
     size_t closed_count, entry_count;
     int level;                        /* steps are base 2^(-level/8) long */
@@ -118,11 +118,11 @@ struct aoi_adaptive {
     double origin, elapsed; /* time is their sum, so that short steps late in a run are not rounded away */
     double left_off;        /* rounding error of elapsed, s */
     double horizon;         /* no touch between bodies in free motion before this time */
-    /* next time to which all bodies are advanced, since loads have bent often; infinite: none */
+    /* time of the next halt, when all bodies are advanced as loads have many bends; HUGE_VAL: none */
     double halt;
     int unbalanced;         /* an event has changed a contact since the last step */
     double *free_state[2], *scratch, *port_force, *collocation;
-    double *port_series; /* of the port forces: aoi_step_series */
+    double *port_series; /* Legendre series of the port forces */
     size_t steps, rejected, uses;
     size_t failed; /* contact in which an error occurred */
 };
@@ -163,10 +163,10 @@ enum aoi_event {
     AOI_EVENT_NONE = 0,
     AOI_EVENT_TOUCH,    /* an open contact closes                                  */
     AOI_EVENT_OPEN,     /* the indentation falls to rest                           */
-    AOI_EVENT_SLACKEN,  /* the force falls to zero before that                     */
+    AOI_EVENT_SLACKEN,  /* the force falls to zero before the indentation does     */
     AOI_EVENT_TIGHTEN,  /* the force of a slack contact rises above zero           */
     AOI_EVENT_TURN,     /* the indentation stops growing, under a law that remembers */
-    AOI_EVENT_ABOVE,    /* the indentation leaves the law's piece                  */
+    AOI_EVENT_ABOVE,    /* the indentation leaves the law's piece upwards, or downwards */
     AOI_EVENT_BELOW
 };
 
@@ -187,14 +187,15 @@ size_t aoi_run_forces(const aoi_adaptive *run);
 /* The length of a step of the run's level, s. */
 double aoi_run_step(const aoi_adaptive *run);
 
-/* Tolerance of an event's level, for a function of that scale. */
+/* Tolerance of a function's value at an event; scale: size of the function. */
 double aoi_event_tolerance(const aoi_adaptive *run, double scale);
 
 /* The first admissible level from this one on. Where a force may change faster than the indentation and a body has
  * oscillating modes, error estimates are rough, and steps change by whole octaves. */
 static inline int aoi_level_from(const aoi_adaptive *run, double level)
 {
-    const double least = level < AOI_DEEPEST_LEVEL ? level : AOI_DEEPEST_LEVEL; /* NaN is the deepest */
+    /* a level of NaN becomes the deepest */
+    const double least = level < AOI_DEEPEST_LEVEL ? level : AOI_DEEPEST_LEVEL;
     return run->grain * (int)ceil(fmax(least, AOI_HIGHEST_LEVEL) / run->grain);
 }
 

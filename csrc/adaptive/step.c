@@ -122,7 +122,7 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
     if (known) {
         extrapolate(contact->closed.last, contact->closed.last_length, h, drawn_on, with_rates ? rate : NULL);
     }
-    for (size_t i = 0; i < AOI_NODES && massless && !known; i++) { /* linear */
+    for (size_t i = 0; i < AOI_NODES && massless && !known; i++) { /* linear guess */
         drawn_on[i] = contact->closed.start + h * aoi_radau_node[i] * contact->closed.rate;
         rate[i] = contact->closed.rate;
     }

@@ -252,7 +252,7 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
             continue;
         }
         if (contact->event_place > place) {
-            contact->event = AOI_EVENT_NONE; /* not yet */
+            contact->event = AOI_EVENT_NONE; /* the event comes later */
             continue;
         }
         if (goes_back(contact)) {

@@ -134,7 +134,7 @@ static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *
 /* The errors of a step as shares of their tolerances; and the tolerance of the unresolved oscillation of a force, N. */
 typedef struct errors {
     double within, handed_on, ripple;
-    double drift; /* of friction, since paths are made of straight parts */
+    double drift; /* error of friction, since paths are made of straight parts */
 } errors;
 
 /* Friction below this share of its bound is rounding of the normal force, and no more is promised. */

@@ -43,7 +43,7 @@ typedef struct aoi_contact_step {
     double indentation[AOI_NODES], rate[AOI_NODES];
 
     double force[AOI_NODES];
-    double legendre[AOI_NODES + 1]; /* of the indentation */
+    double legendre[AOI_NODES + 1]; /* series of the indentation */
 } aoi_contact_step;
 
 /* Number of doubles of work space of aoi_collocation_solve for count entries of which those that

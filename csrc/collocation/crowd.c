@@ -29,13 +29,14 @@ typedef struct crowd {
     size_t count, kinds;
     aoi_contact_step *entry;
     int bends;                           /* 1: add the effect of residual compliances                               */
-    double *pushed, *used, *moved[2];    /* forces on the modes of all bodies at the nodes; 1: a body has some; how
-                                            the modes move under them                                              */
+    /* pushed: forces on the modes of all bodies at the nodes; used: 1 for a body that has some;
+     * moved: motion of the modes under them */
+    double *pushed, *used, *moved[2];
     /* influences of forces on their own places; inverses of blocks */
     double *own[2], *inverse;
     double *stiffness, *damping;         /* slopes of the laws, of all entries at the nodes                        */
     double *effect[2], *right;           /* effect of forces; right-hand side, then solution                       */
-    double *basis, *triangle;            /* of GMRES: vectors, and by columns its triangle                         */
+    double *basis, *triangle;            /* vectors of GMRES; its triangle, by columns                             */
 } crowd;
 
 static crowd lay_out(const aoi_system *system, size_t count, double *work, size_t *size)

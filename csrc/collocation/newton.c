@@ -45,7 +45,7 @@ static void evaluate(const aoi_law *law, const aoi_contact_step *entry, int with
     const double *indentation = entry->indentation, *rate = entry->rate;
     if (entry->piece == AOI_SLACK || entry->sliding) {
         *of = (aoi_law_values){{0.0}, {0.0}, {0.0}};
-        if (entry->piece != AOI_SLACK) { /* as found for all three entries of the contact */
+        if (entry->piece != AOI_SLACK) { /* found by aoi_sliding_evaluate */
             memcpy(of->force, entry->sliding->force[entry->axis], sizeof of->force);
         }
         return;

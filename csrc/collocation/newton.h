@@ -60,7 +60,7 @@ static inline double aoi_newton_take(aoi_contact_step *entry, int first, const d
     for (size_t i = 0; i < AOI_NODES; i++) {
         const double next = (first ? entry->homogeneous[i] : entry->indentation[i]) - answer[i];
         const double change = fabs(next - entry->indentation[i]) * inverse;
-        largest = change <= largest ? largest : change; /* NaN, too, is large */
+        largest = change <= largest ? largest : change; /* also if change is NaN */
         entry->indentation[i] = next;
         entry->force[i] = (first ? entry->constant : entry->force[i]) + by[i];
     }

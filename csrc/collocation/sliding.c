@@ -180,7 +180,7 @@ static int go_on(aoi_sliding *of, const motion *along, double before, double at,
     if (status != AOI_OK || slips == of->slips) {
         return status;
     }
-    copy_path(&from, &of->trial); /* its springs are now the spare ones */
+    copy_path(&from, &of->trial); /* its springs are in the spare array now */
     if (of->changes == AOI_SLIP_CHANGES) {
         return AOI_OK;
     }
@@ -366,7 +366,7 @@ double aoi_sliding_corner(aoi_sliding *of, const aoi_contact_step *entry, double
         if (go(of, place, &of->trial, &found) != AOI_OK) {
             break;
         }
-        if ((found.stuck > 0.0) == slips) { /* it has changed */
+        if ((found.stuck > 0.0) == slips) { /* slip has begun or ended */
             const double change = change_between(of, &along, &from, before, to.place[i], slips, beyond * beyond);
             if (change > beyond) {
                 return change;

@@ -34,10 +34,12 @@ struct aoi_sliding {
     double enough;
 
     aoi_slide_path path[AOI_PATHS], trial;
-    double force[3][AOI_NODES], by[3][3][AOI_NODES]; /* at the nodes or the points of an edge, and d force/d place */
+    /* forces at the nodes or the points of an edge, and d force/d place */
+    double force[3][AOI_NODES], by[3][3][AOI_NODES];
     /* forces of the second path less the first's */
     double apart[3][AOI_NODES];
-    double drift[3];                                 /* growth of the force's error by the length of the parts   */
+    /* growth of the error of the forces in the step, N */
+    double drift[3];
     double beyond[3][AOI_EDGE_CHECKS];               /* forces of the law less the polynomial's                  */
 
     /* slides of the bodies since the touch, at the start of a step */

@@ -173,7 +173,8 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
         cosine0 = (1.0 - f0) * (1.0 + f0) / norm0;
         sine0 = 2.0 * f0 / norm0;
         by_entry = left * (norm0 / norm) * in.share / in.radius;
-        by_direction = rate * (turned > 0.0 ? -expm1(-turned) / turned : 1.0) * ((1.0 - f0 * f) / norm); /* both finite */
+        /* both factors are finite */
+        by_direction = rate * (turned > 0.0 ? -expm1(-turned) / turned : 1.0) * ((1.0 - f0 * f) / norm);
     }
     const double by_along = -by_entry * sine0 - sine * rate, by_across = by_entry * cosine0 + by_direction;
     const double turning[2] = {by_along * e[0] - by_across * e[1], by_along * e[1] + by_across * e[0]};
@@ -275,7 +276,7 @@ typedef struct walk {
     const path *p;
     size_t next;    /* index of the next spring                      */
     aoi_stretch last; /* the last spring, at the path's start          */
-    int sticks, slips; /* of that spring; both 0 before the first    */
+    int sticks, slips; /* whether that spring does; both 0 before the first */
     int pending;    /* number of knots in `after` still to be returned, its last ones */
     int done;
     knot after[2];

@@ -26,8 +26,8 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
                   double *low, double *high);
 
 /* As law->force on a given piece, at the total indentation: solves d - c F(d) = indentation for the
- * law's own d, to rounding. Where c dF/dd comes near 1 the law is continued as a straight line;
- * this is beyond its limit, and only there for iterations that pass through. NaN, and a note of
+ * law's own d, to rounding. Where c dF/dd comes near 1 the law is continued as a straight line.
+ * This part is beyond the law's limit, and serves iterations on their way only. NaN, and a note of
  * AOI_ERROR_LAW_JUMPS, where no d solves the equation since the force drops. */
 void aoi_law_force(const aoi_law *law, const double *memory, int piece, double indentation,
                    double rate, aoi_law_value *value);

@@ -149,7 +149,7 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
                       const aoi_oblique_equation *equation, aoi_oblique_solution *solution)
 {
     point now;
-    /* of the rate by the place, with the forces eliminated */
+    /* rate_by: derivatives of the rate by the place, with the forces eliminated */
     double inverse[9], rate_by[3] = {0.0, 0.0, 0.0};
     if (friction->law.depends_on_rate && equation->rate_compliance[0] > 0.0) {
         invert(equation->compliance[0], inverse);

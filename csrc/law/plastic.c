@@ -18,7 +18,7 @@
 #include <math.h>
 
 /* Parameters. YIELD: indentation of yield; FULL, FULL_FORCE: where the straight line begins;
- * SQUARE, CUBIC: of the cubic; FITTED: d_r. */
+ * SQUARE, CUBIC: coefficients of the cubic; FITTED: d_r. */
 enum { STIFFNESS, YIELD_FORCE, SLOPE, YIELD, FULL, FULL_FORCE, SQUARE, CUBIC, FITTED };
 enum { DEEPEST, REACH };                    /* memory, REACH: d* - d_p; both zero while all was elastic */
 enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces */
@@ -41,7 +41,7 @@ static void thornton_prepare(aoi_law *law)
     double *p = law->parameter;
     p[YIELD] = cbrt(p[YIELD_FORCE] / p[STIFFNESS]);
     p[YIELD] *= p[YIELD];
-    p[SLOPE] = p[YIELD] > 0.0 ? 1.5 * p[STIFFNESS] * sqrt(p[YIELD]) : HUGE_VAL; /* refused */
+    p[SLOPE] = p[YIELD] > 0.0 ? 1.5 * p[STIFFNESS] * sqrt(p[YIELD]) : HUGE_VAL; /* not finite: refused */
     p[FULL] = p[YIELD];
     p[FULL_FORCE] = p[YIELD_FORCE];
 }
@@ -53,7 +53,7 @@ static void elastic_plastic_prepare(aoi_law *law)
     thornton_prepare(law);
     const double start = p[SLOPE], length = root * root - p[YIELD];
     p[SLOPE] = slope;
-    p[FULL] = root * root >= LEAST_FULL * p[YIELD] ? root * root : HUGE_VAL; /* refused */
+    p[FULL] = root * root >= LEAST_FULL * p[YIELD] ? root * root : HUGE_VAL; /* not finite: refused */
     p[FULL_FORCE] = 0.5 * slope * p[FULL];
     const double rise = (p[FULL_FORCE] - p[YIELD_FORCE]) / length;
     p[SQUARE] = (3.0 * rise - 2.0 * start - slope) / length;

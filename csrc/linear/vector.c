@@ -65,7 +65,7 @@ int aoi_vector_take(size_t n, const double *from, double *to)
 
 int aoi_band_factorise(size_t n, size_t band, double *matrix)
 {
-    const size_t stride = 2 * band; /* of columns counted from the diagonal of row 0 */
+    const size_t stride = 2 * band; /* element (i, j) is matrix[i * stride + j] */
     int sound = 1;
     matrix += band;
     for (size_t k = 0; k < n; k++) {

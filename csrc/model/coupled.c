@@ -463,7 +463,7 @@ static int solve_all(newton *s)
 {
     const aoi_coupled *e = s->e;
     int status = solve_from_here(s, FIRST_STEPS);
-    if (has_failed(status)) { /* without the guess */
+    if (has_failed(status)) { /* again without the guess */
         s->yield = YIELD;
         status = solve_from_apart(s, AOI_COUPLED_ROUNDING, FIRST_STEPS);
         s->yield = 1.0;
@@ -629,7 +629,7 @@ static int activate(const aoi_coupled *e, const aoi_contact_state *contact, doub
     for (size_t i = 0; i < e->count; i++) {
         if (active[i] != 2.0) {
             const double rest = aoi_law_rest(contact[i].law, contact[i].memory);
-            double size; /* its own force is zero */
+            double size; /* without its own force, which is zero */
             e->indentation[i] = e->free[i] - neighbours(e, contact, e->compliance, i, e->force, &size);
             e->rate[i] = e->rate_free[i] - neighbours(e, contact, e->rate_compliance, i, e->force, &size);
             active[i] = contact[i].axis > 0 ? active[i - 1]

@@ -36,7 +36,7 @@ typedef struct aoi_contact_state {
     /* for a balance: 1 if its force acts while indentations are found */
     int acts;
     double force, indentation, rate; /* at the end of the last step                            */
-    double last_indentation;         /* a step before                                          */
+    double last_indentation;         /* the indentation one step before                        */
     double work, start_energy;       /* work of F so far; energy in the law at the start, J    */
     double memory[AOI_LAW_MEMORY];
 } aoi_contact_state;

@@ -187,7 +187,7 @@ static void link_contacts(const aoi_system *system, size_t *first_contact, size_
     for (size_t i = 0; i < ends; i++) {
         first_contact[system->contact[i / 2].body[i % 2]]++;
     }
-    for (size_t b = 0; b < system->body_count; b++) { /* where the next body's begin */
+    for (size_t b = 0; b < system->body_count; b++) { /* now where the next body's contacts begin */
         first_contact[b + 1] += first_contact[b];
     }
     for (size_t i = ends; i-- > 0;) {

@@ -97,8 +97,8 @@ static const double HARDLY_TURNS = 0.1;
 /* Upper bound of a mode's part of the indentation over a time: of a slow mode by a parabola, of a
  * fast one by its amplitude about an equilibrium that its loads may move. */
 typedef struct bound {
-    double level, rate, bend; /* as a slow one */
-    double rest, drift;       /* as a fast one */
+    double level, rate, bend; /* bound of a slow mode, level + rate t + bend t^2 */
+    double rest, drift;       /* bound of a fast mode, rest + drift t */
     double now, later;        /* for omega = 0: the acceleration is always between these */
 } bound;
 

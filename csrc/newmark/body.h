@@ -21,7 +21,7 @@ typedef struct aoi_stepped {
     const aoi_modes *model;
     const struct aoi_stepped_kind *kind;
     const aoi_rule_step *step;
-    double *x, *v, *a;                    /* [n]                                                     */
+    double *x, *v, *a;                    /* [n]: coordinates, rates, accelerations                  */
     double *free_a;                       /* [n]: the next acceleration without forces at the ports  */
     double *gain;                         /* [ports][n]: the next acceleration per force on a port   */
     double *before;                       /* [n]: rates before the step of a damped body, else NULL  */
@@ -29,10 +29,11 @@ typedef struct aoi_stepped {
     double *seen;                         /* [n][AOI_PLAIN_SEEN]: weights, modal.c                   */
     /* [ports][ports]: displacements and velocities of the ports at the end of a step, per force then */
     double *compliance, *rate_compliance;
-    double dissipated;                    /* J, since the start                                      */
+    double dissipated;                    /* energy lost since the start, J                          */
     double centre[2];                     /* displacement and rate of the centre of mass, without the
                                              residual                                                */
-    size_t centre_count;                  /* coordinates that move it: the others' weights are zero  */
+    /* number of coordinates up to the last that moves the centre */
+    size_t centre_count;
     int plain;                            /* modes without damping and gravity, one port: modal.c    */
     int moved;                            /* 1: x and v of a plain body lag behind                   */
     double port_rate, port_a, reached;    /* of a plain body's port, then of its centre of mass */

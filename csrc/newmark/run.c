@@ -20,19 +20,19 @@ enum { SPRINGS = 2048 };
 struct aoi_newmark {
     const aoi_system *system;
     aoi_rule_step step;
-    int energies, loaded, deflects; /* whether any body has a load, and a residual compliance */
+    int energies, loaded, deflects; /* loaded, deflects: a body has a load, a residual compliance */
     double *record;
     size_t columns, done, failed;
     aoi_coupled coupled;
-    double *x, *v;                           /* of all bodies                                             */
+    double *x, *v;                           /* coordinates and rates of all bodies                       */
     aoi_stepped *body;
-    aoi_contact_state *state;                /* of the contacts, one for each force                       */
-    aoi_rubbing *rubbing;                    /* of those with friction                                    */
-    double *displacement, *velocity;         /* of all ports: in a step first without contacts */
-    double *displacement_before;             /* at the last column                                        */
+    aoi_contact_state *state;                /* one for each contact force                                */
+    aoi_rubbing *rubbing;                    /* one for each contact with friction                        */
+    double *displacement, *velocity;         /* of all ports; in a step first without contacts */
+    double *displacement_before;             /* displacements at the last column                          */
     double *push, *push_before;              /* forces on all ports, with loads: now and before           */
     double *load, *load_before;
-    double *load_work, *gravity_start;       /* of the bodies, J                                          */
+    double *load_work, *gravity_start;       /* work of loads; of gravity at the start, J                 */
     double *column;                          /* some columns of the record, row by row                    */
 };
 
@@ -274,7 +274,7 @@ static double write_friction(const aoi_contact_state *contact, double *row)
 static void write_contact(const aoi_contact_state *contact, int energies, double *row)
 {
     const aoi_rubbing *rubbing = contact->rubbing;
-    /* for its own indentation */
+    /* the law by the contact's own indentation */
     const aoi_law *law = rubbing ? &rubbing->rub.friction.law : contact->law;
     const double stretched = rubbing ? write_friction(contact, row) : 0.0;
     row[AOI_CONTACT_FORCE * BLOCK] = contact->force;

@@ -77,7 +77,7 @@ static void take_named_law(call *of, PyObject *name, PyObject *parameters, aoi_l
 {
     double parameter[AOI_LAW_PARAMETERS + 1];
     const size_t given = (size_t)PyTuple_Size(parameters), most = AOI_LAW_PARAMETERS + 1;
-    const size_t count = given < most ? given : most; /* too many are refused */
+    const size_t count = given < most ? given : most; /* aoi_law_create refuses too many */
     for (size_t i = 0; i < count; i++) {
         parameter[i] = PyFloat_AsDouble(PyTuple_GetItem(parameters, (Py_ssize_t)i));
     }

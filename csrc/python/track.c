@@ -42,7 +42,7 @@ static void destroy(PyObject *capsule) { track_free(PyCapsule_GetPointer(capsule
 
 PyObject *track_capsule(kept_track **kept)
 {
-    aoi_track *track = &(*kept)->track; /* shortened to what is used */
+    aoi_track *track = &(*kept)->track; /* its arrays are shortened to what is used */
     double *values = realloc(track->values, track->used * sizeof *values + 1);
     size_t *row = realloc(track->row, track->rows * sizeof *row + 1);
     track->values = values ? values : track->values;
