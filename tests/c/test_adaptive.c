@@ -47,92 +47,6 @@ static void rigid_bodies_collide_in_closed_form(void)
     }
 }
 
-/* x = v t up to a share of k v^(1/2) t^(5/2) / m. */
-static void the_first_moments_are_exact_relative_to_themselves(void)
-{
-    const aoi_law law = law_named("power", 2, 1e7, 1.5, 0.0);
-    for (int tolerance = 3; tolerance <= 11; tolerance += 2) {
-        const double v = 2.0, end = 1e-10, rtol = pow(10.0, -tolerance);
-        plant p = ball_on_wall(0.4, v, &law);
-        must_go(&p, rtol, end);
-        CHECK(near(aoi_adaptive_peak(p.run, 0).force, 1e7 * pow(v * end, 1.5), rtol), "rtol %g: force", rtol);
-        CHECK(near(aoi_adaptive_peak(p.run, 0).impulse, 0.4 * 1e7 * pow(v * end, 1.5) * end, rtol), "rtol %g: impulse", rtol);
-        release(&p);
-    }
-}
-
-/* v sin(w t)/w, with w^2 = k/m. */
-static void a_linear_contact_is_half_a_sine(void)
-{
-    const aoi_law law = linear(2.5e6);
-    const double mass = 0.4, v = 2.0, w = sqrt(2.5e6 / mass);
-    plant p = ball_on_wall(mass, v, &law);
-    must_go(&p, 1e-12, 1.5 * PI / w);
-    CHECK(open_sampler(&p) == AOI_OK, "sampled");
-    for (int i = 0; i <= 150; i++) {
-        double record[32];
-        const double t = 0.01 * i * PI / w, sine = v / w * sin(w * t);
-        aoi_sampler_column(p.sampler, t, 1, record, 1);
-        const double wanted = t < PI / w ? sine : -v * (t - PI / w);
-        CHECK(fabs(record[1] - wanted) < 1e-12 * v / w, "t %g: indentation %.15g, not %.15g", t, record[1],
-              wanted);
-        CHECK(fabs(record[0] - (t < PI / w ? 2.5e6 * sine : 0.0)) < 1e-11 * 2.5e6 * v / w, "t %g: force", t);
-    }
-    release(&p);
-}
-
-typedef struct approach {
-    const aoi_law *law;
-    double mass;
-} approach;
-
-/* dv/dw by v dv/dd = -F/m with d = w^4. */
-static void braking(const void *data, double w, const double *v, double *slope)
-{
-    const approach *of = data;
-    aoi_law_value value;
-    aoi_law_push(of->law, NULL, w * w * w * w, *v, &value);
-    *slope = -4.0 * w * w * w * value.force / (of->mass * *v);
-}
-
-/* The largest force on a mass that meets a wall under a damped law, until it is nearly at rest: v is smooth in
- * d^(1/4). */
-static double damped_peak(const aoi_law *law, double mass, double v, double deep)
-{
-    enum { STEPS = 20000 };
-    const approach of = {law, mass};
-    const double h = pow(deep, 0.25) / STEPS, still = 0.05 * v;
-    double peak = 0.0;
-    for (int i = 0; i < STEPS && v > still; i++) {
-        aoi_law_value value;
-        aoi_law_push(law, NULL, pow(h * i, 4.0), v, &value);
-        peak = fmax(peak, value.force);
-        runge_kutta_step(braking, &of, 1, h * i, h, &v);
-    }
-    return peak;
-}
-
-/* A damped force may be largest within the first step, in which it is no polynomial of time. */
-static void a_damped_force_is_right_at_its_start(void)
-{
-    const double mass = 1e-3, k = 1e6, velocity = 1.0, time = pow(mass / k, 0.4);
-    for (int i = 0; i < 13; i++) { /* under the last the top comes right after the step */
-        const double damping = i < 12 ? 0.5 * pow(1.5, i) : 0.7354597560950398, lag = 3.0 * damping * time;
-        const aoi_law laws[] = {law_named("kuwabara_kono", 2, k, lag, 0.0),
-                                law_named("tsuji", 2, k, damping * sqrt(mass * k), 0.0)};
-        for (int which = 0; which < 2; which++) {
-            const double peak = damped_peak(&laws[which], mass, velocity, 3.0 * velocity * time);
-            for (double rtol = 1e-3; rtol > 5e-7; rtol *= 0.1) {
-                plant p = ball_on_wall(mass, velocity, &laws[which]);
-                must_go(&p, rtol, 15.0 * time);
-                CHECK(near(aoi_adaptive_peak(p.run, 0).force, peak, rtol), "law %d, damping %g, rtol %g: %.9g, not %.9g",
-                      which, damping, rtol, aoi_adaptive_peak(p.run, 0).force, peak);
-                release(&p);
-            }
-        }
-    }
-}
-
 /* A tip on a spring and a mass, against a wall: their displacements, then their velocities. */
 typedef struct ringer {
     const aoi_law *law;
@@ -361,25 +275,6 @@ static void a_crest_beside_a_contact_touches_or_does_not(void)
     }
 }
 
-/* Pressed by a load that fades: its peak is the start's. */
-static void a_pressed_body_that_is_let_go_has_its_peak_at_the_start(void)
-{
-    const double load = 100.0, k = 1e6;
-    for (int i = 0; i < 2; i++) {
-        const aoi_law law = i == 0 ? linear(k) : hertz(1e8);
-        plant p = ball_on_wall(1.0, 0.0, &law);
-        part *ball = &p.part[0];
-        ball->x[0] = i == 0 ? load / k : pow(load / 1e8, 2.0 / 3.0);
-        ball->load_count = 2;
-        ball->load_time[1] = 1e-3;
-        ball->load_force[0] = load;
-        must_go(&p, 1e-3, 2e-3);
-        CHECK(near(aoi_adaptive_peak(p.run, 0).force, load, 1e-12), "law %d: %.15g N", i, aoi_adaptive_peak(p.run, 0).force);
-        CHECK(aoi_adaptive_peak(p.run, 0).time == 0.0, "law %d: at %g", i, aoi_adaptive_peak(p.run, 0).time);
-        release(&p);
-    }
-}
-
 static double deepest_asked;
 
 static double saturating(double indentation, double rate)
@@ -465,74 +360,6 @@ static void contacts_meet_by_any_mode(void)
     fly_to_the_end(&p);
     compare(&p, x, v, 2e-10, 1e-8, "rocker");
     release(&p);
-}
-
-/* Bounces under gravity, as high as at first: each keeps its energy to the tolerance. */
-static void a_bouncing_ball_keeps_its_height(void)
-{
-    const double g = 9.81, v = 0.1, mass = 0.03;
-    const aoi_law law = hertz(1e9);
-    plant p = ball_on_wall(mass, v, &law);
-    part *ball = &p.part[0];
-    ball->pulled = 1;
-    ball->gravity[0] = g;
-    must_go(&p, 1e-13, 4.0);
-    size_t bounces = 0;
-    for (size_t r = 0; r < p.track.rows; r++) {
-        const double *row = p.track.values + p.track.row[r], *of = row + AOI_TRACK_FIXED + AOI_TRACK_STATE;
-        if (row[AOI_TRACK_CONTACTS] == 0.0 && row[AOI_TRACK_FIXED] == 0.0) {
-            bounces++;
-            CHECK(near(0.5 * of[1] * of[1] - g * of[0], 0.5 * v * v, 1e-13 * (double)(bounces + 1)),
-                  "bounce %zu: energy off by %g", bounces,
-                  (0.5 * of[1] * of[1] - g * of[0]) / (0.5 * v * v) - 1.0);
-        }
-    }
-    CHECK(bounces > 190, "it bounces: %zu times", bounces);
-    release(&p);
-}
-
-/* Where a ball rests on its contact, k d^(3/2) = m g, it stays at rest; let go above, it swings about. */
-static void what_rests_goes_on_resting(void)
-{
-    const double g = 9.81, mass = 2.0, k = 1e7, rest = pow(mass * g / k, 2.0 / 3.0);
-    const aoi_law law = hertz(k);
-    plant p = ball_on_wall(mass, 0.0, &law);
-    part *ball = &p.part[0];
-    ball->pulled = 1;
-    ball->gravity[0] = g;
-    ball->x[0] = rest;
-    must_go(&p, 1e-9, 0.05);
-    CHECK(near(p.x[0], rest, 1e-9) && fabs(p.v[0]) < 1e-9 * sqrt(g * rest), "at rest: %.12g", p.x[0] / rest);
-    CHECK(near(aoi_adaptive_peak(p.run, 0).impulse, mass * g * 0.05, 1e-9), "the floor carries its weight");
-    release(&p);
-}
-
-/* Hunt and Crossley: F = k d^n (1 + chi d') loses what (1 + chi v)e^(-chi v) = (1 - chi u)e^(chi u) says
- * of approach v and departure u; F v dt = -m dv gives it by separation. */
-static void hunt_and_crossley_lose_what_they_must(void)
-{
-    const double chi = 0.4, v = 1.5, mass = 0.8;
-    double low = 0.0, high = v;
-    for (int i = 0; i < 100; i++) {
-        const double u = 0.5 * (low + high);
-        /* int y / (1 + chi y) dy from -u to v is zero */
-        const double whole = chi * (v + u) - log((1.0 + chi * v) / (1.0 - chi * u));
-        if (whole > 0.0) {
-            low = u;
-        } else {
-            high = u;
-        }
-    }
-    const aoi_law law = law_named("hunt_crossley", 3, 1e7, chi, 1.5);
-    for (int tolerance = 4; tolerance <= 10; tolerance += 2) {
-        const double rtol = pow(10.0, -tolerance);
-        plant p = ball_on_wall(mass, v, &law);
-        must_go(&p, rtol, 0.02);
-        CHECK(near(-p.v[0], low, rtol), "rtol %g: leaves with %.12g, not %.12g", rtol, -p.v[0], low);
-        CHECK(near(p.run->contact[0].ledger.work, 0.5 * mass * (v * v - low * low), 10.0 * rtol),
-              "rtol %g: %.12g J lost", rtol, p.run->contact[0].ledger.work);
-        release(&p);
-    }
 }
 
 static double not_a_number(double indentation, double rate)
@@ -863,28 +690,6 @@ static void bodies_of_one_model_move_as_others_do(void)
     }
 }
 
-/* m d'' + c d' + k d = 0 that pulls until d is 0 again, after pi / omega_d. Near critical damping the bodies hardly move
- * then. */
-static void a_slow_end_is_when_the_indentation_is_zero(void)
-{
-    const double k = 70.0, mass = 2e-4, v = 6.0;
-    const double shares[] = {0.5, 0.9, 0.96};
-    for (size_t i = 0; i < 3; i++) {
-        const double c = 2.0 * shares[i] * sqrt(k * mass);
-        const double end = PI / sqrt(k / mass * (1.0 - shares[i] * shares[i]));
-        for (double rtol = 1e-4; rtol > 5e-9; rtol *= 1e-2) {
-            const aoi_law law = law_named("kelvin_voigt_pulling", 2, k, c, 0.0);
-            plant p = ball_on_wall(mass, v, &law);
-            must_go(&p, rtol, 1.2 * end);
-            aoi_interval work[1], interval[1];
-            CHECK(aoi_track_intervals(&p.system, &p.track, 1.2 * end, work, 1, interval) == 1, "one contact");
-            CHECK(near(interval[0].end, end, 10.0 * rtol), "share %g, rtol %g: ends at %.12g, not %.12g", shares[i],
-                  rtol, interval[0].end, end);
-            release(&p);
-        }
-    }
-}
-
 /* A load's work is F^2 t^2 / 2 m, beyond all numbers, although places and velocities are not; the contact feels none
  * of it. */
 static void energies_that_overflow_are_refused(void)
@@ -951,21 +756,14 @@ static void sizes_that_overflow_are_too_large(void)
 int main(void)
 {
     rigid_bodies_collide_in_closed_form();
-    the_first_moments_are_exact_relative_to_themselves();
-    a_linear_contact_is_half_a_sine();
-    a_damped_force_is_right_at_its_start();
     a_force_that_comes_back_is_seen();
     a_short_record_has_its_own_scale();
     a_wave_catches_up_with_what_parts();
     a_touch_beside_a_contact_is_not_stepped_over();
     a_crest_beside_a_contact_touches_or_does_not();
-    a_pressed_body_that_is_let_go_has_its_peak_at_the_start();
     a_law_is_asked_no_deeper_than_the_motion_may_lead();
     a_row_of_ringing_bodies();
     contacts_meet_by_any_mode();
-    a_bouncing_ball_keeps_its_height();
-    what_rests_goes_on_resting();
-    hunt_and_crossley_lose_what_they_must();
     a_law_that_fails_is_named();
     a_body_of_any_mass_runs_up_the_law();
     a_patch_has_its_limit();
@@ -973,7 +771,6 @@ int main(void)
     a_crest_that_is_drawn_back_has_its_own_scale();
     a_run_in_pieces_is_the_run();
     bodies_of_one_model_move_as_others_do();
-    a_slow_end_is_when_the_indentation_is_zero();
     energies_that_overflow_are_refused();
     senseless_runs_are_refused();
     sizes_that_overflow_are_too_large();

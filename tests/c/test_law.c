@@ -292,6 +292,7 @@ static void plastic_unloading_is_thorntons(void)
         aoi_law_value value;
         aoi_law_push(&law, memory, deepest - reach + share * reach, -1.0, &value);
         CHECK(near(value.force, top * pow(share, 1.5), 1e-12), "at %g of the way", share);
+        CHECK(near(value.stiffness, 1.5 * value.force / (share * reach), 1e-12), "its slope");
     }
     aoi_law_remember(&law, 0.9 * deepest, 0.0, memory);
     CHECK(near(aoi_law_rest(&law, memory), deepest - reach, 1e-13), "a smaller load changes nothing");

@@ -29,29 +29,6 @@ static void start(world *w, const aoi_star *star, aoi_rule rule, double velocity
     start_with_impulse(w, star, rule, velocity, 0.0, steps);
 }
 
-static void rigid_mass_flies_and_falls(void)
-{
-    const aoi_star mass = {0, 3.0, 0.0, NULL, NULL};
-    world s;
-    const double h = 1.0 / 1024.0; /* sums of powers of two are exact */
-    start(&s, &mass, (aoi_rule){h, 0.25, 0.5}, 2.0, 1000);
-    for (int j = 1; j <= 1000; j++) {
-        const observation seen = step(&s, 0.0);
-        CHECK(seen.displacement == 2.0 * h * j && seen.velocity == 2.0, "uniform motion, step %d",
-              j);
-        CHECK(seen.centre_displacement == seen.displacement && seen.kinetic == 6.0,
-              "of its centre too");
-        CHECK(seen.elastic == 0.0, "no energy but kinetic");
-    }
-    /* A constant force, from rest: the first step begins at a = 0 and ends at f/m. */
-    start(&s, &mass, (aoi_rule){h, 0.25, 0.5}, 0.0, 1000);
-    for (int j = 1; j <= 1000; j++) {
-        const observation seen = step(&s, 12.0);
-        CHECK(near(seen.velocity, 4.0 * h * (j - 0.5), 1e-13), "v = f/m (t - h/2), step %d", j);
-        CHECK(near(seen.displacement, 2.0 * h * h * (j * (j - 1.0) + 0.5), 1e-13), "u, step %d", j);
-    }
-}
-
 /* A mass on its ground spring: u_j = u_1 sin(j a)/sin(a) with u_1 = h V/(1 + beta W), W = (w h)^2
  * and tan^2(a/2) = W/4/(1 + (beta - 1/4) W): exact for any beta at gamma = 1/2. */
 static void oscillator_turns_by_a_fixed_angle(double beta, double step_angle)
@@ -91,32 +68,6 @@ static void numerical_damping_is_newmarks(void)
               "step %d: off by %g h", j, (u[2] - trace * u[1] + determinant * u[0]) / h);
         u[0] = u[1];
         u[1] = u[2];
-    }
-}
-
-/* A body may have mass that its model does not see: the weights of its centre are the caller's. */
-static void centre_is_the_weighted_mean(void)
-{
-    random_star r;
-    world s;
-    uint64_t seed = 51;
-    random_star_make(&r, 4, &seed, 0.0, 0.05, 1e5);
-    memset(&s, 0, sizeof s);
-    (void)add_star(&s, &r.star, 1.0, 3.0, NULL, NULL);
-    const double weights[] = {-0.1, 0.0, 0.1, 0.2, 0.3};
-    s.body[0].centre = weights;
-    CHECK(world_start(&s, AVERAGE, 101, NULL) == AOI_OK, "with weights of its own");
-    for (int j = 0; j < 100; j++) {
-        const observation seen = step(&s, 0.0);
-        const aoi_progress now = aoi_newmark_progress(s.run);
-        double place = 0.0, rate = 0.0, size = 0.0; /* size: of the terms, which may cancel */
-        for (int i = 0; i < 5; i++) {
-            place += weights[i] * now.x[i];
-            rate += weights[i] * now.v[i];
-            size += fabs(weights[i] * now.v[i]);
-        }
-        CHECK(near(seen.centre_displacement, place, 1e-13), "sum of w x, step %d", j);
-        CHECK(fabs(seen.centre_velocity - rate) < 1e-13 * size, "sum of w v, step %d", j);
     }
 }
 
@@ -364,7 +315,6 @@ static void rules_that_cannot_be(void)
 
 int main(void)
 {
-    rigid_mass_flies_and_falls();
     const double betas[] = {0.25, 1.0 / 6.0, 1.0 / 12.0, 0.4};
     for (size_t i = 0; i < 4; i++) {
         oscillator_turns_by_a_fixed_angle(betas[i], 0.01);
@@ -400,7 +350,6 @@ int main(void)
             drop();
         }
     }
-    centre_is_the_weighted_mean();
     massless_contact_is_statics();
     state_can_be_taken_up_again(0.03);
     state_can_be_taken_up_again(0.0);

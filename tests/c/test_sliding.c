@@ -234,39 +234,6 @@ static void a_gap_costs_nothing(void)
     CHECK(steps[1] <= steps[0] + 3 && near(v[1][1], v[0][1], 1e-7) && near(v[1][3], v[0][3], 1e-7), "steps %zu and %zu", steps[0], steps[1]);
 }
 
-/* All slips at first. Springs stick where their slide keeps up with the bound no more, u = mu/ratio d', and all slip again
- * before the end. */
-static void slip_is_located(void)
-{
-    const double mu = 0.1, velocity[3] = {FAST, 0.3 * FAST, 0.4 * FAST};
-    pair p;
-    memset(&p, 0, sizeof p);
-    rub(&p, "hertz", K, mu);
-    meet_wall(&p, RADIUS, velocity, NULL);
-    const outcome o = run(&p, 1e-6, 1.1 * hertz_time(MASS, K, FAST));
-    double at[2] = {0.0, 0.0};
-    aoi_slip slip[100];
-    const size_t count = aoi_track_slips(&p.w.system, &o.track, 100, slip);
-    size_t changes = 0;
-    CHECK(count >= o.end.steps && count <= 100 && slip[0].slips && slip[0].time == 0.0, "%zu, slip at first", count);
-    for (size_t i = 1; i < count; i++) {
-        CHECK(slip[i].contact == 0 && slip[i].time >= slip[i - 1].time, "by time");
-        if (slip[i].slips != slip[i - 1].slips && changes < 2) {
-            at[changes++] = slip[i].time;
-        }
-    }
-    CHECK(changes == 2, "%zu changes", changes);
-    const double *body = column(&p, &o, at[0]) + aoi_record_body(&p.w.system, 0) + AOI_BODY_ROWS;
-    const double slide = 0.6 * body[AOI_PORT_ROWS + 1] + 0.8 * body[2 * AOI_PORT_ROWS + 1];
-    CHECK(near(slide, mu / RATIO * body[1], 1e-6), "slide %g of %g", slide, mu / RATIO * body[1]);
-    for (size_t i = 0; i < 2; i++) {
-        const double before = column(&p, &o, at[i] * (1.0 - 1e-7))[AOI_CONTACT_STUCK];
-        const double after = column(&p, &o, at[i] * (1.0 + 1e-7))[AOI_CONTACT_STUCK];
-        CHECK((before > 0.0) == (i == 1) && (after > 0.0) == (i == 0), "change %zu: from %g to %g", i, before, after);
-    }
-    drop();
-}
-
 static void what_cannot_rub_is_refused(void)
 {
     const double velocity[3] = {FAST, 0.0, 0.0}, soft[9] = {1e-9, 0, 0, 0, 1e-9, 0, 0, 0, 1e-9};
@@ -288,7 +255,6 @@ int main(void)
     what_is_taken_out();
     overlap_at_the_start();
     a_gap_costs_nothing();
-    slip_is_located();
     what_cannot_rub_is_refused();
     return check_report();
 }

@@ -56,12 +56,7 @@ def power_law_errors(rtol, k, n, velocity):
 # --------------------------------------------------------------------------------- closed forms
 
 
-@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-8, 1e-11])
-def test_rigid_hertz_pair_to_every_tolerance(rtol):
-    errors = relative_errors(hit(rtol), *rigid_power(HERTZ.k, 1.5, MASS / 2, 1.0), 0.0)
-    assert max(errors) <= rtol
-
-
+@pytest.mark.slow
 def test_one_antioscillator_pair_to_ten_digits():
     """m0 = .1 % of the mass, k1 = 275.7 MN/m: by the campaign's DOP853 at its tightest."""
     m0, m1, k1 = 0.001 * MASS, 0.999 * MASS, 275.7e6
@@ -72,9 +67,6 @@ def test_one_antioscillator_pair_to_ten_digits():
     result = hit(1e-10, projectile=sphere, target=sphere)
     assert result.peak_force == pytest.approx(exact.peaks[0], rel=1e-10)
     assert result.contacts[0][1] == pytest.approx(exact.touches[0][0].end, rel=1e-10)
-
-
-# ------------------------------------------------------------------------------- convergence
 
 
 # ----------------------------------------------------------------------------------- hard cases
@@ -177,26 +169,6 @@ def test_many_contacts_with_a_ringing_beam_admit_what_they_do_not_know():
     assert len(fine.contacts) > 5
     assert true <= rough.error.time
     assert rough.error.time == 1e-3 or any("cannot be met" in str(w.message) for w in said)
-
-
-@pytest.mark.filterwarnings("ignore:.*no contact")
-def test_grazing_touches_are_found_and_misses_are_not_touches():
-    """A ringing mass approaches a wall-bound ball to just more, or just less, than nothing."""
-    # The star vibrates with amplitude 1 mm on a static spring after the first impact; the second
-    # body waits at a gap that the crest of the motion just reaches.
-    omega, v = 1e3, 1.0
-    swing = ao.AOModel(m0=1.0, k0=omega**2)
-    crest = v / omega
-    for share, touches in ((1 - 1e-9, True), (1 + 1e-9, False)):
-        result = hit(
-            projectile=swing,
-            target=WALL,
-            law=ao.Hertz(k=1e10),
-            velocity=v,
-            duration=3e-3,
-            gap=share * crest,
-        )
-        assert (len(result.contacts) > 0) == touches
 
 
 def test_many_bounces_between_a_spring_held_mass_and_a_ball_keep_the_energy():

@@ -33,17 +33,6 @@ def test_restitution_is_that_of_the_powers(law):
     assert hit.dent.depth == pytest.approx(law.dent(deepest).depth, rel=1e-6)
 
 
-def test_a_path_unloads_by_five_halves_and_reloads_by_three_once_the_bodies_have_parted():
-    law = BOTH[0]
-    deepest, top = 3e-4, law.force(3e-4)
-    rest = law.dent(deepest).depth
-    shares = np.array([0.6, 0.3, 0.6, 0.0, 0.4, 0.2])
-    force = law.force([deepest, *(rest + shares * (deepest - rest))], along=True) / top
-    again = 0.4**1.5
-    wanted = [1.0, 0.6**2.5, 0.3**2.5, 0.6**2.5, 0.0, again, again * 0.5**2.5]
-    assert force == pytest.approx(wanted, abs=1e-9)
-
-
 @pytest.mark.parametrize("solver", [ao.Adaptive(rtol=1e-8), ao.Newmark(dt=1e-7)], ids=str)
 @pytest.mark.parametrize("law", BOTH, ids=str)
 def test_blows_and_ringing_never_give_energy(law, solver):

@@ -143,13 +143,6 @@ def test_laws_are_values(name):
         law.k = 2.0
 
 
-def test_formulas():
-    assert ao.Hertz(k=2.0).force(4.0) == pytest.approx(16.0)
-    assert ao.PowerLaw(k=2.0, n=2.0).force(3.0) == pytest.approx(18.0)
-    assert ao.Linear(k=2.0).force(3.0) == 6.0
-    assert ao.PowerLaw(k=7.0, n=1.5).force(0.3) == pytest.approx(ao.Hertz(7.0).force(0.3))
-
-
 def test_damped_formulas():
     d, v, m = 0.25, -0.1, 0.04
     assert ao.HuntCrossley(3.0, 2.0).force(d, v) == pytest.approx(3 * d**1.5 * (1 - 0.2))

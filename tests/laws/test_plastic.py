@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -26,14 +25,6 @@ def thornton(ratio):
 def test_restitution_is_thorntons(times):
     found = ao.restitution(LAW, MASS, times * LAW.yield_velocity(MASS))
     assert found == pytest.approx(thornton(1 / times), rel=1e-10)
-
-
-def test_force_and_slope_are_continuous_at_yield():
-    start = LAW.yield_indentation
-    assert LAW.force(start) == pytest.approx(FORCE, rel=1e-14)
-    below, above = LAW.force(start * np.array([1 - 1e-7, 1 + 1e-7]))
-    assert above - FORCE == pytest.approx(FORCE - below, rel=1e-6)
-    assert LAW.force(3 * start) == pytest.approx(FORCE + 2 * start * 1.5 * K * math.sqrt(start))
 
 
 def test_yield_of_spheres_is_johnsons():

@@ -136,7 +136,7 @@ def damped_peak(law: ao.ContactLaw, mass: float, velocity: float, deep: float) -
     return peak
 
 
-@pytest.mark.parametrize("damping", [0.7, 1.1, 7.0, 10.7, 30.0])
+@pytest.mark.parametrize("damping", [0.7, 0.7354597560950398, 1.1, 7.0, 10.7, 30.0])
 @pytest.mark.parametrize("kind", [ao.KuwabaraKono, ao.Tsuji])
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5, 1e-6, 1e-8])
 def test_a_damped_force_that_is_largest_right_after_the_touch_is_found(kind, damping, rtol):
