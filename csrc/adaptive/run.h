@@ -105,7 +105,7 @@ struct aoi_adaptive {
     aoi_list watched[2]; /* open ones in free motion: 0 those with no touch yet found, 1 those that touch */
     aoi_list engaged, changed; /* bodies in this step; bodies changed since their last row */
     size_t span, row_size;
-    int crowded; /* of aoi_crowd_pays: contacts are solved by modes */
+    int crowded; /* 1: contacts are solved by modes (crowd.c) */
     /* numbers of entries: of closed contacts, which come first; with open ones beside them */
     size_t closed_count, entry_count;
     int level;                        /* steps are base 2^(-level/8) long */

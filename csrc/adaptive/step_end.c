@@ -33,7 +33,7 @@ static double top_of(const aoi_law *law, const aoi_contact_step *entry)
     return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }
 
-/* The peak of the normal force of a contact with friction, by its row: friction changes it a little. */
+/* Notes the peak of the normal force of a contact with friction, which changes it a little, by its row. */
 static void note_rubbing_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h, const double *of)
 {
     double place, value, force[3], bent;

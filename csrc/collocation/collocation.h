@@ -32,7 +32,7 @@ typedef struct aoi_sliding aoi_sliding; /* sliding.h */
  *   homogeneous, homogeneous_rate   motion under the constant forces of all contacts
  *   indentation, rate               a guess; in the end the solution */
 typedef struct aoi_contact_step {
-    size_t contact, axis;  /* axis: 0, or 1 and 2 along the tangents */
+    size_t contact, axis;  /* axis: 0 normal, 1 and 2 tangents */
     aoi_sliding *sliding;  /* NULL: without friction           */
     const double *memory;
     int piece;

@@ -21,7 +21,7 @@
  * SQUARE, CUBIC: coefficients of the cubic; FITTED: d_r. */
 enum { STIFFNESS, YIELD_FORCE, SLOPE, YIELD, FULL, FULL_FORCE, SQUARE, CUBIC, FITTED };
 enum { DEEPEST, REACH };                    /* memory, REACH: d* - d_p; both zero while all was elastic */
-enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces */
+enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces of the laws */
 
 /* Least FULL/YIELD. Where the hardness is less than about 1.25 times the pressure of yield, the
  * recovery at d_f is above 5/6 of d_f, and unloading would give back more than loading takes. */

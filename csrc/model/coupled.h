@@ -28,7 +28,7 @@ typedef struct aoi_rubbing {
 typedef struct aoi_contact_state {
     const aoi_law *law;
     aoi_rubbing *rubbing;            /* NULL: without friction                                 */
-    size_t axis;                     /* 0, or 1 and 2 along the tangents                       */
+    size_t axis;                     /* 0 along the normal, 1 and 2 the tangents               */
     double from;                     /* the gap, or where the slide of this step begins        */
     /* for fixed steps: numbers of its ports among those of all bodies */
     size_t port[2];

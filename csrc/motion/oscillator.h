@@ -1,4 +1,4 @@
-/* One mode in closed form, and the integrals that this takes. */
+/* Motion of one mode in closed form, and the integrals of polynomial forces on it. */
 #ifndef AOI_MOTION_OSCILLATOR_H
 #define AOI_MOTION_OSCILLATOR_H
 

@@ -21,7 +21,8 @@ typedef struct aoi_response {
     int has_rates;                        /* influence_rate is filled                     */
     double *impulse, *rate, *step, *ramp; /* [n][node]: aoi_motion at the nodes          */
     double *to_x, *to_v;                  /* [n][node]: x, v at the end, by force       */
-    /* [port][column][node][node]: at the port and second node, by a force at the column's and first */
+    /* [port][column][node][node]: at the port and the second node, by a force at the column's port
+     * and the first node */
     double *influence, *influence_rate;
     aoi_columns columns;
     double *impulse_response;             /* [port][node]: displacement after a unit impulse */

@@ -35,7 +35,7 @@ typedef struct aoi_stepped {
     /* number of coordinates up to the last that moves the centre */
     size_t centre_count;
     int plain;                            /* modes without damping and gravity, one port: modal.c    */
-    int moved;                            /* 1: x and v of a plain body lag behind                   */
+    int moved;                            /* 1: x and v of a plain body are out of date              */
     double port_rate, port_a, reached;    /* of a plain body's port, then of its centre of mass */
     double centre_rate, centre_a, centre_reached;
 } aoi_stepped;

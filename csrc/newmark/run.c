@@ -140,7 +140,7 @@ static int couple(aoi_newmark *run)
     return AOI_OK;
 }
 
-/* Moves friction to the place that has been found. */
+/* Moves the springs of friction to the place that a step has found. */
 static int rub(aoi_contact_state *contact)
 {
     aoi_rubbing *of = contact->rubbing;
