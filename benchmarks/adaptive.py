@@ -2,14 +2,14 @@
 
     python benchmarks/adaptive.py [--scene rigid] [--scene pair] [--scene beam]
 
-For each method the settings are tightened until the error of what is asked for stays under the
-limit, and the fastest of those from which on it does is taken: no setting that is right by chance.
-CVODE is driven by cvode_pair.c, built here where a C compiler and Debian's libsundials-dev are;
-Exudyn by exudyn_pair.py where that package is installed. Takes two or three minutes.
+The settings of each method are tightened until the error of the quantity asked for stays under the
+limit. Of the settings from there on the fastest is reported, so that none is right by chance.
+CVODE is driven by cvode_pair.c, which is built here if there are a C compiler and Debian's
+libsundials-dev; Exudyn by exudyn_pair.py if that package is installed. Takes two or three minutes.
 
-"call" is what a user waits for: ao.simulate with the curves of its result. "core" is the run in C
-alone, without the curves. CVODE and Exudyn are timed without Python and without curves. A curve of
-400 even times of the beam, with its energies, takes .9 of the run at rtol 1e-6.
+"call" is the time that a user waits for: ao.simulate with the curves of its result. "core" is the
+run in C alone, without the curves. CVODE and Exudyn are timed without Python and without curves. A
+curve of 400 even times of the beam, with its energies, takes 0.9 of the run at rtol 1e-6.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
 
 
 def plan_of(scene: dict[str, Any]) -> Scenario:
-    """The scene as `simulate` hands it on."""
+    """Return the scenario that `simulate` makes of a scene."""
     bodies = body_model("projectile", scene["projectile"]), body_model("target", scene["target"])
     contact = Contact(0, 0, 1, 0, scene["law"], scene.get("gap", 0.0))
     speeds = scene["velocity"], 0.0
@@ -66,7 +66,7 @@ def plan_of(scene: dict[str, Any]) -> Scenario:
 
 
 def core_arguments(plan: Scenario) -> tuple[Any, Any, Any, Any]:
-    """Bodies, contacts, and how the bodies move at the start, as the core takes them."""
+    """Return bodies, contacts and the bodies' initial motion in the form that the core takes."""
     bodies = tuple(body.for_core() for body in plan.modal)
     (contact,) = plan.contacts
     moving = tuple(body.whole.moving for body in plan.modal)
@@ -120,7 +120,7 @@ def newmark_core(case: Case, exact: Outcome) -> Iterator[Run]:
 
 
 def truth(case: Case) -> tuple[Outcome, str]:
-    """The closed form, or Adaptive at 1e-12 beside SciPy's DOP853 at its tightest."""
+    """Return the reference and its source: a closed form, or Adaptive at rtol 1e-12."""
     scene = case.scene
     if all(star.n == 0 and star.k0 == 0.0 for star in case.stars):
         mass = 1.0 / sum(1.0 / star.m0 for star in case.stars)
@@ -190,7 +190,7 @@ def ratio_text(ratio: float) -> str:
 
 
 def print_fixed_cost() -> None:
-    """What a call costs beside its integration."""
+    """Print the time of a call beyond that of its integration."""
     scene, solver = rigid_pair(), ao.Adaptive(rtol=1e-6)
     plan = plan_of(scene)
     whole = best_time(lambda: ao.simulate(**scene, solver=solver).peak_force)
@@ -200,7 +200,7 @@ def print_fixed_cost() -> None:
 
 
 def print_parts(case: Case) -> None:
-    """Where the time of one call goes."""
+    """Print the parts of the time of one call."""
     scene, plan = case.scene, plan_of(case.scene)
     for rtol in (1e-3, 1e-6, 1e-9):
         solver = ao.Adaptive(rtol=rtol)

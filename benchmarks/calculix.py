@@ -2,9 +2,9 @@
 
     python benchmarks/calculix.py            # needs ccx on the path, and gmsh
 
-Two steel spheres of 10 mm radius at 1 m/s, 1014.7 N (tests/resolved.py). CalculiX runs half of
-the impact: one sphere against a rigid plane at half the speed, which gives the same force. Times
-are of the processor, of all threads.
+Two steel spheres of 10 mm radius at 1 m/s, with a true peak force of 1014.7 N (tests/resolved.py).
+CalculiX runs half of the impact: one sphere against a rigid plane at half the speed, which gives
+the same force. Times are processor times of all threads.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ import numpy as np
 import aoimpact as ao
 from aoimpact.paper.sphere import RADIUS, RESOLVED_FORCE, STEEL
 
-# Elements at the contact and far from it, m. The contact has a radius of 0.31 mm.
+# Size of elements at the contact and far from it, m. The contact has a radius of 0.31 mm.
 GRADED = ((0.3e-3, 6e-3), (0.2e-3, 5e-3), (0.12e-3, 4e-3))
 EVEN = (8e-3, 5e-3, 3e-3)
 
-# Stiffness of the penalty, Pa/m: the contact's pressure of 5 GPa moves the faces by 50 nm, 1 % of
-# the indentation of each sphere.
+# Stiffness of the penalty, Pa/m: the contact pressure of 5 GPa causes a penetration of 50 nm, 1 %
+# of the indentation of each sphere.
 PENALTY = 1e17
 
 STEP, STEPS = 1e-6, 62  # s; the contact lasts 59 µs
@@ -39,7 +39,7 @@ FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))
 
 
 def graded_sphere(fine: float, coarse: float, path: Path) -> meshio.Mesh:
-    """A sphere of quadratic tetrahedra, small around (RADIUS, 0, 0)."""
+    """Return a sphere of quadratic tetrahedra, which are small around (RADIUS, 0, 0)."""
     gmsh.initialize(interruptible=False)
     for name, value in (
         ("General.Terminal", 0),
@@ -88,7 +88,7 @@ RF
 
 
 def deck(mesh: meshio.Mesh) -> str:
-    """The sphere against a fixed brick, in m, kg, s."""
+    """Return the input deck of the sphere against a fixed brick, in m, kg, s."""
     cells = mesh.cells_dict["tetra10"]
     x = mesh.points
     n = len(x)
@@ -124,7 +124,7 @@ def deck(mesh: meshio.Mesh) -> str:
 
 
 def by_calculix(mesh: meshio.Mesh, folder: Path) -> tuple[float, float]:
-    """Peak force, N, and processor time, s."""
+    """Return the peak force, N, and the processor time, s."""
     folder.joinpath("ball.inp").write_text(deck(mesh))
     two = os.environ | {"OMP_NUM_THREADS": "2"}
     began = resource.getrusage(resource.RUSAGE_CHILDREN)

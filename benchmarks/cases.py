@@ -1,4 +1,4 @@
-"""What is measured, and how: the scenes of the benchmark, times, errors, the choice of settings."""
+"""Scenes of the benchmark adaptive.py, and its times, errors and choice of settings."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from aoimpact.integrate import rigid_contact_time
 
 @dataclass(frozen=True)
 class Run:
-    """One setting of one method; `error` is the worst of what the scene asks for."""
+    """Run of one setting of a method; `error`: the largest of the quantities asked for."""
 
     setting: str
     seconds: float
@@ -27,7 +27,10 @@ class Run:
 
 @dataclass(frozen=True)
 class Case:
-    """A scene, what is asked of it, to what error, and how many times faster one aims to be."""
+    """A scene, the quantities asked for, the error limits, and the speed-ups aimed at.
+
+    `aims` has the wanted ratio of a peer's time to ours, by peer and error limit.
+    """
 
     title: str
     scene: dict[str, Any]
@@ -48,7 +51,7 @@ class Case:
 
     @property
     def ode(self) -> OdeScene:
-        """The scene as SciPy's solvers take it."""
+        """Equations of motion of the scene for SciPy's solvers."""
         scene = self.scene
         return ode_scene(
             self.stars,
@@ -107,7 +110,7 @@ CASES = {
 
 
 def best_time(call: Callable[[], object], most: int = 1000, enough: float = 0.2) -> float:
-    """Return the shortest of as many calls as fit into `enough` s."""
+    """Return the shortest time, s, of as many calls as fit into `enough` s, and at most `most`."""
     best, spent, done = math.inf, 0.0, 0
     while done == 0 or (done < most and spent < enough):
         start = time.perf_counter()
@@ -118,7 +121,7 @@ def best_time(call: Callable[[], object], most: int = 1000, enough: float = 0.2)
 
 
 def error_of(case: Case, exact: Outcome, found: Any) -> float:
-    """Velocities relative to the initial one."""
+    """Return the largest relative error of the quantities asked for; velocities by the initial."""
     scale = {"peak_force": exact.peak_force, "rebound_velocity": case.scene["velocity"]}
     return max(abs(getattr(found, n) - getattr(exact, n)) / abs(scale[n]) for n in case.asked)
 
@@ -135,7 +138,7 @@ def tighten(runs: Iterable[Run | None], least: float) -> list[Run]:
 
 
 def fastest(sweeps: list[list[Run]], limit: float) -> Run | None:
-    """The fastest of those settings that are good and no tighter one of which is bad."""
+    """Return the fastest setting that meets the limit, as do all tighter settings; or None."""
     good = []
     for sweep in sweeps:
         for run in reversed(sweep):

@@ -1,11 +1,11 @@
-"""A wave along rows of balls: what a contact costs in a row of 10, of 100 and of 1000.
+"""A wave along rows of balls: time per contact in a row of 10, of 100 and of 1000.
 
     python benchmarks/chains.py
 
-The wave passes each ball once, and each contact acts once: in a longer row one may cost no more
-than twice as much. Counted is the whole call, and reading the velocities at the end and the peak
-forces of all. Times are the processor's, not the clock's: what else the machine does would slow
-the long calls, and spare the shortest of the short ones. Takes half a minute.
+The wave passes each ball once, and each contact acts once: in a longer row a contact may cost at
+most twice as much. The time is that of the whole call, and of reading the final velocities and all
+peak forces. It is processor time: with wall time other load would slow the long calls, and spare
+the shortest of the short ones. Takes half a minute.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from measuring import Line, best_times, print_table
 
 import aoimpact as ao
 
-# Of the wave that a blow of 1 m/s makes, s.
+# Travel time from ball to ball of the wave that a blow of 1 m/s makes, s.
 FROM_BALL_TO_BALL = 30.29e-6
 MASS, LAW = 0.0327, ao.Hertz(k=1e10)
 

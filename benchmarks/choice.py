@@ -1,15 +1,16 @@
-"""What an impact to a tolerance costs, against building models of the order that it returns.
+"""Time of an impact to a tolerance, over that of building models of the order that it returns.
 
     python benchmarks/choice.py [--size 1.0] [--rtol 1e-1 1e-2 1e-3] [--quantity force]
     python benchmarks/choice.py beam plate --size 2 --full
 
-The whole of `simulate(quantity=, rtol=)`, for bodies of 10 000 to 180 000 dofs at --size 1 (half as
-large elements at .5), six of them meshed by gmsh, against the quickest linear solver building
-Krylov models of 2 n + 8 oscillators, where n are returned; and its true error over the tolerance,
-against models of 150 or more. Times are the processor's, with one thread, of the first call of
-each: nothing is kept from one to the other. With --full also against Newmark's rule on the full
-model, with the largest step that leaves no more error. With --quantity stress that is von Mises'
-equivalent stress 20 mm from the contact, and times are until its history is there.
+The time of the whole call `simulate(quantity=, rtol=)` is compared with that of building Krylov
+models of 2 n + 8 oscillators by the quickest linear solver, where n is the number of oscillators of
+the returned models. The true error over the tolerance is that against models of 150 oscillators or
+more. Bodies have 10 000 to 180 000 dofs at --size 1 (elements half as large at .5); six of them are
+meshed by gmsh. Times are processor times with one thread, of the first call of each: nothing is
+kept from one call to the other. --full compares with Newmark's rule on the full model as well, with
+the largest step that leaves no more error. The quantity of --quantity stress is von Mises'
+equivalent stress 20 mm from the contact, and times include its history.
 """
 
 from __future__ import annotations
@@ -41,19 +42,19 @@ ALUMINIUM = ao.Material(E=70e9, nu=0.3, rho=2700)
 BALL = ao.rigid(mass=4 / 3 * math.pi * 0.01**3 * STEEL.rho)
 ON_ALUMINIUM = ao.Hertz.between(STEEL, 0.01, ALUMINIUM, math.inf)
 
-# Oscillators of the models that true errors are relative to: so many, or so many times as many as
-# the strictest tolerance takes.
+# Oscillators of the models that true errors are relative to: a minimum number, and a multiple of
+# the number at the strictest tolerance.
 REFERENCE, TIMES_AS_MANY = 150, 3
 
-# Where stress is asked for: so far from the contact, m, and at so many times.
+# Distance from the contact at which stress is asked for, m, and number of times.
 FROM_CONTACT, TIMES = 0.02, 400
 
-# A linear solver that is so many times slower than the quickest by its own estimate is not timed.
+# Estimated time over that of the quickest linear solver, up to which a solver is timed.
 SLOWER = 2.0
 
 
 def disc(size: float) -> tuple[Any, ...]:
-    """A ball on a lens, a flattened sphere of 100 mm times 20 mm, free."""
+    """A ball on a free lens, a flattened sphere of 100 mm times 20 mm."""
     round_mesh = ao.sphere_mesh(0.05, 0.016 * size)
     flat = round_mesh.nodes * np.array([1.0, 1.0, 0.2])
     body = ao.FEModel.from_mesh(ao.Mesh(flat, round_mesh.cells, round_mesh.kind), ALUMINIUM)
@@ -98,14 +99,14 @@ class Part:
     Attributes
     ----------
     solids, holes : sequence of tuple
-        What is joined and what is cut out: a "Box", "Cylinder" or "Sphere" and the numbers of
+        Solids that are joined, and cut out: a "Box", "Cylinder" or "Sphere" and the arguments of
         gmsh's function for it, m.
     size : float
-        Of elements away from the contact, m.
+        Size of elements away from the contact, m.
     place : tuple
-        Struck along -z, m.
+        Place that is struck along -z, m.
     duration : float
-        s.
+        Length of the record, s.
     clamped : tuple of str and float, optional
         The plane, such as ("x", 0), whose nodes do not move.
     """
@@ -136,7 +137,7 @@ class Part:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("Mesh.ElementOrder", 2)
         gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
-        gmsh.option.setNumber("Mesh.HighOrderOptimize", 1)  # of what curved sides would invert
+        gmsh.option.setNumber("Mesh.HighOrderOptimize", 1)  # curved sides may invert elements
         occ, field = gmsh.model.occ, gmsh.model.mesh.field
         first, *others = [
             (3, getattr(occ, f"add{kind}")(*numbers)) for kind, *numbers in self.solids
@@ -237,16 +238,16 @@ def timed(call: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def fresh(case: str, size: float) -> tuple[Any, ...]:
-    """The case with nothing known of its bodies but their rigid motions."""
+    """Return the case anew, with nothing computed of its bodies but their rigid motions."""
     *bodies, law, duration = CASES[case](size)
     for body in bodies:
         if isinstance(body, ao.ContactPoint):
-            body.body.rigid_modes  # noqa: B018 - of the body, not of its model
+            body.body.rigid_modes  # noqa: B018 - a property of the body, no part of its model
     return *bodies, law, duration
 
 
 def building(case: str, size: float, solver: str, orders: list[int], contact_time: float) -> float:
-    """The time to build Krylov models of such orders with a linear solver, s."""
+    """Return the time to build Krylov models of such orders with a linear solver, s."""
     seconds = 0.0
     for body, n in zip(fresh(case, size)[:2], orders, strict=True):
         if isinstance(body, ao.ContactPoint):
@@ -256,7 +257,7 @@ def building(case: str, size: float, solver: str, orders: list[int], contact_tim
 
 
 def stress_at(tip: ao.ContactPoint) -> ao.StressAt:
-    """The equivalent stress at the node that is nearest to a sphere about the contact."""
+    """Return the stress at the node whose distance from the contact is nearest FROM_CONTACT."""
     nodes = tip.body.mesh.nodes
     away = np.linalg.norm(nodes - tip.point, axis=1)
     return ao.StressAt(tip.body, nodes[np.abs(away - FROM_CONTACT).argmin()])
@@ -268,7 +269,7 @@ def stress_history(hit: ao.Result, tip: ao.ContactPoint) -> np.ndarray:
 
 
 def difference(one: ao.Result, exact: ao.Result, quantity: str, tip: ao.ContactPoint) -> float:
-    """The largest difference of a quantity, relative."""
+    """Return the largest difference of a quantity, relative to the exact result's."""
     if quantity != "stress":
         return QUANTITIES[quantity].difference(exact, one)  # at the times of the latter
     right = stress_history(exact, tip)
@@ -276,7 +277,7 @@ def difference(one: ao.Result, exact: ao.Result, quantity: str, tip: ao.ContactP
 
 
 def exact_run(case: str, size: float, hit: ao.Result) -> ao.Result:
-    """The impact with models much larger than those of a run."""
+    """Run the impact with models much larger than those of a result."""
     *bodies, law, duration = fresh(case, size)
     models = []
     for body, model in zip(bodies, hit.models, strict=True):
@@ -295,7 +296,7 @@ def exact_run(case: str, size: float, hit: ao.Result) -> ao.Result:
 
 
 def simulated(case: str, size: float, quantity: str, rtol: float) -> tuple[float, ao.Result]:
-    """The time of a whole call, s, and what it returns."""
+    """Return the time of a whole call, s, and its result."""
     projectile, target, law, duration = fresh(case, size)
 
     def call() -> ao.Result:
@@ -316,7 +317,7 @@ def simulated(case: str, size: float, quantity: str, rtol: float) -> tuple[float
 
 
 def full_run(case: str, size: float, quantity: str, error: float, exact: ao.Result) -> float:
-    """The time of Newmark's rule on the whole bodies with no more than that error, s."""
+    """Return the time, s, of Newmark's rule on the full models with at most that error."""
     dt = exact.contact_duration / 25
     while True:
         *bodies, law, duration = fresh(case, size)
@@ -336,7 +337,7 @@ def measure(
     case: str, size: float, quantity: str, tolerances: list[float], full: bool = False
 ) -> None:
     target, exact = fresh(case, size)[1], None
-    for rtol in sorted(tolerances):  # the strictest knows best how long the contact lasts
+    for rtol in sorted(tolerances):  # the strictest first: its contact time is the most accurate
         seconds, hit = simulated(case, size, quantity, rtol)
         orders = [model.n for model in hit.models]
         taken = {model.linear_solver for model in hit.models} - {""}
@@ -377,7 +378,7 @@ def main() -> None:
     options = parser.parse_args()
     choice("--quantity", options.quantity, [*QUANTITIES, "stress"])
     with held_warnings():
-        building("beam", 4.0, "superlu", [0, 4], 1e-4)  # what is imported when it is first used
+        building("beam", 4.0, "superlu", [0, 4], 1e-4)  # imports modules that are used first here
         simulated("beam", 4.0, "force", 1e-1)
         for case in options.cases:
             measure(case, options.size, options.quantity, options.rtol, options.full)

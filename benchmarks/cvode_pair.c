@@ -1,15 +1,16 @@
-/* Two stars and a power law between them by SUNDIALS CVODE, as one would drive it from C: analytic
- * Jacobian, touches, releases and peaks by its root finding, tolerances to the size of each unknown.
+/* Impact of two AO models (stars) under a power law by SUNDIALS CVODE, in plain C: analytic Jacobian;
+ * touches, releases and peaks by root finding; absolute tolerances by the size of each unknown.
  *
  *   cc -O3 cvode_pair.c -lsundials_cvode -lsundials_nvecserial -lm
  *
- * (benchmarks/adaptive.py builds and feeds it.) Standard input, numbers apart by white space:
+ * benchmarks/adaptive.py builds and runs it. Standard input, numbers separated by white space:
  *   velocity gap duration, length (size of displacements), k n of F = k d^n,
  *   then for the projectile and the target: count m0 k0, count times m k;
  *   then any number of runs: method (0 Adams, 1 BDF), iteration (0 fixed point, 1 Newton), rtol,
  *   repeats, limit [s].
- * One line a run: "result", best time [s], peak force, end minus start of the first contact, velocity of the
- * projectile's centre of mass after the last one, steps, right-hand sides; "failed" if it fails. */
+ * Output, one line per run: "result", best time [s], peak force, duration of the first contact, velocity
+ * of the projectile's centre of mass after the last contact, steps, right-hand sides; or "result
+ * failed". */
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <stdio.h>
@@ -141,7 +142,7 @@ typedef struct found {
     long steps, evaluations;
 } found;
 
-/* Goes from root to root. */
+/* Integrates from root to root; collects the peak force, contact times and rebound velocity. */
 static int walk(const scene *s, void *cvode, N_Vector y, found *out)
 {
     double t = 0.0, stiffness;

@@ -1,15 +1,15 @@
-"""Two stars and a power law between them by Exudyn: runs where that package is installed.
+"""Impact of two AO models under a power law by Exudyn, if that package is installed.
 
     pip install exudyn;  python benchmarks/adaptive.py
 
-which starts this program and talks with it in lines of JSON. In: the scene, then any number of runs
-[integrator, steps, tolerance], a tolerance of 0 meaning fixed steps. Out, after "result ", one line
-a run: best time of the solver's call in s, peak force, velocity of the projectile's contact
-coordinate at the end, steps; or why there are none.
+adaptive.py starts this program and exchanges lines of JSON with it. In: the scene, then any number
+of runs [integrator, steps, tolerance], a tolerance of 0 meaning fixed steps. Out, after "result ",
+one line per run: best time of the solver's call in s, peak force, velocity of the projectile's
+contact coordinate at the end, steps; or the reason of a failure.
 
-Each star is one GenericODE2 object; the contact is a coordinate spring whose force is a symbolic
-user function, so that no Python is called while it runs. Indentation and its rate are recorded at
-every step; between the steps around the peak a cubic through both finds it.
+Each AO model is one GenericODE2 object; the contact is a coordinate spring whose force is a
+symbolic user function, so that no Python is called while it runs. Indentation and its rate are
+recorded at every step; the peak is that of a cubic through both at the steps around it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def body_matrices(star: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def add_body(mbs: Any, item: Any, star: dict[str, Any], velocity: float) -> tuple[int, int]:
-    """Its node, and the marker of its contact coordinate."""
+    """Add a body; return its node, and the marker of its contact coordinate."""
     mass, stiffness = body_matrices(star)
     n = len(mass)
     node = mbs.AddNode(
@@ -63,7 +63,7 @@ def build(scene: dict[str, Any]) -> tuple[Any, Any, list[int], list[int]]:
         node, marker = add_body(mbs, item, star, velocity)
         nodes.append(node)
         markers.append(marker)
-    # displacement = target's minus projectile's: the indentation with a minus sign.
+    # The connector's displacement is the target's minus the projectile's: minus the indentation.
     contact = mbs.AddObject(
         item.ObjectConnectorCoordinateSpringDamper(
             markerNumbers=markers, stiffness=scene["k"], damping=0.0
@@ -108,7 +108,7 @@ def settings(exu: Any, scene: dict[str, Any], steps: int, tolerance: float) -> A
 
 
 def no_output(made: Any) -> None:
-    """Sensors at every step, no file; the names changed with version 1.10 or thereabouts."""
+    """Record sensors at every step, without files; the names changed with about version 1.10."""
     if hasattr(made.solution, "sensors"):
         made.solution.file.write = False
         made.solution.sensors.writePeriod = 0.0
@@ -119,7 +119,7 @@ def no_output(made: Any) -> None:
 
 
 def peak(t: np.ndarray, depth: np.ndarray, rate: np.ndarray) -> float:
-    """The largest value of the cubics between the samples, where it is an interior maximum."""
+    """Return the largest depth, by cubics through depth and rate between samples about a peak."""
     best = float(depth.max())
     for i in np.flatnonzero((rate[:-1] > 0.0) & (rate[1:] <= 0.0)):
         h, slope = t[i + 1] - t[i], (depth[i + 1] - depth[i]) / (t[i + 1] - t[i])
@@ -158,7 +158,7 @@ def main() -> None:
         integrator, steps, tolerance = json.loads(line)
         try:
             answer = run(scene, integrator, steps, tolerance)
-        except Exception as error:  # whatever its reason, this setting is out
+        except Exception as error:  # this setting fails, whatever the reason
             answer = {"failure": f"{type(error).__name__}: {error}"}
         print("result " + json.dumps(answer), flush=True)
 

@@ -1,10 +1,10 @@
-"""What fields of a struck plate cost, as ratios to building its model.
+"""Time of the fields of a struck plate, over that of building its model.
 
     python benchmarks/fields.py [--across 36]
 
-A plate of `across` elements across, half as many again along and two through its thickness
-(hexahedra of 20 nodes; 36: 65 000 dofs), clamped at two edges, is struck by a steel ball. Asked for
-are motion and stress of a point at 100 times, of another point, and of all nodes of the lower face.
+A plate of `across` elements across, 1.5 times as many along and two through its thickness
+(hexahedra of 20 nodes; 36: 65 000 dofs), clamped at two edges, is struck by a steel ball. Motion
+and stress at 100 times are computed for a point, another point, and all nodes of the lower face.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ TIMES = 100
 
 
 def struck(across: int) -> tuple[ao.Result, float]:
-    """The impact, and the processor time of building its model, s."""
+    """Return the impact, and the processor time of building its model, s."""
     alu = ao.Material(E=70e9, nu=0.33, rho=2700)
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)
     mesh = ao.box_mesh((0.3, 0.2, 0.005), (3 * across // 2, across, 2), kind="hexahedron20")
@@ -37,7 +37,7 @@ def struck(across: int) -> tuple[ao.Result, float]:
 
 
 def seconds_of(hit: ao.Result, times: object, **place: object) -> float:
-    """The processor time of motion and stress of a place, s."""
+    """Return the processor time of motion and stress of a place, s."""
     start = time.process_time()
     _ = hit.target.probe(**place, times=times).stress.von_mises
     return time.process_time() - start

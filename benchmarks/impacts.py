@@ -27,12 +27,13 @@ def pair() -> dict[str, Any]:
 def beam_star(n: int = 28) -> AOModel:
     """Return `n` anti-oscillators of the paper's beam, simply supported, seen from midspan.
 
-    Euler-Bernoulli: the anti-oscillators are half the beam, clamped at midspan and pinned at its
-    end, tan x = tanh x, with m_i = 4 M coth²x / x²; static mass 17/35 M, k0 = 48 E I / L³.
+    By Euler-Bernoulli theory the anti-oscillators are modes of half the beam, clamped at midspan
+    and pinned at its end: tan x = tanh x, m_i = 4 M coth²x / x²; static mass 17/35 M and
+    k0 = 48 E I / L³.
     """
     modulus, density, length, width = 70e9, 2400.0, 1.0, 0.02
     mass, bending = density * length * width**2, modulus * width**4 / 12.0
-    # tan x = tanh x: x = i π + atan(tanh x), a contraction.
+    # Fixed-point iteration of tan x = tanh x: x = i π + atan(tanh x) is a contraction.
     turns = math.pi * np.arange(1, n + 1)
     x = turns + math.pi / 4.0
     for _ in range(20):

@@ -1,11 +1,11 @@
-"""How often true parameters are within two standard errors of laws that are fitted to noise.
+"""How often parameters of laws fitted to noisy data are within two standard errors of the truth.
 
     python benchmarks/law_coverage.py 10000 --workers 2 --out docs/law-coverage.csv
 
 Laws of random parameters are measured with independent noise of 0.5 to 10 % of the peak: force
-histories on a clock of their own, curves of loading, unloading and reloading, and dents. Normally
-distributed errors are within two standard errors in 95.4 of 100 cases. Parameters that a fit names
-as undetermined do not count. 10 000 fits take half an hour of two busy cores.
+histories whose contact starts at an unknown time, curves of loading, unloading and reloading, and
+dents. Normally distributed errors are within two standard errors in 95.4 of 100 cases. Parameters
+that a fit names as undetermined do not count. 10 000 fits take half an hour on two cores.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ KINDS = (
 
 
 class Test(NamedTuple):
-    """A true law, the time when its contact begins, s, and how `fit_law` is called."""
+    """A true law, the start of its contact, s, and the arguments of `fit_law`."""
 
     law: Any
     begin: float
@@ -43,7 +43,7 @@ class Test(NamedTuple):
 
 
 def true_law(kind: str, rng: np.random.Generator, mass: float, speed: float) -> Any:
-    """Return a law of random parameters, as stiff as the blow needs to show them."""
+    """Return a law of random parameters that the impact makes visible in the measurement."""
     k = 10.0 ** rng.uniform(8.5, 10.0)
     depth = ao.Hertz(k).stroke(0.5 * mass * speed**2)
     peak = k * depth**1.5
@@ -68,7 +68,7 @@ def true_law(kind: str, rng: np.random.Generator, mass: float, speed: float) -> 
 
 
 def start_of(law: Any, free: list[str], rng: np.random.Generator) -> dict[str, Any]:
-    """Return what a fit begins with: the class, or a plastic law that is some way off."""
+    """Return the fit's initial law: a class, or a plastic law with wrong parameters."""
     if not isinstance(law, ao.ElasticPlastic):
         return {"law": type(law)}
     off = {name: getattr(law, name) * rng.uniform(1.0, 1.2) for name in free}
@@ -107,7 +107,7 @@ def test_of(kind: str, rng: np.random.Generator) -> Test:
 
 
 def fitted(number: int) -> list[tuple[str, str, float]]:
-    """Return kind, parameter and error over standard error of a fit; NaN of one that failed."""
+    """Return kind, parameter and error over standard error of a fit; NaN if it failed."""
     rng, kind = np.random.default_rng([7, number]), KINDS[number % len(KINDS)]
     test = test_of(kind, rng)
     with warnings.catch_warnings():

@@ -1,10 +1,11 @@
-"""What a contact law costs in the solvers, as ratios to Hertz's in the same scene.
+"""Time of the solvers with each contact law, over that with Hertz's law in the same scene.
 
     python benchmarks/laws.py
 
-An anti-oscillator pair, in contact for the whole record; Newmark with steps short enough that
-the laws are what differs, and Adaptive where it takes the law. A law as a C function, compiled here
-where there is a compiler, is compared with the built-in one of the same form. Takes half a minute.
+Two bodies of one anti-oscillator each are in contact for the whole record. Newmark's rule has the
+same steps with all laws; Adaptive is timed with the laws that it takes. A law as a C function,
+compiled here if there is a compiler, is compared with the built-in law of the same form. Takes half
+a minute.
 """
 
 from __future__ import annotations
@@ -102,7 +103,7 @@ def compare(title: str, laws: dict[str, ao.ContactLaw], yardstick: str, solver: 
 
 
 def main() -> None:
-    warnings.simplefilter("ignore", ao.AOImpactWarning)  # the record ends in contact: as meant
+    warnings.simplefilter("ignore", ao.AOImpactWarning)  # the record is meant to end in contact
     hertz = ao.Hertz(K)
     everything = {"Hertz": hertz} | library()
     compare(f"Newmark, {STEPS} steps in contact", everything, "Hertz", NEWMARK)

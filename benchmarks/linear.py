@@ -4,11 +4,10 @@
     python benchmarks/linear.py --direct
     python benchmarks/linear.py --sheet
 
-Each line is a process of its own, so that its memory is its own. A million dofs (--most 1.2e6) take
-some 5 GiB and, with --pipeline (mesh to 8 anti-oscillators), a minute or two. With --direct, time
-and entries of factors are compared with their estimates, on balls, blocks, plates,
-sheets and bars; with --sheet, the natural frequencies and a model of a steel sheet of 300 x 300 x
-1 mm are timed.
+Each line is from a process of its own, so that the memory is that of its solver. A million dofs
+(--most 1.2e6) take some 5 GiB and, with --pipeline (mesh to 8 anti-oscillators), a minute or two.
+--direct compares time and entries of factors with their estimates, on balls, blocks, plates, sheets
+and bars; --sheet times the natural frequencies and a model of a steel sheet of 300 x 300 x 1 mm.
 """
 
 from __future__ import annotations
@@ -29,7 +28,8 @@ from aoimpact.linalg.multigrid import Multigrid
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
-# What few oscillators are best shifted by, for a blow of some 70 µs; and the residual of solutions.
+# Shift s² that suits models of few oscillators for a blow of some 70 µs, (rad/s)²; and relative
+# residual of solutions.
 SHIFT = 1.5e5**2
 TOLERANCE = 1e-8
 
@@ -37,7 +37,7 @@ TOLERANCE = 1e-8
 SPHERES = {2e4: 3e-3, 4.5e4: 2e-3, 2.3e5: 1e-3, 1.14e6: 0.55e-3}
 BARS = {2.2e4: (60, 3), 4e4: (80, 4), 2.8e5: (160, 8), 1.14e6: (260, 13)}
 
-# Above these a direct solver needs minutes.
+# Dofs above which a direct solver needs minutes.
 DIRECT_MOST = {"superlu": 4.1e4, "pardiso": 1e5}
 
 
@@ -52,7 +52,7 @@ def body_of(shape: str, dofs: float) -> tuple[ao.FEModel, ao.ContactPoint]:
 
 
 def timed(call: Callable[[], object]) -> tuple[object, float, float]:
-    """The result, seconds by the clock, and seconds of the processor: equal on an idle machine."""
+    """Return the result, wall time, s, and processor time, s, which agree on an idle machine."""
     start, cpu = time.perf_counter(), time.process_time()
     result = call()
     return result, time.perf_counter() - start, time.process_time() - cpu
@@ -92,7 +92,7 @@ BODIES = {
 
 
 def direct() -> None:
-    """Factors, against their estimates; minimum degree for comparison."""
+    """Print entries and times of factors beside their estimates, and times by minimum degree."""
     methods = [METHODS[name] for name in ("superlu", "pardiso") if METHODS[name].is_installed()]
     print(f"{'':16}{'dofs':>8}  entries/foretold  seconds of the processor (foretold)")
     for name, mesh in BODIES.items():
@@ -110,7 +110,7 @@ def direct() -> None:
 
 
 def sheet() -> None:
-    """Of a clamped sheet, one layer of flat elements: what took minutes or did not end."""
+    """Time a clamped sheet of one layer of flat elements, on which iterations may take minutes."""
     mesh = BODIES["sheet"]()
     for what, call in (
         ("frequencies(3)", lambda body: body.frequencies(3)),

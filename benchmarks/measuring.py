@@ -1,4 +1,4 @@
-"""Times by the clock, as the shortest of several, and tables of them as ratios."""
+"""Times as the shortest of several calls, and tables of times with their ratios."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def best_times(
 ) -> list[float]:
     """Return the shortest time of each call, s, of as many rounds as fit into `enough` s.
 
-    They are called in turn, so that whatever else the machine does is no part of their ratio.
+    The calls take turns, so that other load of the machine affects all of them alike.
     """
     best = [math.inf] * len(calls)
     end = time.perf_counter() + enough
@@ -31,7 +31,7 @@ def best_times(
 
 @dataclass(frozen=True)
 class Line:
-    """What was measured, s, and what it is to be compared with, s."""
+    """A measured time, s, and the time that it is compared with, s."""
 
     what: str
     seconds: float

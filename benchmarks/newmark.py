@@ -1,11 +1,12 @@
-"""Newmark's rule in the C core: what a step costs, as ratios to things measured in the same run.
+"""Newmark's rule in the C core: time of a step, over other times measured in the same run.
 
     python benchmarks/newmark.py
 
-A star against a plain C loop (newmark_star.c, built here where there is a C compiler) and against a
-copy of the record; the full model of the paper's beam against its own back-substitution and product
-with K, and against the loop that one would write on SciPy; assembly; two threads against one. Takes
-about half a minute. Machines differ and are shared: the ratios are what to read.
+A star (an AO model) is compared with a plain C loop (newmark_star.c, built here if there is a C
+compiler) and with a copy of the record; the full model of the paper's beam with its own
+back-substitution and product with K, and with a plain loop on SciPy; assembly with sorting; two
+threads with one. Takes about half a minute. Only the ratios are meaningful: machines differ and are
+shared.
 """
 
 from __future__ import annotations
@@ -35,11 +36,11 @@ from aoimpact.scene import stepped
 
 MASS, HERTZ, VELOCITY = 0.0326725636, 1e10, 1.0
 DT, STEPS = 2e-6, 10_000
-ROWS = 4 + 2 * 8  # of a contact and two bodies with a port each
+ROWS = 4 + 2 * 8  # rows of the record of a contact and two bodies with a port each
 
 
 def core_run(target: Any, steps: int, energies: bool) -> Callable[[], np.ndarray]:
-    """Return a run of the core alone: a rigid sphere on `target`, at rest again each time."""
+    """Return a run of the core alone, from the same start each time: a rigid sphere on `target`."""
     bodies = stepped(ao.rigid(mass=MASS), VELOCITY), stepped(target)
     described = tuple(body.for_core(DT, 0.25, 0.5) for body in bodies)
     x, v = (np.concatenate(parts) for parts in zip(*((b.x, b.v) for b in bodies), strict=True))
@@ -83,7 +84,7 @@ def plain_c_run(star: ao.AOModel, folder: str) -> Callable[[], np.ndarray] | Non
 
 
 def call_run(star: ao.AOModel) -> Callable[[], ao.Result]:
-    """Return the same run as a user calls it, without the second one that estimates the error."""
+    """Return the same run by `simulate`, without the second run that estimates the error."""
     solver = ao.Newmark(dt=DT, estimate=False)
     scene = {"projectile": ao.rigid(mass=MASS), "target": star, "law": ao.Hertz(k=HERTZ)}
     scene |= {"velocity": VELOCITY, "duration": STEPS * DT, "solver": solver}
@@ -119,7 +120,7 @@ def measure_star(folder: str) -> list[Line]:
 
 
 def scipy_loop(model: ao.FEModel, b: np.ndarray, steps: int) -> float:
-    """Run the loop that one would write: factors of SciPy, one solve a step, Newton by hand."""
+    """Run a plain loop on SciPy: one solve with its factors per step, and Newton's method."""
     K, M, dof = model.K, model.M, int(np.argmax(np.abs(b)))
     sign, reach = b[dof], 0.25 * DT**2
     solve = spla.splu((M + reach * K).tocsc()).solve
@@ -171,7 +172,7 @@ def measure_full() -> list[Line]:
 
     def parts() -> None:
         for _ in range(steps):
-            x[:] = u  # kept from shrinking to nothing
+            x[:] = u  # reset, since repeated solves would make it underflow
             _core.factors_solve(factors, work, x)
             model.K @ u
 

@@ -1,9 +1,10 @@
-/* A yardstick: a rigid sphere on a star by Newmark's average acceleration, as one would write it with
- * nothing else in mind - no record of velocities or energies, no other law, no massless contact. */
+/* Yardstick for the core: a rigid sphere on a star (an AO model) by Newmark's average acceleration, in
+ * plain C - no record of velocities or energies, no other law, no massless contact. */
 #include <math.h>
 #include <stddef.h>
 
-/* Newton's method from the last indentation for d = free_end - compliance hertz d^(3/2), the force at it. */
+/* Returns the force hertz d^(3/2) at the root of d = free_end - compliance hertz d^(3/2), by Newton's
+ * method from the last indentation, and sets the indentation d. */
 static double force_at(double free_end, double compliance, double hertz, double *indentation)
 {
     if (free_end <= 0.0) {

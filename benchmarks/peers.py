@@ -1,4 +1,4 @@
-"""The others: SciPy's solvers, CVODE and Exudyn, each at tighter and tighter settings."""
+"""Runs of SciPy's solvers, CVODE and Exudyn, each at tighter and tighter settings."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def scipy_runs(case: Case, exact: Outcome, method: str) -> Iterator[Run | None]:
 
 
 class Peer:
-    """Another program that is given a scene and then runs, and answers each with a line."""
+    """Another program that reads a scene and then settings, and answers each with a line."""
 
     def __init__(self, command: list[str], scene: str) -> None:
         pipe = subprocess.PIPE
@@ -60,7 +60,7 @@ class Peer:
 
 
 def build_cvode(folder: Path) -> Path | None:
-    """Return the program, or None where there is no C compiler or no CVODE."""
+    """Return the program that runs CVODE, or None if there is no C compiler or no CVODE."""
     program = folder / "cvode_pair"
     libraries = ["-lsundials_cvode", "-lsundials_nvecserial", "-lm"]
     command = [os.environ.get("CC", "cc"), "-O3", str(HERE / "cvode_pair.c"), "-o", str(program)]
@@ -136,7 +136,7 @@ def exudyn_runs(case: Case, exact: Outcome, name: str) -> Iterator[Run | None]:
 
 
 def exudyn_settings(case: Case, name: str) -> list[tuple[int, float]]:
-    """DOPRI5 to a tolerance, the others with fixed steps."""
+    """Return numbers of steps and tolerances: of DOPRI5 tolerances, of the others fixed steps."""
     if name == "DOPRI5":
         return [(1000, rtol) for rtol in tolerances(1e-3, 1e-12)]
     most = 5e5 if case.scene["duration"] < 1e-3 else 2e5

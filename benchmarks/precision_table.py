@@ -1,4 +1,4 @@
-"""A table of error against time: its text, its figure, its file."""
+"""Table of error against time, as text, figure and file."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Measurement:
-    """One run: how long it took and how wrong it was.
+    """Time and errors of one run.
 
     Attributes
     ----------
     method, setting : str
         E.g. "Newmark" and "dt=1e-08 s".
     seconds : float
-        Wall time of the call, the best of several.
+        Shortest wall time of several calls, s.
     peak_force, contact_duration, rebound_velocity : float
-        Relative errors; the velocity's relative to the initial one.
+        Relative errors; that of the velocity is relative to the initial velocity.
     failure : str
-        Why there are no numbers (then they are NaN); else empty.
+        Reason for a failure, with which the numbers are NaN; else empty.
     """
 
     method: str
@@ -53,25 +53,25 @@ class Measurement:
 
     @property
     def error(self) -> float:
-        """The worst of the three."""
+        """Largest of the three errors."""
         return max(self.peak_force, self.contact_duration, self.rebound_velocity)
 
 
 @dataclass(frozen=True)
 class Reference:
-    """What errors are relative to, and how well it is known.
+    """Reference that errors are relative to, and its uncertainty.
 
     Attributes
     ----------
     outcome : Outcome
         Peak force, N, duration of the first contact, s, and rebound velocity, m/s.
     source : str
-        The method that gave it.
+        Method that gave the reference.
     uncertainty : float or None
-        Relative, the worst of the three: its change from ten times its tolerance, or its distance
-        from an independent method if that is larger.
+        Largest relative uncertainty of the three: the change from ten times the tolerance, or the
+        difference from an independent method if that is larger.
     independent : float or None
-        That distance alone, where a second method was run.
+        Difference from the independent method, if one was run.
     """
 
     outcome: Outcome
@@ -100,10 +100,10 @@ class WorkPrecision:
     Attributes
     ----------
     scene : str
-        What was simulated.
+        Description of the impact.
     reference : Reference
     rows : tuple of Measurement
-        By method, in the order of the settings.
+        Runs by method, in the order of the settings.
     """
 
     scene: str
@@ -120,7 +120,7 @@ class WorkPrecision:
         return tuple(dict.fromkeys(row.method for row in self.rows))
 
     def fastest(self, method: str, error: float) -> Measurement | None:
-        """Return the fastest run of a method with none of its errors above `error`, or None."""
+        """Return the fastest run of a method with no error above `error`, or None."""
         choice("method", method, self.methods)
         limit = positive("error", error)
         good = [row for row in self.rows if row.method == method and row.error <= limit]
@@ -148,7 +148,7 @@ class WorkPrecision:
         return error_axes(ax, "time of the call (ms)", errors_of)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the table: one row a run, times in s, errors relative."""
+        """Write the table: one row per run, times in s, errors relative."""
         names = [field.name for field in fields(Measurement)]
         heading = [*names[:3], *(f"error of {name}" for name in names[3:6]), *names[6:]]
         write_csv(path, heading, ([getattr(row, name) for name in names] for row in self.rows))
@@ -160,7 +160,7 @@ class WorkPrecision:
         return "\n".join([self.scene, str(self.reference), *rows, *self._comparisons()])
 
     def _comparisons(self) -> list[str]:
-        """The fastest run of each method at some errors, and how many times the quickest's time."""
+        """Return a line for each of some errors, with the fastest run of each method and ratios."""
         lines = []
         for error in (1e-3, 1e-6, 1e-9):
             best = [run for name in self.methods if (run := self.fastest(name, error))]

@@ -1,4 +1,4 @@
-"""What building scene-fitted anti-oscillators costs, as ratios to what else could be done.
+"""Time of building scene-fitted anti-oscillators, over that of the alternatives.
 
     python benchmarks/reduction.py [--size 2.5]
     python benchmarks/reduction.py --constrained
@@ -6,15 +6,15 @@
     python benchmarks/reduction.py --patch
     python benchmarks/reduction.py --eigen
 
-The first: against one factorisation of K + s²M by the same solver, and n + 2 solutions with it; a
-sphere with elements of `size` mm. The second: the same for bodies clamped at their ends, slender,
-thin and compact, which need their static mode besides; in processor time. The third: against the
-lowest constraint modes by ARPACK with factors by the same solver, for equal force error, in
-processor time; the sphere on its like, and a rigid ball on a slender bar clamped at both ends
-(4 x 4 elements across, `along` along). The fourth: 28 constraint modes by mass for a patch against
-a node, on a beam of hex20 clamped at both ends, in processor time: as long. The fifth: 5
-anti-oscillators by either method against all of them, on clamped plates, in processor time.
-Machines differ and are shared: the ratios are what to read.
+The first compares with one factorisation of K + s²M by the same solver and n + 2 solutions with it,
+for a sphere with elements of `size` mm. The second does so for bodies clamped at their ends,
+slender, thin and compact, which need their static mode as well. The third compares with the lowest
+constraint modes by ARPACK with factors by the same solver, for equal force error: for the sphere on
+an equal one, and for a rigid ball on a slender bar clamped at both ends (4 x 4 elements across,
+`along` along). The fourth compares 28 constraint modes by mass for a patch with those for a node,
+which should take as long, on a beam of hex20 clamped at both ends. The fifth compares 5
+anti-oscillators by either method with all of them, on clamped plates. All but the first measure
+processor time. Only the ratios are meaningful: machines differ and are shared.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from aoimpact.results import QUANTITIES
 
 CONTACT_TIME = 80e-6
 
-# Oscillators of the model that errors are relative to, and the most constraint modes computed.
+# Oscillators of the model that errors are relative to, and maximum number of constraint modes.
 REFERENCE, MOST = 80, 48
 
 
@@ -83,7 +83,7 @@ def clamped(
 
 
 def without_mesh(tip: ao.ContactPoint) -> ao.ContactPoint:
-    """The same body of which only K and M are known, struck at the dof that moves most."""
+    """Return the same body given by K and M alone, struck at the dof that moves most."""
     body = ao.FEModel(K=tip.body.K, M=tip.body.M)
     return body.contact(dof=int(np.argmax(np.abs(tip.b))))
 
@@ -121,7 +121,7 @@ def constrained_against_solutions() -> None:
 
 
 class Factors:
-    """A solver that factorises each matrix once, whoever asks, and knows how long that took."""
+    """A solver that factorises each matrix once for all callers, and measures the time of that."""
 
     def __init__(self) -> None:
         self.seconds = 0.0
@@ -161,7 +161,8 @@ def force_errors(stars: list[ao.AOModel], exact: ao.AOModel, projectile: Any) ->
 
 def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
     start = time.perf_counter()
-    mine, theirs = Factors(), Factors()  # K + s²M, of a slender body K too; K or a shifted one
+    # Scene-fitted: factors of K + s²M, for a slender body of K too. ARPACK: of K, or shifted.
+    mine, theirs = Factors(), Factors()
     krylov = partial(ao.antioscillators, tip, method="krylov", contact_time=CONTACT_TIME)
     eigen = partial(ao.antioscillators, tip, order="frequency")
     space = KrylovSpace(tip, contact_time=CONTACT_TIME, solver=mine)
@@ -198,7 +199,7 @@ def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
 
 
 def patch_against_node() -> None:
-    """The heaviest constraint modes of a slender beam clamped at both ends, off its middle."""
+    """Time the heaviest constraint modes of a patch and a node on a beam clamped at both ends."""
     mesh = ao.box_mesh((1.0, 0.05, 0.05), (40, 4, 4), kind="hexahedron20")
     beam = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
     node, patch = (beam.contact(point=(0.37, 0.02, 0.05), radius=r) for r in (0.0, 0.014))
@@ -215,7 +216,7 @@ def patch_against_node() -> None:
 
 
 def few_against_all() -> None:
-    """What a few anti-oscillators cost, which must be less than all."""
+    """Time a few anti-oscillators, which must take less than all of them."""
     for cells in ((10, 5, 2), (16, 8, 2)):
         mesh = ao.box_mesh((0.2, 0.1, 0.01), cells, kind="hexahedron20")
         plate = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz")])
@@ -250,7 +251,7 @@ def main() -> None:
         constrained_against_solutions()
         return
     ball = sphere(1e-3 * (options.size or (1.9 if options.arpack else 2.5)))
-    ball.body.rigid_modes  # noqa: B018 - they are the body's, not the model's
+    ball.body.rigid_modes  # noqa: B018 - a property of the body, no part of its model
     if not options.arpack:
         against_solutions(ball)
         return

@@ -1,7 +1,7 @@
 """The same impact by SciPy's solvers: an independent check, and the cost of a user's own script.
 
-It integrates the equations of motion (section 3.1 of the paper) in the coordinates of the AO
-models, without the core: it shares neither modes nor formulas with the solvers compared with it.
+The equations of motion (section 3.1 of the paper) are integrated in the coordinates of the AO
+models, without the core: no modes or formulas are shared with the solvers that are compared.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ ForceLaw = Callable[[float], tuple[float, float]]
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
-# Of these it makes no difference that a Jacobian is there: they have no use for one.
+# Methods that use no Jacobian.
 _EXPLICIT = ("RK23", "RK45", "DOP853")
 
-# A bound on a loop: a ball that comes to rest on a floor would touch it endlessly often.
+# Maximum number of contacts: a ball that comes to rest on a floor would touch it endlessly often.
 _MOST_CONTACTS = 100_000
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The three numbers that runs are judged by: N, s (first contact), m/s (centre of mass)."""
+    """Peak force, N, duration of the first contact, s, and rebound of the centre of mass, m/s."""
 
     peak_force: float
     contact_duration: float
@@ -43,7 +43,7 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class _Half:
-    """An AO model: M u'' + K u = -contact F; its contact moves by contact·u - compliance F."""
+    """AO model M u'' + K u = -contact F; its contact displacement is contact·u - compliance F."""
 
     mass: FloatArray
     stiffness: FloatArray
@@ -85,11 +85,11 @@ class OdeScene:
     matrix, push, depth, centre, start : ndarrays
         `centre` y is the velocity of the projectile's centre of mass, `start` is y at t = 0.
     compliance, gap : float
-        c, of massless contacts less that of the patches, m/N; m.
+        c, the compliance of massless contacts less that of the patches, m/N, and the gap, m.
     force : callable
-        F and dF/dδ at δ > 0.
+        δ > 0 ↦ F and dF/dδ.
     scale : ndarray
-        Sizes of the components of y, which SciPy's absolute tolerances are taken of.
+        Sizes of the components of y, to which SciPy's absolute tolerances are proportional.
     """
 
     matrix: FloatArray
@@ -104,7 +104,7 @@ class OdeScene:
     duration: float
 
     def indentation(self, y: FloatArray) -> float:
-        """δ where there is no force: what would be, were it not for the compliance."""
+        """Return δ without the compliance c: depth y - gap."""
         return float(self.depth @ y) - self.gap
 
     def contact_force(self, free: float) -> tuple[float, float]:
@@ -122,7 +122,7 @@ class OdeScene:
         return force, stiffness / (1.0 + self.compliance * stiffness)
 
     def run(self, method: str, rtol: float, longest: float = math.inf) -> Outcome:
-        """Integrate piece by piece: every touch and every release ends one.
+        """Integrate piece by piece; every touch and every release ends a piece.
 
         Raises
         ------
@@ -131,7 +131,7 @@ class OdeScene:
         """
         deadline = time.perf_counter() + longest
         t, y = 0.0, self.start
-        # Without force, displacements' rates are the velocities.
+        # Without force, the rates of the displacements are the velocities.
         touching = bool(self.gap == 0.0 and self.depth @ self.matrix @ y > 0.0)
         peak, begin, first, rebound = 0.0, 0.0, math.nan, math.nan
         for _ in range(2 * _MOST_CONTACTS):
@@ -244,14 +244,14 @@ def ode_scene(
     Parameters
     ----------
     law : ContactLaw
-        Without the compliance of meshes: see `effective_law`.
+        Law without the compliance of meshes; see `effective_law`.
     length : float
         Size of the displacements, m, for absolute tolerances.
 
     Raises
     ------
     InputError
-        If the law is not one of those written out here.
+        If the law is not Hertz, PowerLaw or Linear.
     """
     halves = _half(stars[0]), _half(stars[1])
     mass = np.concatenate([half.mass for half in halves])
@@ -261,7 +261,7 @@ def ode_scene(
     contact = np.concatenate([halves[0].contact, -halves[1].contact])
     compliance, force = halves[0].compliance + halves[1].compliance, _force(own_law(law))
     if isinstance(law, PatchLaw):
-        # F = law(δ + c F): the patches are a compliance in series, of negative sign.
+        # F = law(δ + c F): removing the patches' compliance puts -c in series.
         compliance -= law.compliance
         if math.isfinite(law.limit):
             force = _straight_beyond(force, law.limit + law.compliance * law.force(law.limit))
@@ -308,7 +308,7 @@ def _force(law: ContactLaw) -> ForceLaw:
 
 
 def _straight_beyond(force: ForceLaw, deepest: float) -> ForceLaw:
-    """A law that goes on straight: SciPy's steps try what they then reject."""
+    """Return a law continued by a straight line, since SciPy tries steps that it then rejects."""
     most, stiffness = force(deepest)
 
     def straight(delta: float) -> tuple[float, float]:

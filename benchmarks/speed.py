@@ -1,12 +1,12 @@
-"""What calls cost beside what nobody can avoid: medians of runs, each in a process of its own.
+"""Time of calls beside that of indispensable steps: medians of runs in processes of their own.
 
     python benchmarks/speed.py [ROW ...] [--runs 5]
 
-Processor time with one thread, of meshed bodies from the mesh to the summary, and the most memory
-at its end. In the same process, on the same matrices K + s²M with s of the contact, analysis and
-factorisation are timed by pypardiso, where that is installed, and of small bodies by SuperLU, and
-`eigsh` for 18 modes. "plate", "block" and "sphere" have 10⁶ dofs: the peak force to 1 %, which is
-asked for if they are named.
+Times are processor times with one thread, for meshed bodies from the mesh to the summary, with the
+peak memory. The same process times, on the same matrices K + s²M with s of the contact, analysis
+and factorisation by pypardiso, if that is installed, and for small bodies by SuperLU, and `eigsh`
+for 18 modes. "plate", "block" and "sphere", which are run only if they are named, have 10⁶ dofs,
+and compute the peak force to 1 %.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ STEEL, ALUMINIUM = ao.Material(E=210e9, nu=0.3, rho=7800), ao.Material(E=70e9, n
 BALL, DOWN = ao.ball(0.01, STEEL), (0.0, 0.3, -1.0)
 FIRST = "import aoimpact as ao; b = ao.ball(.01, ao.Material(2e11, .3, 7800)); ao.simulate(b, b, 1)"
 
-# Dofs up to which SuperLU and eigsh are asked; larger bodies take them minutes.
+# Dofs up to which SuperLU and eigsh are timed; larger bodies take them minutes.
 MOST = 20_000
 
 Found = tuple[float, dict[str, float]]
 
 
 def seconds(call: Callable[..., object], *given: Any, of: int = resource.RUSAGE_SELF) -> float:
-    """Return the processor time of a call, s: this process's, or that of its children."""
+    """Return the processor time of a call, s, of this process or of its children."""
     before = resource.getrusage(of)
     call(*given)
     after = resource.getrusage(of)
@@ -50,19 +50,19 @@ def seconds(call: Callable[..., object], *given: Any, of: int = resource.RUSAGE_
 
 
 def block(size: tuple[float, ...], n: tuple[int, ...], *held: str) -> ao.ContactPoint:
-    """The middle of the upper side of a block that is held at some of its sides."""
+    """Return the contact at the middle of the upper side of a block held at some of its sides."""
     mesh = ao.box_mesh(size, n, kind="hexahedron20")
     body = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[(side, "xyz") for side in held])
     return body.contact(point=(0.5 * size[0], 0.5 * size[1], size[2]))
 
 
 def plate(*n: int) -> ao.ContactPoint:
-    """README's plate."""
+    """Return the contact on the plate of README."""
     return block((0.1, 0.08, 0.01), n, "xmin", "xmax")
 
 
 def ball(size: float = 0.003) -> ao.ContactPoint:
-    """README's ball."""
+    """Return the contact on the ball of README."""
     mesh = ao.sphere_mesh(radius=0.01, size=size)
     return ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0, 0, -0.01))
 
@@ -70,7 +70,7 @@ def ball(size: float = 0.003) -> ao.ContactPoint:
 def struck(
     target: Callable[[], Any], projectile: Callable[[], Any] = lambda: BALL, **how: Any
 ) -> Found:
-    """Time a call, the peers on its matrices, and its memory."""
+    """Return the time of a call, the times of the peers on its matrices, and its memory."""
     bodies: list[Any] = []
     hits: list[ao.Result] = []
 
@@ -99,7 +99,7 @@ def struck(
 
 def first_impact() -> Found:
     """Time a process that makes one impact of rigid bodies, and one that imports SciPy's arrays."""
-    codes = FIRST, FIRST, "import scipy.sparse"  # the first compiles what is not
+    codes = FIRST, FIRST, "import scipy.sparse"  # the first run compiles bytecode
     _, taken, theirs = (
         seconds(subprocess.run, [sys.executable, "-c", code], of=resource.RUSAGE_CHILDREN)
         for code in codes
@@ -133,7 +133,7 @@ def monte_carlo(spread: float, count: int = 300) -> Found:
 
 
 def oblique(target: Any, count: int = 10) -> Found:
-    """Time an impact with friction, of a model that is given: that of a first call."""
+    """Time an impact with friction on the model that a first call has made."""
     body = ao.simulate(BALL, target, DOWN, friction=0.2).models[1]
 
     def calls() -> None:

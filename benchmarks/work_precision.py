@@ -1,10 +1,10 @@
-"""Speed against error: the time that each method needs for its error, on impacts of AO models.
+"""Time against error of each method, on impacts of AO models.
 
     python benchmarks/work_precision.py [--scene pair] [--scipy] [--out FOLDER]
 
-`work_precision` measures any such impact. The program measures two of them: two spheres of one
-anti-oscillator each, and a rigid sphere on a beam of 28 over 20 ms. It writes a table (CSV) and a
-figure (PNG) of each. It takes some seconds, with SciPy's solvers a minute or two.
+`work_precision` measures any such impact. The program measures two: two spheres of one
+anti-oscillator each, and a rigid sphere on a beam of 28 anti-oscillators over 20 ms. It writes a
+table (CSV) and a figure (PNG) of each, in some seconds, or with SciPy's solvers in a minute or two.
 """
 
 from __future__ import annotations
@@ -39,27 +39,27 @@ from aoimpact.impact import plan_impact
 from aoimpact.integrate import rigid_contact_time
 from aoimpact.reduction import body_model
 
-# Steps of Newmark's rule by scene: the longest of these runs takes a second or two.
+# Steps of Newmark's rule by scene, s: the longest of these runs takes a second or two.
 _STEPS = {
     "pair": (1e-6, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-10),
     "beam": (2e-6, 1e-6, 3e-7, 1e-7, 3e-8),
 }
 
-# Default tolerances: a digit a step down to rounding; SciPy's runs take seconds each.
+# Default tolerances: by factors of ten down to rounding, for SciPy fewer, as runs take seconds.
 _ADAPTIVE = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 _SCIPY = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
-# More repeats than these are a slip of the pen.
+# Number of repeats beyond which they are taken for a mistake.
 _MOST_REPEATS = 10_000
 
-# Default steps of Newmark's rule, as shares of the contact time, and the longest run of them.
+# Default steps of Newmark's rule over the contact time, and maximum number of steps of a run.
 _NEWMARK, _MOST_STEPS = (1e-2, 1e-3, 1e-4, 1e-5), 1e6
 
-# Seconds: short runs are repeated for the first, long ones for the second at most; one run of SciPy
-# is stopped after the third.
+# Minimum total time of repeats of a short run, maximum total time of those of a long run, and time
+# after which a run of SciPy is stopped, s.
 _AT_LEAST, _ENOUGH, _LONGEST = 0.02, 3.0, 60.0
 
-# The independent run, at its tightest: rounding adds up to some 1e-12.
+# Method of the independent run, and its tightest tolerance: rounding adds up to some 1e-12.
 _INDEPENDENT = "DOP853", 3e-14
 
 
@@ -79,24 +79,24 @@ def work_precision(
 ) -> WorkPrecision:
     """Measure time and error of several solvers on one impact.
 
-    Every time is that of the whole call from Python, curves of the result included.
+    All times are those of the whole call from Python, with the curves of the result.
 
     Parameters
     ----------
     projectile, target, law, velocity, duration, gap
-        As of `simulate`; both bodies AOModels or modal models.
+        As in `simulate`; both bodies must be AOModels or modal models.
     newmark : iterable of float, optional
         Steps dt, s; by default from a hundredth of the contact time down.
     adaptive : iterable of float, optional
         Tolerances; by default from 1e-3 to 1e-11.
     scipy : iterable of str, optional
         Methods of ``scipy.integrate.solve_ivp``, each run at tolerances from 1e-4 to 1e-12 on
-        equations of motion written out separately, with every touch, release and peak an event.
+        separate equations of motion, with every touch, release and peak as an event.
     reference : Result or Reference, optional
-        What to compare with, instead of ``Adaptive(1e-12)``.
+        Reference in place of ``Adaptive(1e-12)``.
     repeats : int, optional
-        Runs to take the best time of; short ones are repeated more often, long ones less. With 1
-        each setting is run once.
+        Number of runs of which the shortest time counts; short runs are repeated more often, long
+        ones less. With 1 each setting is run once.
 
     Returns
     -------
@@ -105,7 +105,7 @@ def work_precision(
     Raises
     ------
     InputError, InputTypeError
-        As `simulate`, and for a finite-element model, an unknown method or a law that is not
+        As in `simulate`, and for a finite-element model, an unknown method or a law that is not
         written out for SciPy.
     ConvergenceError
         If the reference cannot be computed.
@@ -155,7 +155,7 @@ def work_precision(
 
 
 class _Run(NamedTuple):
-    """A method with a setting, as the table names them, and a run of it."""
+    """Names of a method and its setting in the table, and the function that runs it."""
 
     method: str
     setting: str
@@ -202,7 +202,7 @@ def _scipy_run(
     ode: OdeScene | None, projectile: AOModel, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
-    # A body struck off its centre keeps a part of its velocity that the star does not contain.
+    # A body struck off its centre keeps a part of its velocity that its AO model does not contain.
     kept = 0.0 if projectile.constrained else velocity * (1.0 - centre_weights(projectile).sum())
 
     def run() -> Outcome:
@@ -240,7 +240,7 @@ def _given(reference: Result | Reference) -> Reference:
 def _with_independent(
     reference: Reference, ode: OdeScene, projectile: AOModel, velocity: float
 ) -> Reference:
-    """The reference with its distance from SciPy, unless that takes too long."""
+    """Return the reference with its difference from SciPy, unless that takes too long."""
     try:
         second = _scipy_run(ode, projectile, velocity, *_INDEPENDENT).run()
     except AOImpactError:

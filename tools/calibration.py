@@ -1,4 +1,4 @@
-"""Calibrate the estimated errors of default impacts against the truths of much finer meshes.
+"""Compare estimated errors of default impacts with their true errors, by much finer meshes.
 
 Needs gmsh, which the package itself does not:
 
@@ -7,10 +7,10 @@ Needs gmsh, which the package itself does not:
     python tools/calibration.py table       # docs/calibration.md and docs/calibration.csv
 
 ``--only cup sheet`` takes the bodies whose names contain one of the words, ``--rows`` another file
-of rows, and PYTHONPATH another clone's package. A truth is not computed again unless its lines are
-deleted. It is the same impact with ``rtol=5e-4`` on bricks of twenty nodes, or tetrahedra of ten in
-balls, that are small at the contact and grow from it, and its own error the difference to a coarser
-such mesh.
+of rows, and PYTHONPATH another clone's package. The truth, a reference solution, is the same impact
+with ``rtol=5e-4`` on 20-node bricks, or in balls on 10-node tetrahedra, which are small at the
+contact and grow away from it; its own error is the difference to a coarser mesh of this kind. A
+truth is not computed again unless its lines are deleted.
 """
 
 from __future__ import annotations
@@ -43,20 +43,21 @@ DOCS = Path(__file__).parents[1] / "docs"
 TRUTHS_STORED = DOCS / "calibration-truths.csv"
 NUMBERS = ("peak_force", "contact_duration", "impulse", "rebound_velocity")
 
-# As `aoimpact.results.ErrorParts`: a slower rebound counts as this share of the velocity.
+# Smallest rebound velocity, over the impact's, that its error is divided by, as in
+# `aoimpact.results.ErrorParts`.
 LEAST_REBOUND = 0.1
 
-# Truths: tolerance, and of meshes from coarse to fine the size of elements at the contact over the
-# body's own, their growth per length, and their largest size over the body's own. The finest is
-# not needed where the others differ by less than this share.
+# Truths: tolerance, and largest relative difference of coarser meshes with which the finest is not
+# needed. Meshes from coarse to fine: size of elements at the contact over the body's `size`, their
+# growth per length, and their largest size over the body's `size`.
 RTOL, ENOUGH = 5e-4, 3e-3
 TRUTHS = ((0.25, 0.5, 1.5), (0.15, 0.45, 1.2), (0.09, 0.4, 1.0))
 
-# Natural modes of "modal" models.
+# Number of natural modes of "modal" models.
 MODES = 15
 
-# Kinds of elements, and their sizes over the body's own, of bodies that gmsh draws: tetrahedra by
-# gmsh, and even bricks.
+# Sizes of elements over the body's `size`, by kind, for bodies without `sizes`: tetrahedra by gmsh,
+# and even bricks.
 MESHES = {
     "tetra": (1.5, 0.7),
     "tetra10": (1.8, 1.2),
@@ -72,8 +73,8 @@ Point = Sizes = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape of tools/calibration.toml. A ring is bent: along its axes as a block are the radius
-    less the inner one, the arc on the outside, and the height.
+    """A shape of tools/calibration.toml. A ring is a bent block, whose axes are the distance from
+    the inner radius, the arc on the outside, and the height.
     """
 
     box: Sequence[float] = ()
@@ -86,14 +87,14 @@ class Shape:
 
     @property
     def bricks(self) -> Sequence[Sequence[float]]:
-        """Coordinates along each axis at which elements end, if it has any."""
+        """Coordinates along each axis at which elements must end, mm; empty if gmsh meshes it."""
         if self.ring:
             outer, inner, height = self.ring
             return (0, outer - inner), (0, 2.0 * np.pi * outer), (0, height)
         return self.knots or [(0, side) for side in self.box]
 
     def draw(self, occ: Any) -> None:
-        """Make it in gmsh."""
+        """Make the shape in gmsh."""
         if self.sphere:
             occ.addSphere(0, 0, 0, self.sphere)
         elif self.cylinder or self.ring:
@@ -109,7 +110,10 @@ class Shape:
 
 
 def spaced(knots: Sequence[float], at: float, sizes: Sizes) -> Any:
-    """Coordinates through knots, even, or growing from one `at` a place to the largest size."""
+    """Return coordinates through knots: even, or with steps that grow with the distance from `at`.
+
+    `sizes`: step at `at`, its growth per length, and its maximum.
+    """
     near, slope, most = sizes
     ends, parts = np.unique(np.round([*knots, *([at] if slope else [])], 9)), []
     for low, high in pairwise(ends):
@@ -122,7 +126,7 @@ def spaced(knots: Sequence[float], at: float, sizes: Sizes) -> Any:
 
 
 def bricks(shape: Shape, kind: str, at: Point, sizes: Sizes) -> ao.Mesh:
-    """Mesh a block by cells that grow from a point; of shells, its middle surface."""
+    """Mesh a block by cells that grow from a point, or for shells its middle surface."""
     axes = [spaced(*of, sizes) for of in zip(shape.bricks, at, strict=True)]
     counts = [len(axis) - 1 for axis in axes]
     if kind == "quad":
@@ -162,7 +166,7 @@ def bricks(shape: Shape, kind: str, at: Point, sizes: Sizes) -> ao.Mesh:
 
 
 def drawn(shape: Shape, kind: str, at: Point, sizes: Sizes) -> ao.Mesh:
-    """Mesh by tetrahedra that grow from a point, by gmsh."""
+    """Mesh a shape by gmsh with tetrahedra that grow from a point."""
     import gmsh
 
     if not gmsh.isInitialized():
@@ -191,9 +195,10 @@ def drawn(shape: Shape, kind: str, at: Point, sizes: Sizes) -> ao.Mesh:
 
 @dataclass(frozen=True)
 class Setup:
-    """A body, a place, a ball of steel and a speed, m/s; lengths in mm.
+    """An impact of a steel ball: body, place, ball's radius and velocity, m/s; lengths in mm.
 
-    As tools/calibration.toml says; `material` of the core and, if there is one, of the coat.
+    The fields are those of tools/calibration.toml; `material` is that of the core and, if there is
+    one, that of the coat.
     """
 
     name: str
@@ -210,7 +215,7 @@ class Setup:
     elastic: bool = False
 
     def body(self, kind: str, sizes: Sizes) -> ao.FEModel:
-        """Return the body meshed, by bricks or by gmsh."""
+        """Return the body, meshed by bricks or by gmsh."""
         material, fixed, at = self.material, self.fixed, self.point
         if isinstance(material, tuple):
             material = dict(zip(("core", "coat"), material, strict=True))
@@ -238,7 +243,7 @@ class Setup:
         )
 
     def tests(self) -> Iterator[tuple[str, Sizes]]:
-        """Kinds and sizes of the meshes that are compared."""
+        """Yield kinds and sizes of the meshes that are compared."""
         for kind, shares in MESHES.items():
             even = [(share * self.size, 0.0, share * self.size) for share in shares]
             if self.sizes or self.shape.bricks or kind.startswith("tetra"):
@@ -248,7 +253,7 @@ class Setup:
 
 @cache
 def striker(radius: float, elastic: bool) -> Any:
-    """A ball that is rigid, or of elements that leave out less than what it strikes."""
+    """Return a rigid ball, or an elastic one of elements finer than those of the body struck."""
     if not elastic:
         return ao.ball(radius, MATERIALS["STEEL"])
     model = ao.FEModel.from_mesh(
@@ -258,12 +263,12 @@ def striker(radius: float, elastic: bool) -> Any:
 
 
 def low(axis: int, high: bool = False) -> Callable[[Any], Any]:
-    """The nodes of one end of a body, or both."""
+    """Return the function that selects the nodes at the low end of an axis, or at both ends."""
     return lambda x: (x[:, axis] < 1e-7) | (high & (x[:, axis] > x[:, axis].max() - 1e-7))
 
 
 def setups() -> Iterator[Setup]:
-    """The setups: of gmsh's meshes first, then of bricks that grow, or are cut into other kinds."""
+    """Yield the setups of tools/calibration.toml."""
     fixed: dict[str, Any] = {
         "rim": [(lambda x: low(0, True)(x) | low(1, True)(x), "z")],
         "ends": [(low(0, True), "xyz")],
@@ -293,7 +298,7 @@ def rows_in(path: Path) -> list[dict[str, str]]:
 
 @cache
 def known(column: str) -> dict[tuple[str, str], float]:
-    """A column of the truths, by body and number."""
+    """Return a column of the truths, by body and number."""
     return {(row["body"], row["number"]): float(row[column]) for row in rows_in(TRUTHS_STORED)}
 
 
@@ -308,7 +313,7 @@ def append(path: Path, row: dict[str, Any]) -> None:
 
 
 def truths(chosen: Sequence[Setup]) -> None:
-    """Append the truths that are not there yet."""
+    """Compute and append the truths that are missing."""
     there = {row["body"] for row in rows_in(TRUTHS_STORED)}
     for setup in (of for of in chosen if of.name not in there):
         kind, part = ("hexahedron20", 1.0) if setup.shape.bricks else ("tetra10", 0.4)
@@ -330,14 +335,14 @@ def truths(chosen: Sequence[Setup]) -> None:
 
 
 def _apart(setup: Setup, number: str, value: float, right: float) -> float:
-    """Relative difference, of a slow rebound to a share of the velocity."""
+    """Return the relative difference; that of a slow rebound is over a share of the velocity."""
     speed = float(np.abs(np.atleast_1d(setup.velocity)[-1]))
     least = LEAST_REBOUND * speed if number == "rebound_velocity" else 0.0
     return abs(value - right) / max(abs(right), least)
 
 
 def compared(setup: Setup, kind: str, sizes: Sizes) -> dict[str, Any]:
-    """Return the numbers of an impact by the default call, their true errors and the claims."""
+    """Return the numbers of an impact by the default call, with true and estimated errors."""
     start = time.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -353,7 +358,7 @@ def compared(setup: Setup, kind: str, sizes: Sizes) -> dict[str, Any]:
 
 
 def run(chosen: Sequence[Setup], path: Path) -> None:
-    """Append the impacts that are not there yet, of bodies with truths."""
+    """Run and append the missing impacts of bodies with truths."""
     done = {(row["body"], row["kind"], row["mesh_mm"]) for row in rows_in(path)}
     for setup in (of for of in chosen if (of.name, NUMBERS[0]) in known("truth")):
         for kind, sizes in setup.tests():
@@ -370,7 +375,7 @@ def _told(sizes: Sizes) -> str:
 
 # ------------------------------------------------------------------------------------------- table
 
-# Where the prose of docs/calibration.md ends.
+# Line at which the prose of docs/calibration.md ends.
 BEGIN = "<!-- Below is what tools/calibration.py writes. -->\n"
 
 HEAD = """

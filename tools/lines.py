@@ -3,8 +3,9 @@
 
     python tools/lines.py      # a table; fails where a limit is exceeded, missing, stale or raised
 
-Not counted are blank lines, comments and docstrings. `tokens` are those of Python without layout,
-`marks` the semicolons and opening braces of C: where lines fall and these do not, code was packed.
+Blank lines, comments and docstrings do not count. `tokens` is the number of Python's tokens without
+layout, `marks` that of semicolons and opening braces in C: if lines fall and these do not, code was
+packed into fewer lines.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def python(text: str) -> tuple[int, int, int]:
-    """Return lines of code, tokens and 0."""
+    """Return the lines of code, tokens and marks (0) of a Python file."""
     docs, code, tokens = set[int](), set[int](), 0
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
@@ -39,7 +40,7 @@ def python(text: str) -> tuple[int, int, int]:
 
 
 def c(text: str) -> tuple[int, int, int]:
-    """Return lines of code, 0 and marks."""
+    """Return the lines of code, tokens (0) and marks of a C file."""
     comment = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
     text = comment.sub(lambda found: "\n" * found[0].count("\n"), text)
     return sum(map(bool, map(str.strip, text.splitlines()))), 0, len(re.findall("[;{]", text))
@@ -50,7 +51,7 @@ def git(*words: str) -> list[str]:
 
 
 def counted() -> dict[str, list[int]]:
-    """Return lines, tokens and marks of each folder at the top, of those below, and of stubs."""
+    """Return lines, tokens and marks of top-level folders, of the folders in them, and of stubs."""
     found: dict[str, list[int]] = {}
     for name in git("ls-files", "--cached", "--others", "--exclude-standard"):
         path = ROOT / name
@@ -83,7 +84,7 @@ def faults(found: dict[str, list[int]], limits: dict[str, Any]) -> list[str]:
     commits = git("log", "--format=%H", "--", LIMITS)
     past = []
     for commit in commits:
-        with suppress(tomllib.TOMLDecodeError):  # one was stored with the marks of a conflict
+        with suppress(tomllib.TOMLDecodeError):  # one commit has conflict markers in it
             past.append(tomllib.loads("\n".join(git("show", f"{commit}:{LIMITS}"))))
     said += ["[start] has changed: it stays"] * any(one["start"] != start for one in past)
     for key, limit in sums.items():

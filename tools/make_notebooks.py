@@ -1,8 +1,8 @@
-"""The notebooks, made from pages of the site and stored with their outputs.
+"""Make the notebooks from pages of the site, and store them with their outputs.
 
 python tools/make_notebooks.py [NAME ...]      # writes notebooks/NAME.ipynb, all if none is named
 
-Needs nbformat, nbclient and ipykernel, and gmsh for the first impact.
+Needs nbformat, nbclient and ipykernel, and gmsh for the page first_impact.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ PAGES = (
 
 
 def markdown(text: str) -> str:
-    """The page's reStructuredText as Markdown; of the few things that the pages use."""
+    """Return reStructuredText as Markdown, as far as the pages use its constructs."""
     text = re.sub(r"^(=+)\n(.+)\n=+$", r"# \2", text, flags=re.M)
     text = re.sub(r"^(.+)\n={3,}$", r"# \1", text, flags=re.M)
     text = re.sub(r"^(.+)\n-{3,}$", r"## \1", text, flags=re.M)
@@ -46,7 +46,7 @@ def markdown(text: str) -> str:
 
 
 def cells(page: str) -> list[tuple[str, str]]:
-    """Kind and source of the cells that a page is as a notebook."""
+    """Return kind and source of each cell of a page's notebook."""
     script = (ROOT / f"docs/gallery/{page}.py").read_text("utf-8")
     head, _, body = script.partition('"""')[2].partition('"""')
     made = [("markdown", markdown(head))]
@@ -62,7 +62,7 @@ def cells(page: str) -> list[tuple[str, str]]:
 
 
 def notebook(page: str) -> Any:
-    """The notebook of a page, without outputs."""
+    """Return the notebook of a page, without outputs."""
     import nbformat
 
     new = nbformat.v4.new_notebook()
@@ -78,12 +78,12 @@ def notebook(page: str) -> Any:
 
 
 def drawn(output: Any) -> bool:
-    """Whether an output only names an object of Matplotlib."""
+    """Return whether an output only names an object of Matplotlib."""
     return bool(re.match(r"\[?<(matplotlib|Axes)", output.get("data", {}).get("text/plain", "")))
 
 
 def kept(outputs: list[Any]) -> list[Any]:
-    """Outputs without what a figure calls itself, and without bars of progress, which go again."""
+    """Return outputs without names of Matplotlib's objects and without progress bars."""
     for each in outputs:
         if each.output_type == "stream" and each.name == "stderr":
             each.text = "".join(re.findall(r"\w+Warning: .*\n", each.text))
@@ -91,7 +91,7 @@ def kept(outputs: list[Any]) -> list[Any]:
 
 
 def look() -> list[str]:
-    """What makes figures and warnings of a kernel look as the site's, before its first cell."""
+    """Return the option of a kernel that gives figures and warnings the style of the site."""
     line = f"import sys; sys.path.append({str(ROOT / 'docs')!r}); from sitetools import settle"
     return [f"--IPKernelApp.exec_lines=[{line!r}, 'settle(); del settle, sys']"]
 

@@ -13,25 +13,25 @@ import numpy as np
 mp.mp.dps = 60
 
 STAGES = 8
-MOMENTS = 13  # AOI_RADAU_MOMENTS: z^(2m)/(2m)! at z = 3 is below 1e-15 beyond them
-CHECKS = 10  # AOI_EDGE_CHECKS: a finer rule than that of the STAGES points at an edge
+MOMENTS = 13  # AOI_RADAU_MOMENTS, number of terms: from there on z^(2m)/(2m)! < 1e-15 at z = 3
+CHECKS = 10  # AOI_EDGE_CHECKS, number of points of a rule finer than that of the STAGES at an edge
 
 Row = list[mp.mpf]
 
 
 def legendre(k: int, x: mp.mpf) -> mp.mpf:
-    """P_k(2x - 1), shifted to [0, 1]."""
+    """Return the Legendre polynomial P_k(2x - 1), shifted to [0, 1]."""
     return mp.legendre(k, 2 * x - 1)
 
 
 def gauss(n: int) -> Row:
-    """Roots of P_n."""
+    """Return the roots of P_n."""
     guesses = 0.5 + 0.5 * np.polynomial.legendre.leggauss(n)[0]
     return [mp.findroot(lambda x: legendre(n, x), mp.mpf(x)) for x in guesses]
 
 
 def radau() -> Row:
-    """Roots of P_s - P_(s-1) on (0, 1], the last one being 1."""
+    """Return the roots of P_s - P_(s-1) on (0, 1], of which the last is 1."""
     series = np.polynomial.Legendre([*(STAGES - 1) * [0.0], -1.0, 1.0], domain=[0.0, 1.0])
 
     def difference(x: mp.mpf) -> mp.mpf:
@@ -41,13 +41,13 @@ def radau() -> Row:
 
 
 def weights(points: Row) -> Row:
-    """Weights of the quadrature on the points."""
+    """Return the weights of the quadrature on the points."""
     rows = [[legendre(k, x) for x in points] for k in range(len(points))]
     return list(mp.lu_solve(mp.matrix(rows), mp.matrix([1] + [0] * (len(points) - 1))))
 
 
 def lagrange(points: Row, x: mp.mpf) -> Row:
-    """Values at x of the cardinal polynomials of the points."""
+    """Return the values at x of the cardinal polynomials of the points."""
     return [
         mp.fprod((x - q) / (p - q) for j, q in enumerate(points) if j != i)
         for i, p in enumerate(points)
@@ -55,7 +55,7 @@ def lagrange(points: Row, x: mp.mpf) -> Row:
 
 
 def on_part(nodes: Row, c: mp.mpf) -> list[Row]:
-    """Coefficients t_lj of l_j(c x) = sum_l t_lj P_l(x): the nodes' own rule is exact for them."""
+    """Return the coefficients t_lj of l_j(c x) = sum_l t_lj P_l(x), by the nodes' exact rule."""
     rule = [(x, w, lagrange(nodes, c * x)) for x, w in zip(nodes, weights(nodes), strict=True)]
     return [
         [(2 * k + 1) * sum(w * at[j] * legendre(k, x) for x, w, at in rule) for j in range(STAGES)]
@@ -64,7 +64,7 @@ def on_part(nodes: Row, c: mp.mpf) -> list[Row]:
 
 
 def series(power: int) -> Row:
-    """∫_0^1 (1-t)^n/n! P_l(t) dt, zero for l > n."""
+    """Return ∫_0^1 (1-t)^n/n! P_l(t) dt for each l, n = `power`; zero for l > n."""
     f = mp.factorial
     return [
         (-1) ** degree * f(power) / (f(power - degree) * f(power + degree + 1))
@@ -75,7 +75,7 @@ def series(power: int) -> Row:
 
 
 def slopes(points: Row, nodes: Row) -> list[Row]:
-    """Derivatives at the nodes of the cardinal polynomials of the points."""
+    """Return the derivatives at the nodes of the cardinal polynomials of the points."""
     return [
         [mp.diff(lambda x, i=i: lagrange(points, x)[i], c) for i in range(len(points))]
         for c in nodes
@@ -83,10 +83,10 @@ def slopes(points: Row, nodes: Row) -> list[Row]:
 
 
 def edge_rule(count: int) -> tuple[list[Row], Row]:
-    """Gauss's rule in s, for the integral over x = s^2 on [0, 1]: points x and weights.
+    """Return points x = s^2 and weights of Gauss's rule in s, for integrals over x on [0, 1].
 
-    A force that begins like x^(3/2) is smooth in s. Points are those near the start of the step,
-    and, mirrored, near its end.
+    A force that begins like x^(3/2) is smooth in s. The points are dense at the start of the step,
+    and those of the second set, mirrored, at its end.
     """
     roots = gauss(count)
     points = [s**2 for s in roots]
@@ -95,7 +95,7 @@ def edge_rule(count: int) -> tuple[list[Row], Row]:
 
 
 def projection(nodes: Row, points: Row, rule: Row) -> list[Row]:
-    """From values at the edge points to the values at the nodes of the nearest polynomial."""
+    """Return the matrix from values at edge points to the least-squares polynomial at the nodes."""
 
     def one(c: mp.mpf, x: mp.mpf) -> mp.mpf:
         return sum((2 * k + 1) * legendre(k, c) * legendre(k, x) for k in range(STAGES))
@@ -104,7 +104,7 @@ def projection(nodes: Row, points: Row, rule: Row) -> list[Row]:
 
 
 def by_columns(matrix: list[Row]) -> list[Row]:
-    """Rows and columns exchanged: a product then runs along what lies side by side in memory."""
+    """Return the transposed matrix, whose products run along contiguous memory."""
     return [list(column) for column in zip(*matrix, strict=True)]
 
 
@@ -123,9 +123,9 @@ def declare(comment: str, declaration: str, value: object) -> None:
 
 def main() -> None:
     nodes = radau()
-    # Where the collocation equation does not hold: the nodes mirrored, among them the start. From
-    # there to the end of the step is as far as from its beginning to a node, so that what the
-    # bodies answer is in the tables already.
+    # Points at which the residual of the collocation equation is checked: the mirrored nodes, with
+    # the start. They are as far from the step's end as the nodes are from its start, so that
+    # the bodies' responses over these times are in the tables already.
     extra, ends = [1 - x for x in nodes], [mp.mpf(0), *nodes]
     (edges, edge_weights), (checks, check_weights) = edge_rule(STAGES), edge_rule(CHECKS)
 

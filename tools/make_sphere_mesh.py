@@ -1,11 +1,11 @@
-"""Make aoimpact/data/sphere.msh, a mesh of the paper's sphere with the paper's counts.
+"""Make aoimpact/data/sphere.msh, a mesh of the paper's sphere with the paper's numbers of nodes.
 
 The paper (section 3) gives the radius, 10 mm, the order of the tetrahedra, 2, and the numbers of
-nodes and elements, 1053 and 602, but not the mesh. With V corners, B of them on the surface,
-and T elements, a ball has 2V + T + B - 3 nodes: 2V + B = 454. Elements of even size have B = 114.
-Gmsh was asked for meshes with random seeds and element sizes, 3.74 to 3.97 mm at the surface and
-2.05 to 2.7 mm at the centre. Of those with exactly these counts, the mesh here has the best worst
-element. No force, frequency or stiffness entered the choice.
+nodes and elements, 1053 and 602, but not the mesh. A ball with V corners, B of them on the surface,
+and T elements has 2V + T + B - 3 nodes: 2V + B = 454. Elements of even size have B = 114. Gmsh made
+meshes with random seeds and random element sizes, 3.74 to 3.97 mm at the surface and 2.05 to 2.7 mm
+at the centre. Of those with exactly the paper's numbers, this mesh has the largest quality of its
+worst element. No force, frequency or stiffness entered the choice.
 
 Needs gmsh, which the package itself does not: python tools/make_sphere_mesh.py
 """
@@ -19,7 +19,7 @@ import gmsh
 import numpy as np
 
 TARGET = Path(__file__).parents[1] / "aoimpact" / "data" / "sphere.msh"
-RADIUS = 10.0  # mm, while Gmsh has it
+RADIUS = 10.0  # mm, the unit of lengths in Gmsh
 
 TETRA, TETRA10, TRIANGLE6 = 4, 11, 9
 
@@ -64,14 +64,14 @@ def second_order() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     nodes = places[order[np.searchsorted(tags, used, sorter=order)]]
     tets, triangles = np.searchsorted(used, tets), np.searchsorted(used, triangles)
     surface = np.unique(triangles)
-    # Gmsh leaves 1e-6 of rounding; the sphere is known exactly.
+    # Gmsh places nodes with errors of 1e-6; here they are moved onto the exact sphere.
     nodes[surface] *= RADIUS / np.linalg.norm(nodes[surface], axis=1)[:, None]
     nodes[np.abs(nodes) < 1e-9 * RADIUS] = 0.0
     return 1e-3 * nodes, tets, triangles
 
 
 def write(nodes: np.ndarray, tets: np.ndarray, triangles: np.ndarray) -> None:
-    """Write format 2.2 in text, with as many digits as matter."""
+    """Write the mesh in format 2.2 as text, with 13 digits."""
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat"]
     lines += ["$PhysicalNames", "2", '2 1 "surface"', '3 2 "body"', "$EndPhysicalNames"]
     lines += ["$Nodes", str(len(nodes))]

@@ -1,4 +1,4 @@
-"""Make tests/meshes: a box of 2 x 1.5 x 1 m in 2 x 2 x 2 bricks, as Gmsh numbers its nodes.
+"""Make tests/meshes: a box of 2 x 1.5 x 1 m in 2 x 2 x 2 bricks, with Gmsh's numbering of nodes.
 
 Needs gmsh, which the package itself does not: python tools/make_test_meshes.py
 """
@@ -12,7 +12,7 @@ import gmsh
 
 TARGET = Path(__file__).parents[1] / "tests" / "meshes"
 
-# File, kind of element, version of the .msh format (no matter for other formats).
+# File, kind of element, version of the .msh format (without effect on other formats).
 FILES = (
     ("hexahedron.inp", "hexahedron", 4.1),
     ("hexahedron20_v4.msh", "hexahedron20", 4.1),

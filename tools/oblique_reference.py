@@ -1,13 +1,13 @@
-"""A rigid sphere strikes the middle of a block's face at 30° with friction: a resolved reference.
+"""Resolved reference: a rigid sphere strikes the middle of a block's face at 30° with friction.
 
-``python tools/oblique_reference.py rod`` (or ``plate``) steps one half of the block, linear
-hexahedra graded towards the contact, by central differences with a diagonal mass matrix. Each node
-of the struck face is pressed by the sphere's parabola, over a stiff layer, and held by a stiff
-spring along the face up to Coulomb's force. The sphere is a free rigid body. Its parabola moves
-with it, or with ``--stays`` remains over the first point of contact, as the package assumes.
+``python tools/oblique_reference.py rod`` (or ``plate``) integrates one half of the block, linear
+hexahedra graded towards the contact, by central differences with a diagonal mass matrix. The
+sphere's parabola presses on each node of the struck face through a stiff layer, and a stiff spring
+along the face holds the node up to Coulomb's force. The sphere is a free rigid body. Its parabola
+moves with it, or with ``--stays`` remains over the first point of contact, as the package assumes.
 ``--h`` is the size of the smallest elements, m; ``--until`` the duration, s. A rod at 0.3 mm takes
-some ten minutes. Needs scikit-fem. Nothing is taken from the package but, at the
-end, its own answer to the same impact; docs/theory/contact.md has the figures.
+some ten minutes. Needs scikit-fem. The package is used only at the end, for its result of the same
+impact; docs/theory/contact.md has the figures.
 """
 
 from __future__ import annotations
@@ -25,26 +25,27 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 import aoimpact as ao
 
 E, NU, RHO = 70e9, 0.33, 2700.0  # aluminium
-R, MASS, MU = 0.02, 0.2614, 0.3  # the sphere: of steel's mass
+R, MASS, MU = 0.02, 0.2614, 0.3  # the sphere, m and kg (of steel), and friction
 SPEED, ANGLE = 2.0, math.radians(30.0)
 VELOCITY = SPEED * np.array([math.sin(ANGLE), 0.0, -math.cos(ANGLE)])
 
-# Sides of the block, m (x, y, z), and the counts of the package's elements; the sphere comes down
-# on the middle of the top.
+# Sides of the block, m (x, y, z), and numbers of elements in the package's mesh; the sphere strikes
+# the middle of the top.
 BODIES = {
     "rod": ((0.02, 0.02, 0.06), (10, 10, 30)),  # held at zmin
     "plate": ((0.06, 0.06, 0.012), (30, 30, 6)),  # held at both ends of x
 }
 
-# Half of the finely meshed width and its depth, m; growth of elements outside, and their most, m.
+# Half width and depth of the finely meshed region, m; growth factor and largest size, m, of the
+# elements outside.
 FINE, DEEP, GROWTH, MOST = 1.8e-3, 1.4e-3, 1.3, 2.5e-3
 
-# Stiffness of the layer, in E/h; the share of the largest stable step.
+# Stiffness of the layer per area over E/h, and time step over the largest stable step.
 LAYER, SAFE = 20.0, 0.6
 
 
 def graded(fine: float, far: float, h: float) -> np.ndarray:
-    """Places from 0 outward to `far`, even up to `fine`, then growing."""
+    """Return coordinates from 0 to `far`, m: even steps up to `fine`, growing steps beyond."""
     steps: list[float] = []
     size = h
     while sum(steps) < far - fine:
@@ -62,17 +63,17 @@ class Half:
     Attributes
     ----------
     K : sparse matrix
-        N/m.
+        Stiffness, N/m.
     inverse : ndarray, shape (n_dofs,)
-        One over the masses, 1/kg; 0 where a dof is held.
+        One over the masses, 1/kg; 0 for held dofs.
     top : ndarray, shape (n,)
-        Numbers of nodes.
+        Numbers of the top nodes.
     at : ndarray, shape (n, 2)
-        Their x and y, m.
+        x and y of the top nodes, m.
     layer : ndarray, shape (n,)
-        Stiffness over each, N/m.
+        Stiffness of the layer over each top node, N/m.
     dt : float
-        s.
+        Time step, s.
     """
 
     K: Any
@@ -84,7 +85,7 @@ class Half:
 
     @classmethod
     def of(cls, body: str, h: float) -> Half:
-        """Mesh a body, down to elements of h, m."""
+        """Mesh one half of a body with smallest elements of size `h`, m."""
         lx, ly, lz = BODIES[body][0]
         half = graded(FINE, 0.5 * lx, h)
         x, y = np.concatenate([-half[:0:-1], half]), graded(FINE, 0.5 * ly, h)
@@ -127,9 +128,9 @@ class Reference:
 def march(half: Half, duration: float, *, stays: bool) -> Reference:
     """Step the impact from the first touch, the sphere's parabola moving with it or staying."""
     u, v = np.zeros(len(half.inverse)), np.zeros(len(half.inverse))
-    place, speed = np.zeros(2), VELOCITY[[0, 2]].copy()  # of the sphere, x and z
-    turn, spin = 0.0, 0.0  # about y
-    anchor = np.zeros((len(half.top), 2))  # where springs along the face are not stretched
+    place, speed = np.zeros(2), VELOCITY[[0, 2]].copy()  # of the sphere, along x and z
+    turn, spin = 0.0, 0.0  # of the sphere about y, rad and rad/s
+    anchor = np.zeros((len(half.top), 2))  # places of zero force of the springs along the face
     steps = math.ceil(duration / half.dt)
     forces = np.zeros((2, steps))
     for step in range(steps):
@@ -159,7 +160,7 @@ def march(half: Half, duration: float, *, stays: bool) -> Reference:
 
 
 def package(body: str, duration: float) -> Any:
-    """Return the package's answer."""
+    """Return the package's result of the same impact."""
     (lx, ly, lz), counts = BODIES[body]
     mesh = ao.box_mesh((lx, ly, lz), counts, kind="hexahedron20")
     fixed = [("zmin", "xyz")] if body == "rod" else [("xmin", "xyz"), ("xmax", "xyz")]
@@ -171,7 +172,7 @@ def package(body: str, duration: float) -> Any:
 
 
 def main() -> None:
-    """Run both and print what they differ by."""
+    """Run the reference and the package, and print both results and their differences."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("body", choices=sorted(BODIES))
     parser.add_argument("--h", type=float, default=0.3e-3)
