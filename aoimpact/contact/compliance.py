@@ -43,8 +43,6 @@ class Compliance:
         where the body has shells or beams, also its rotation, 1/N.
     oblique : ndarray, shape (3, 3), or None
         c between the direction of the force and two tangents, m/N; None where these are not given.
-    sheared : ndarray, shape (2, 1 or 2, n_nodes, 3), or None
-        As `mesh_field`, under a unit force along either tangent.
     """
 
     removed: float
@@ -57,7 +55,6 @@ class Compliance:
     splitting: Any = None
     mesh_field: Any = None
     oblique: FloatArray | None = None
-    sheared: FloatArray | None = None
 
     def removed_for(self, radius: float | None) -> float:
         """Return c for a contact of another radius, m; `removed` where it is not known."""
@@ -95,5 +92,4 @@ class Compliance:
             varying=self.varying + slow - fast,
             deflection=deflection,
             mesh_field=field,
-            sheared=None,
         )

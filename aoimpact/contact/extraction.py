@@ -124,14 +124,13 @@ def extracted(
         nu = splitting.space.nu
         removed *= cosine**2 + (1.0 - cosine**2) * (2.0 - nu) / (2.0 - 2.0 * nu)
     inward = np.copysign(1.0, -cosine) * x if straight else -x
-    oblique = sheared = None
+    oblique = None
     if len(tangents):
         loads = np.array([of.b for of in tip.functionals])
         if moved is None:
             moved = np.array([solver.solve_roughly(load, _SOLVED)[0] for load in loads])
         into = np.array([direction @ splitting.frame[2], 1.0, 1.0])
         oblique = loads @ moved.T - splitting.compliance * np.outer(into, into)
-        sheared = body.at_nodes(moved[1:], len(w[0])) - w[1:]
     return Compliance(
         removed=removed,
         varying=varying,
@@ -143,7 +142,6 @@ def extracted(
         splitting=splitting,
         mesh_field=body.at_nodes(inward, len(w[0])) - w[0],
         oblique=oblique,
-        sheared=sheared,
     )
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ..base import ROUNDING, FloatArray, InputError, InputTypeError, SingularError, positive
+from ..base import ROUNDING, FloatArray, InputError, SingularError, positive
 from ..fem import displacement, near_static
 from ..linalg import LinearSolver
 from .point import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadratic
@@ -66,8 +66,6 @@ def static_mode(
     SingularError
         If K is singular though the body has no rigid motion: a mechanism.
     """
-    if not isinstance(tip, ContactPoint):
-        raise InputTypeError(f"tip must come from FEModel.contact(...), got {tip!r}")
     rigid, b = tip.body.rigid_modes, tip.b
     reach = rigid.T @ b
     if moves_rigidly(tip):

@@ -159,11 +159,6 @@ class RoundContact(NamedTuple):
         radius = np.cbrt(0.75 * np.asarray(force) * self.radius / self.modulus)
         return self.narrowing * radius
 
-    def pressure(self, force: float) -> float:
-        """Return the largest pressure, Pa: 3 F/(2 π a²)."""
-        width = float(self.width(force))
-        return 1.5 * force / (math.pi * width * width) if force > 0.0 else 0.0
-
 
 def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> RoundContact | None:
     """Return the Hertz contact with which a law begins; None if it is not known.

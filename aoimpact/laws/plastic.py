@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import scipy
 
-from ..base import InputError, positive, real
+from ..base import InputError, positive, real, within
 from ..fem import Material
 from .curvature import contact_modulus
 from .elastic import Hertz
@@ -17,6 +16,9 @@ from .law import HertzianLaw, parameter
 
 # Hardness over yield strength of a metal that no longer hardens (Tabor).
 _CONSTRAINT = 2.8
+
+# Least β of Tan and Sun's law: a dent below that share of the indentation is rounding.
+_LEAST_SHARE = 1e-12
 
 
 def yield_force(modulus: float, radius: float, pressure: float) -> float:
@@ -316,13 +318,6 @@ def _hardness(material: Material) -> float:
     return material.hardness or _CONSTRAINT * (material.yield_strength or math.inf)
 
 
-def _share(name: str, value: Any) -> float:
-    share = positive(name, value)
-    if share > 1.0:
-        raise InputError(f"{name} must be from above 0 to 1, got {share:g}")
-    return share
-
-
 @dataclass(frozen=True, repr=False)
 class YangSun(HertzianLaw, kind="yang_sun", has_memory=True, unloading_power=2.5):
     """Indentation of a laminate, which leaves a dent if it exceeds a critical indentation.
@@ -359,7 +354,7 @@ class YangSun(HertzianLaw, kind="yang_sun", has_memory=True, unloading_power=2.5
 
     k: float
     critical_indentation: float = field(metadata=parameter(positive, "m"))
-    beta: float | None = field(default=None, metadata=parameter(_share))
+    beta: float | None = field(default=None, metadata=parameter(within, low=_LEAST_SHARE, high=1.0))
 
     @cached_property
     def _parameters(self) -> tuple[float, ...]:

@@ -45,7 +45,7 @@ class _Factors:
     def __init__(self, pencil: Pencil) -> None:
         self._pencil, self._s2 = pencil, math.nan
         self._indices: Any = None
-        self._solver = _pardiso(pencil.what)
+        self._solver = _pardiso()
         for place, value in _OPTIONS.items():
             self._solver.set_iparm(place, value)
         self._factorise(pencil)
@@ -96,7 +96,7 @@ class _Factors:
         self._solver.set_pattern(ia=starts, ja=columns.astype(np.int64), n=len(counts))
 
 
-def _pardiso(what: str) -> Any:
+def _pardiso() -> Any:
     """Return a solver of the package's compiled class.
 
     The package's Python class checks row by row, which doubles the time on slender bodies.
