@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, IntArray, MeshError, nearest, record, warn
 from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
-from ..mesh import SURFACES, dot
+from ..mesh import SOLIDS, SURFACES, dot
 from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
@@ -69,10 +69,10 @@ _KINDS = {
         "ADAPTIVEMESHREFINEMENT|ADJUST|DISPLAYBODY|(EL|N)(COPY|GEN)|IMPERFECTION|IMPORT((EL|N)SET)?"
         "|NFILL|NMAP|REFINEMESH|SYMMETRICMODELGENERATION"
     ),
-    # They connect nodes, which a mesh cannot hold.
+    # They connect nodes, or take elements away during an analysis, which a mesh cannot hold.
     "connection": (
-        "COUPLING|DISTRIBUTINGCOUPLING|EMBEDDEDELEMENT|EQUATION|FASTENER|KINEMATICCOUPLING|MPC"
-        "|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
+        "COUPLING|DISTRIBUTINGCOUPLING|EMBEDDEDELEMENT|EQUATION|FASTENER|KINEMATICCOUPLING"
+        "|MODELCHANGE|MPC|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
     ),
     "material": "MATERIAL|ELASTIC|DENSITY",
     # Options of a material that change its answer and are left out.
@@ -106,13 +106,9 @@ _ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0
 # Types of elements, their kinds by their first digits, and the dimension of solids, shells and
 # beams; membranes, rigid and plane elements and trusses are none. B33 has the nodes of B31.
 _TYPES: tuple[tuple[str, dict[int, str], int], ...] = (
-    (r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}", raw.SOLIDS, 3),
+    (r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}", SOLIDS, 3),
     (r"(?:U?S|STRI)(65|3|4|6|8|9)(?!\d)[A-Z0-9]*", SURFACES | {65: "triangle6"}, 2),
-    (
-        r"(?:DS|M3D|R3D|SFM3D|CPS|CPE|CAX|DC2D|DCAX|AC2D|ACAX)(3|4|6|8|9)(?!\d)[A-Z0-9]*",
-        SURFACES,
-        0,
-    ),
+    (r"(?:DS|[MR]3D|SFM3D|CP[SE]|[DA]?CAX|[DA]C2D)(3|4|6|8|9)(?!\d)[A-Z0-9]*", SURFACES, 0),
     (r"T[23]D([23])[A-Z]{0,2}", raw.LINES, 0),
     (r"B3([123])R?H?(?:OS)?H?", {1: "line", 2: "line3", 3: "line"}, 1),
 )
@@ -391,19 +387,15 @@ def _warn(file: Path, deck: AbaqusDeck) -> None:
     said, whole = list[str](), deck.whole
     names = ((f"*{card.name}", 1) for card in deck.cards if _kind(card.name) == "connection")
     if connections := raw.listed(names):
-        without = "were left out, and the body is computed without them"
-        said.append(f"connections between nodes {without}: {connections}")
-    if changes := sum(card.name == "MODELCHANGE" for card in deck.cards):
-        said.append(f"{changes} *MODEL CHANGE were left out: the body has all elements")
+        without = "changes of the model were left out, and the body is computed without them"
+        said.append(f"connections between nodes and {without}: {connections}")
     used = {scope.part for scope in whole.inner.values()}
     if unused := [part.name for at, part in whole.parts.items() if at not in used]:
         said.append(f"parts without an instance are left out: {', '.join(unused)}")
-    scopes = (whole, *whole.inner.values())
-    missing = {name: label for scope in scopes for name, label in scope.missing.items()}
-    if missing:
-        name, label = next(iter(missing.items()))
-        more = f" (and {len(missing) - 1} sets more)" if len(missing) > 1 else ""
-        said.append(f"{name} names {label}, which is not defined{more}")
+    for scope in (whole, *whole.inner.values()):
+        for name, label in [*scope.missing.items()][:1]:
+            more = f"of {len(scope.missing)} sets, not all members are defined"
+            said.append(f"{more}; {name} names {label}")
     if said:
         warn(f"mesh file {str(file)!r}: {'; '.join(said)}")
 

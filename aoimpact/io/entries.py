@@ -21,13 +21,6 @@ _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
 
 _MARKET = re.compile("matrix (coordinate|array) (real|integer) (general|symmetric)")
 
-# Contents of a line, by the number of integers before its value.
-_CONTENTS = {
-    0: "a number",
-    2: "row, column and value",
-    4: "node, component, node, component and value",
-}
-
 # Bytes of an entry at least: two digits, their spaces and the end of the line; of a dense matrix a
 # number and a space.
 _LEAST_BYTES, _LEAST_DENSE = 6, 2
@@ -130,6 +123,7 @@ def _columns(
     InputError
         At the first line that is something else.
     """
+    what = f"{integers} integers, of row and column, and a number"
     how = {"skiprows": before, "comments": comments}
     table = columns(file, integers + 1, "," if comma else None, **how)
     labels = np.zeros((0, 0)) if table is None else table[:, :-1]
@@ -146,9 +140,9 @@ def _columns(
             if place <= before or not line.strip() or comment:
                 continue
             if not _is_entry(line, integers, b"," if comma else None):
-                found = f"{_CONTENTS[integers]} should stand here, got {_shown(line)}"
+                found = f"{what} should stand here, got {_shown(line)}"
                 raise spoilt(file, f"{found}: is it cut short, or of another format?", place)
-    raise spoilt(file, f"{_CONTENTS[integers]} should stand on each line, and be finite")
+    raise spoilt(file, f"{what} should stand on each line, and be finite")
 
 
 def _shown(line: bytes) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.io
 
 from ..base import IntArray
-from ..mesh import KINDS, SURFACES, reference_faces
+from ..mesh import KINDS, SOLIDS, SURFACES, reference_faces
 from . import raw
 from .raw import RawBlock, RawMesh
 
@@ -26,7 +26,7 @@ _OF_THE_MESH = re.compile(
 # Kinds of cells by the first letters of the elements' names and the number of nodes.
 _KINDS = {
     **{
-        name: {n: kind for n, kind in raw.SOLIDS.items() if kind[:3].upper() == name}
+        name: {n: kind for n, kind in SOLIDS.items() if kind[:3].upper() == name}
         for name in ("HEX", "TET", "WED", "PYR")
     },
     **dict.fromkeys(("QUA", "SHE", "TRI"), SURFACES),

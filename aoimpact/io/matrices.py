@@ -169,9 +169,7 @@ def read_matrices(
         elif mesh is not None:
             solid = read_mesh(mesh)
             places = np.arange(1, solid.n_nodes + 1), solid.nodes / metres
-    given: dict[str, Any] = {"K": stiff, "M": heavy}
-    if labels is not None:
-        given["labels"] = labels
+    given: dict[str, Any] = {"K": stiff, "M": heavy, "labels": labels}
     try:
         if places is not None:
             given |= _coordinates(called, given, places, metres)
@@ -395,7 +393,7 @@ def _coordinates(
 ) -> dict[str, Any]:
     """Return `nodes` and `free` of a body whose rows are displacements and rotations."""
     numbers, where = places
-    labels, size = given.get("labels"), given["K"].shape[0]
+    labels, size = given["labels"], given["K"].shape[0]
     if labels is None:
         if size != 3 * len(where):
             raise InputError(f"nodes: {len(where)} nodes for {size} rows of {called}; give dofs")

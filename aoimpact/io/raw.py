@@ -18,10 +18,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import PRINTED, FloatArray, InputError, IntArray, MeshError, decoded, record, sp
-from ..mesh import KINDS, reference_element, twins
+from ..mesh import twins
 
 # Kinds of cells by their numbers of nodes.
-SOLIDS = {reference_element(kind).n_nodes: kind for kind in KINDS}
 LINES = {2: "line", 3: "line3"}
 POINTS = {1: "vertex"}
 DIMENSIONS = ("point", "line", "surface", "volume")
@@ -476,11 +475,8 @@ def labelled(file: Path, name: str, rows: Any, cols: Any, values: Any, **more: A
         If a component or a node is out of range.
     """
     nodes, components = (np.concatenate(pair) for pair in zip(rows, cols, strict=True))
-    if len(nodes) and (
-        components.min() < 0
-        or components.max() >= _COMPONENTS
-        or max(-nodes.min(), nodes.max()) >= _LARGEST_NODE
-    ):
+    small = (np.abs(nodes) < _LARGEST_NODE) & (components >= 0) & (components < _COMPONENTS)
+    if not small.all():
         raise spoilt(file, "a node or component is too large: are columns mixed up?")
     known, places = np.unique(codes(np.stack([nodes, components], axis=1)), return_inverse=True)
     labels = np.stack(np.divmod(known, _COMPONENTS), axis=1)

@@ -58,7 +58,7 @@ from ..mesh import (
 from . import abaqus, exodus, gmsh, med, nastran, viameshio, vtk
 from .abaqusdeck import key, looks_like_inp
 from .nastrandeck import is_nastran
-from .raw import RawMesh, grouped, listed, nodes_in
+from .raw import RawMesh, grouped, joined, listed, nodes_in
 from .sections import Source
 from .viameshio import from_meshio, is_meshio
 
@@ -528,14 +528,12 @@ def read_sections(
 
 def _refuse_turned(raw: RawMesh, found: Mapping[str, OneMaterial], where: str) -> None:
     """Refuse shells that `read_mesh` turns over, where offset or plies are those of one side."""
-    turned = np.zeros(raw.first[-1], dtype=bool)
     sided = [name for name, of in found.items() if isinstance(of, Layers) and of.sided]
     shells = [i for i, block in enumerate(raw.blocks) if sided and block.kind in _FLAT]
     over = against_neighbours(raw.nodes, [raw.blocks[i].cells for i in shells])
-    for i, own in zip(shells, over, strict=True):
-        turned[raw.first[i] : raw.first[i + 1]] = own
+    turned = joined(raw.numbers[i][own] for i, own in zip(shells, over, strict=True))
     for name in sided:
-        if turned[raw.cell_sets[name]].any():
+        if np.isin(raw.cell_sets[name], turned).any():
             why = f"{where}: elements of {name!r} lie against their neighbours"
             raise MeshError(f"{why}, and its plies are of one side; turn them in the mesher")
 

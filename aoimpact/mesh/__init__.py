@@ -9,6 +9,7 @@ from .convert import Solids, collapse, of_second_order, open_edges
 from .curvature import SurfaceShape, surface_shape
 from .elements import (
     KINDS,
+    SOLIDS,
     SURFACES,
     THIN,
     ReferenceElement,

@@ -9,20 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..base import IntArray, MeshError
-from .elements import KINDS, reference_element, reference_faces
+from .elements import RAISED, SOLIDS, reference_element, reference_faces
 from .mesh import Mesh, Solids
 from .surface import boundary
 from .vectors import parted
-
-# The kind of second order on the corners of each of first order: that with nodes on edges alone.
-_RAISED = {
-    reference_element(kind).cell.linear: kind
-    for kind in KINDS
-    if reference_element(kind).quadratic and kind != "hexahedron27"
-}
-
-# Kinds of first order by their number of corners.
-_SHAPES = {4: "tetra", 5: "pyramid", 6: "wedge"}
 
 # ------------------------------------------------------------------------------- second order
 
@@ -47,7 +37,7 @@ def of_second_order(mesh: Mesh) -> Mesh:
         return mesh
     if not all(linear):
         raise MeshError(f"order: give a mesh of first order throughout, got {mesh.contents}")
-    raised = [reference_element(_RAISED[block.kind]) for block in mesh.blocks]
+    raised = [reference_element(RAISED[block.kind]) for block in mesh.blocks]
     ends = [
         np.sort(block.cells[:, element.edges], axis=2)
         for block, element in zip(mesh.blocks, raised, strict=True)
@@ -171,7 +161,7 @@ def _plan(kind: str, pattern: tuple[int, ...]) -> tuple[str, list[int], IntArray
     if element.thin:  # a quadrilateral of which an edge has no length
         beside = len(distinct) == 3 and pattern not in ((0, 1, 0, 3), (0, 1, 2, 1))
         return ("triangle", distinct, np.zeros((0, 2), np.int64)) if beside else None
-    target = _SHAPES.get(len(distinct))
+    target = SOLIDS.get(len(distinct))
     # Nodes within collapsed sides have no place in other kinds.
     if len(element.nodes) == 27 or target is None:
         return None
@@ -200,7 +190,7 @@ def _plan(kind: str, pattern: tuple[int, ...]) -> tuple[str, list[int], IntArray
             middles.setdefault(frozenset(pattern[end] for end in ends), []).append(i)
         for ends, nodes in middles.items():  # on edges that fall together, or have no length
             same += [(nodes[0], other) for other in (*nodes[1:], *(ends if len(ends) == 1 else ()))]
-        target = _RAISED[target]
+        target = RAISED[target]
         edges = reference_element(target).edges.tolist()
         order += [middles[frozenset(order[end] for end in ends)][0] for ends in edges]
     return target, order, np.array(same, dtype=np.int64).reshape(-1, 2)

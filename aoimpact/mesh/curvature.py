@@ -94,8 +94,8 @@ class SurfaceShape(Frozen):
     @property
     def from_below(self) -> SurfaceShape:
         """The shape of the other side of a shell."""
-        turned = -self.normal, -self.curvatures[::-1], self.directions[::-1]
-        return replace(self, normal=turned[0], curvatures=turned[1], directions=np.array(turned[2]))
+        curvatures, directions = -self.curvatures[::-1], self.directions[::-1].copy()
+        return replace(self, normal=-self.normal, curvatures=curvatures, directions=directions)
 
 
 def surface_shape(surface: Surface, point: FloatArray) -> SurfaceShape:

@@ -387,6 +387,9 @@ _ALL |= {  # whose functions are those of solids on a side or edge in the plane 
 }
 THIN = ("quad", "triangle", "line")
 
+# Kinds of second order on the corners of those of first order: hexahedron20 comes after 27 here.
+RAISED = {_ALL[kind][0].linear: kind for kind in reversed(KINDS) if _ALL[kind][1]}
+
 # Surface elements by their numbers of nodes.
 SURFACES = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
 
@@ -401,6 +404,10 @@ def reference_element(kind: str) -> ReferenceElement:
     nodes = np.vstack([cell.corners, *means])
     basis = _Basis.of(space, nodes, 0.5 if cell is _HEXAHEDRON else 0.0)
     return ReferenceElement(kind, cell, nodes, points, basis)
+
+
+# Solids by their numbers of nodes.
+SOLIDS = {reference_element(kind).n_nodes: kind for kind in KINDS}
 
 
 @cache
@@ -426,8 +433,8 @@ def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | No
     if own.quadratic:
         (space, sides, *points), edges = _CUBIC[kind], own.edges
     else:
-        raised = next(of for of in KINDS if _ALL[of][0] is own.cell and of != kind)
-        (_, _, space, *points), edges, sides = _ALL[raised], reference_element(raised).edges, ""
+        (_, _, space, *points), sides = _ALL[RAISED[kind]], ""
+        edges = reference_element(RAISED[kind]).edges
     corners, added = own.cell.corners, [*edges.tolist(), *([*map(int, of)] for of in sides.split())]
     first, last = corners[edges].swapaxes(0, 1)
     on_edges = first + (last - first) / (3.0 if own.quadratic else 2.0)

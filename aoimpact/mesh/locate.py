@@ -85,8 +85,7 @@ def nearest_line(mesh: Mesh, point: FloatArray) -> tuple[int, float, float]:
     block = next(of for of in mesh.blocks if of.kind == "line")
     ends = mesh.nodes[block.cells]
     along = ends[:, 1] - ends[:, 0]
-    place = dot(point - ends[:, 0], along) / (along**2).sum(axis=1)
-    place = np.clip(place, 0.0, 1.0)
+    place = np.clip(dot(point - ends[:, 0], along) / dot(along, along), 0.0, 1.0)
     gap = np.linalg.norm(ends[:, 0] + place[:, None] * along - point, axis=1)
     nearest = int(gap.argmin())
     return block.first + nearest, float(place[nearest]), float(gap[nearest])

@@ -47,12 +47,9 @@ def motions_at(places: FloatArray, *, rotations: bool = False) -> FloatArray:
 
     With `rotations`, the places' own rotations follow: shape (2 n, 3, 6).
     """
-    x, y, z = places.T
     motions = np.zeros((len(places), 3, 6))
-    motions[:, [0, 1, 2], [0, 1, 2]] = 1.0
-    motions[:, 1, 3], motions[:, 2, 3] = -z, y
-    motions[:, 2, 4], motions[:, 0, 4] = -x, z
-    motions[:, 0, 5], motions[:, 1, 5] = -y, x
+    motions[:, :, :3] = np.eye(3)
+    motions[:, :, 3:] = np.cross(np.eye(3), places[:, None]).swapaxes(1, 2)
     if not rotations:
         return motions
     return np.concatenate([motions, np.broadcast_to(np.eye(3, 6, 3), motions.shape)])
