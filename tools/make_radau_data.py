@@ -134,7 +134,7 @@ def main() -> None:
     print('#include "motion/radau.h"')
     declare("Radau IIA nodes.", "node[AOI_NODES]", nodes)
     declare(
-        "From values at the nodes to Legendre coefficients.",
+        "Matrix from values at the nodes to Legendre coefficients.",
         "to_legendre[AOI_NODES][AOI_NODES]",
         on_part(nodes, mp.mpf(1)),
     )
@@ -153,25 +153,25 @@ def main() -> None:
         "slope_at_node[AOI_NODES + 1][AOI_NODES]",
         by_columns(slopes(ends, nodes)),
     )
-    declare("Points at an edge; the nodes.", "edge_point[3][AOI_NODES]", [*edges, nodes])
+    declare("Law points at an edge; else the nodes.", "edge_point[3][AOI_NODES]", [*edges, nodes])
     declare(
-        "Cardinal polynomials of 0 and the nodes at the points of an edge, by columns.",
+        "Values at an edge's points of the cardinal polynomials of 0 and the nodes, by columns.",
         "indentation_at_edge[2][AOI_NODES + 1][AOI_NODES]",
         [by_columns([lagrange(ends, x) for x in points]) for points in edges],
     )
     declare(
-        "From values at the points of an edge to the nodes, by the nearest polynomial, by columns.",
+        "Matrix from values at an edge's points to the nearest polynomial at nodes, by columns.",
         "edge_projection[2][AOI_NODES][AOI_NODES]",
         [by_columns(projection(nodes, points, edge_weights)) for points in edges],
     )
     rest = (CHECKS - STAGES) * [mp.mpf(0)]
     declare(
-        "Points of the finer rule at an edge; 1 - node.",
+        "Points where a law's force is checked: of a finer rule at an edge; else 1 - node.",
         "check_point[3][AOI_EDGE_CHECKS]",
         [*checks, [*extra, *rest]],
     )
     declare(
-        "Weights there; those of 1 - node in the quadrature on these and the nodes.",
+        "Weights of these points; for 1 - node, in the quadrature on these and the nodes.",
         "check_weight[3][AOI_EDGE_CHECKS]",
         [check_weights, check_weights, [*weights([*nodes, *extra])[STAGES:], *rest]],
     )
