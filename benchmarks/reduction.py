@@ -111,7 +111,7 @@ def constrained_against_solutions() -> None:
     solvers = ("pardiso", "superlu") if pardiso.is_installed() else ("superlu",)
     for name, make in CONSTRAINED.items():
         tip = make()
-        tip.body.rigid_modes  # noqa: B018 - as in main
+        tip.body.rigid_modes  # noqa: B018 - a property of the body, no part of its model
         for solver in solvers if tip.body.n_dofs <= SUPERLU_MOST else solvers[:1]:
             build = partial(ao.antioscillators, tip, 8, method="krylov", solver=solver)
             calls = (partial(build, contact_time=CONTACT_TIME), partial(yardstick, tip, 10, solver))

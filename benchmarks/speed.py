@@ -108,7 +108,7 @@ def first_impact() -> Found:
 
 
 def rigid_pair() -> Found:
-    """Time an impact of many, and SciPy's DOP853 to the same tolerance."""
+    """Time an impact of a rigid pair, one of many, and SciPy's DOP853 to the same tolerance."""
     case, rule = CASES["rigid"], ao.Adaptive(rtol=1e-6)
     speeds = np.linspace(0.5, 1.5, 4000).tolist()
     cases = [case.scene | {"velocity": speed, "solver": rule} for speed in speeds]
@@ -118,7 +118,7 @@ def rigid_pair() -> Found:
 
 
 def monte_carlo(spread: float, count: int = 300) -> Found:
-    """Time an impact of many with errors, radii and speeds spread by a factor, and the first."""
+    """Time an impact with its errors, one of many with spread radii and speeds, and the first."""
     draws, tip = np.random.default_rng(1).uniform(-1.0, 1.0, (count, 2)), plate(20, 16, 3)
     cases = [
         {"projectile": ao.ball(0.01 * spread**r, STEEL), "target": tip, "velocity": spread**v}

@@ -253,7 +253,7 @@ class Setup:
 
 @cache
 def striker(radius: float, elastic: bool) -> Any:
-    """Return a rigid ball, or an elastic one of elements finer than those of the body struck."""
+    """Return a rigid ball, or an elastic one whose elements err less than those of the body."""
     if not elastic:
         return ao.ball(radius, MATERIALS["STEEL"])
     model = ao.FEModel.from_mesh(

@@ -368,7 +368,7 @@ def integers(
 
 
 def inertia_tensor(name: str, value: Any, *, most: float) -> FloatArray:
-    """Return the inertia tensor of a body, kg m², shape (3, 3), from itself or three moments.
+    """Return the inertia tensor of a body, kg m², (3, 3), given as such or by three moments.
 
     Raises
     ------

@@ -84,7 +84,7 @@ def _pair(case: Mapping[str, Any]) -> _Pair | None:
 
 
 def plain_numbers(cases: Sequence[Any], names: Sequence[str]) -> list[dict[str, float] | None]:
-    """Return the named numbers of the plain ones among some cases; None for the others.
+    """Return the named numbers of each plain case, and None for each other case.
 
     Parameters
     ----------

@@ -252,7 +252,7 @@ def sweep_file(
     Parameters
     ----------
     scene : SceneFile
-        With a [sweep].
+        Scene file with a [sweep].
     workers, checkpoint : optional
         As in `sweep`; by default those of the file. A path in the file is relative to its folder.
 

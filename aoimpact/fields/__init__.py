@@ -2,7 +2,7 @@
 
 The motion of a body is recomputed from the recorded contact forces (response.py). `results` offers
 it as attributes of a run's bodies; `accuracy` takes stresses and their errors from here, and
-`testrig` filtered accelerations.
+`testrig` probes and the filter.
 """
 
 from .channel import Channel, zero_phase

@@ -146,7 +146,7 @@ def filtered_acceleration(
         Length of the record, s.
     channel : Channel
     times : ndarray, shape (times,)
-        s.
+        Times, s.
 
     Raises
     ------

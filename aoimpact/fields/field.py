@@ -92,7 +92,7 @@ def picture(
     ----------
     bodies : sequence of Shown
     times : ndarray, shape (k,)
-        s.
+        Times, s.
     down : sequence of float
         Direction that points down.
     scale : float, optional
@@ -154,7 +154,7 @@ def write_movie(
     times: FloatArray,
     scale: float | None,
 ) -> Path:
-    """Write a movie with one frame per time; `shown` returns the bodies and what points down.
+    """Write a movie with one frame per time; `shown` returns the bodies and the direction down.
 
     Raises
     ------
@@ -270,7 +270,7 @@ class Field:
     ----------
     body : FEModel
     times : ndarray, shape (k,)
-        s.
+        Times, s.
     displacement, velocity, rotation : ndarrays, shape (k, n_nodes, 3)
         Motion of the nodes: m, m/s and, for the nodes of shells and beams, rad.
 

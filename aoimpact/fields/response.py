@@ -213,7 +213,7 @@ class Response:
         functional : ndarray, shape (n_dofs,)
             Functional on the dofs of the body as it was given.
         times : ndarray, shape (k,)
-            s.
+            Times, s.
         """
         functional = self.body.functional(functional)
         row = functional if self.recovery is None else self.recovery.model.seen(functional)

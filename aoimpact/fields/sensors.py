@@ -112,9 +112,10 @@ class History:
 
     @cached_property
     def error(self) -> FloatArray | None:
-        """Error due to the body's model, relative to the largest value, (n,); None if full.
+        """Error due to the body's model, relative to the largest value, (n,).
 
-        It is twice the differences from the runs with other elements, in the worst component.
+        It is twice the differences from the runs with other elements, in the worst component; None
+        for a full model.
         """
         if not self.source.others:
             return None
@@ -181,9 +182,9 @@ class SensedOnce:
 
     @property
     def error(self) -> FloatArray | None:
-        """Error due to the body's model, relative to the largest value, (n,); None if full.
+        """Error due to the body's model, relative to the largest value, (n,).
 
-        It is twice the difference from the run with other elements.
+        It is twice the difference from the run with other elements; None for a full model.
         """
         return self._history.error
 
@@ -227,7 +228,7 @@ class At(Each[sp.csr_array]):
         return motion_rows(body, place_rows(body, self.places, self.nodes), self.axes)
 
     def motion(self, response: Response, times: FloatArray, *, rates: bool = True) -> ArrayPair:
-        """Return displacement, m, and velocity, m/s, which lacks half-spaces without `rates`."""
+        """Return displacement, m, and velocity, m/s, with half-spaces' part only if `rates`."""
         motion = response.functionals(self.of(response.body), times)
         added = response.half_space(self.places, times, rates=rates)
         u, v = (
@@ -447,7 +448,7 @@ class Probe(Sensed):
         return Filtered(history, channel)
 
     def _tensor(self, name: str) -> FloatArray:
-        solid(self._response.body, name)  # which refuses other bodies
+        solid(self._response.body, name)  # which refuses bodies without elements and material
         return self._histories[name].told().reshape(len(self.t), *self.points.shape[:-1], 6)
 
     @property
@@ -667,7 +668,7 @@ class Measured:
 
     label: str
     _run: Any
-    _number: int  # of the body
+    _number: int  # number of the body in the run
 
     @cached_property
     def _responding(self) -> Response:

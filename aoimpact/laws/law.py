@@ -557,7 +557,7 @@ def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
 
 
 def removable(law: ContactLaw, indentation: float) -> float:
-    """Return the largest compliance, m/N, that a law used up to an indentation, m, can lose."""
+    """Return the largest compliance, m/N, removable from a law used up to an indentation, m."""
     return MOST_SHARE / float(law._stiffest(np.array(indentation)))
 
 

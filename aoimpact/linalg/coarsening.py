@@ -53,7 +53,7 @@ def finest_level(pencil: Pencil) -> Finest:
         # Blocks of 3 if most rows of K give no force under translations of triples of dofs, else 1.
         moves = np.tile(np.eye(3), (pencil.n // 3 + 1, 1))[: pencil.n]
         inner = np.abs(K @ moves) <= PRINTED * K.diagonal()[:, None]
-        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # rows beside supports give one
+        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # others are beside supports
         motions = moves.reshape(-1, 3, 3) if size == 3 else np.ones((pencil.n, 1, 1))
     else:
         size, free, nodes = 3, pencil.free, np.unique(pencil.free // 3)
@@ -67,7 +67,7 @@ def finest_level(pencil: Pencil) -> Finest:
         A = add(A, pencil.s2, M)
     if len(diagonal_places(A)) < len(motions):
         raise SingularError(f"{pencil.what} is singular: some dofs have no stiffness")
-    if A.shape[0] > pencil.n:  # constrained dofs of partly free nodes: only a diagonal entry
+    if A.shape[0] > pencil.n:  # constrained dofs of partly free nodes get only a diagonal entry
         fixed = np.full(A.shape[0], pencil.scale)
         fixed[place] = 0.0
         add_to_diagonal(A, fixed)
@@ -159,8 +159,8 @@ def corners_of(pencil: Pencil) -> tuple[sp.csr_array, FloatArray, FloatArray] | 
 def aggregated(A: Any, candidates: FloatArray, highest: float) -> tuple[Any, FloatArray]:
     """Return the prolongation of smoothed aggregation, and the candidates on the coarse level.
 
-    Vanek, Mandel and Brezina, Computing 56 (1996): the candidates, cut to aggregates of nodes and
-    made orthonormal there, span the coarse space; one Jacobi step smooths it.
+    Vanek, Mandel and Brezina, Computing 56 (1996): the candidates, restricted to aggregates of
+    nodes and made orthonormal there, span the coarse space; one Jacobi step smooths it.
 
     Parameters
     ----------

@@ -161,7 +161,7 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
             f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
             "is too heavy to move, and give dofs that hardly have mass none"
         )
-    massless = np.flatnonzero(diagonal == 0.0)  # whole rows are zero: their minors are not negative
+    massless = np.flatnonzero(diagonal == 0.0)  # by _check_minors, these rows are zero
     bare = massless[K.diagonal()[massless] == 0.0]
     if len(bare):
         raise InputError(
@@ -296,7 +296,7 @@ def _symmetrised(name: str, csr: sp.csr_array) -> sp.csr_array:
         return csr
     difference = (csr - transposed).tocoo()
     largest = float(np.abs(csr.data).max())
-    gap = float(np.abs(difference.data).max(initial=0.0))  # none if one side only stores zeros
+    gap = float(np.abs(difference.data).max(initial=0.0))  # empty if only stored zeros differ
     if gap > PRINTED * largest:
         worst = int(np.argmax(np.abs(difference.data)))
         i, j = int(difference.row[worst]), int(difference.col[worst])

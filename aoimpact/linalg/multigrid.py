@@ -40,9 +40,9 @@ _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 
 # Maximum entries of the coarsest level's factor L: _FEWEST_ENTRIES or _COARSEST_SHARE of K's. For
 # slender bodies, whose bending aggregates represent poorly, it is _SHARE_OF_FEW of K's, but at most
-# _FEW_ENTRIES. Slender are bodies of which L of K has fewer than _SLENDER n^(4/3) entries: balls,
-# cubes and plates of 6:6:1 have 26 to 56 n^(4/3), sheets and bars 11 to 15 n^(4/3). A level of at
-# most _DENSE dofs is the coarsest in any case.
+# _FEW_ENTRIES. A body is slender if L of K has fewer than _SLENDER n^(4/3) entries: balls, cubes
+# and plates of 6:6:1 have 26 to 56 n^(4/3), sheets and bars 11 to 15 n^(4/3). A level of at most
+# _DENSE dofs is the coarsest in any case.
 _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
 _DENSE = 300

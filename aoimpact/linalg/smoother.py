@@ -71,7 +71,7 @@ class Smoother:
         in_stages(_STEPS + 1, self._parts, _core.blocks_smooth, self._matrix, *others)
 
     def _largest_eigenvalue(self, inverse: FloatArray, what: str) -> float:
-        """λ_max of D⁻¹A by Lanczos' method in the inner product of D."""
+        """Return λ_max of D⁻¹A by Lanczos' method in the inner product of D."""
         n, size = self._n, inverse.shape[1]
         w, before = np.random.default_rng(3).standard_normal(n), np.zeros(n)
         diagonal: list[float] = []

@@ -134,7 +134,7 @@ def shifted(
     """Return the solver of K + s²M with s² near the lowest elastic eigenvalue.
 
     K of a free body is singular, and K + s²M is not. s² far below the first elastic eigenvalue
-    costs digits, far above it iterations, so it is corrected once that is known roughly.
+    costs digits, far above it iterations, so s² is corrected once the eigenvalue is known roughly.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def lowest(
     K, M : scipy.sparse matrices, shape (dofs, dofs)
         Symmetric, positive semidefinite; K + s²M positive definite.
     n : int
-        How many, 1 … dofs; there are fewer where motions have no mass.
+        Number of eigenpairs, 1 … dofs; fewer are returned if motions have no mass.
     known : ndarray, shape (dofs, r), optional
         M-orthonormal basis of the null space of K; its modes come first, with ω² exactly 0.
     invert : callable, optional
@@ -265,7 +265,7 @@ def _iterated(
         with suppress(SingularError):  # K may be singular to rounding
             near = solver_at(0.0)
     near = near or solver_at(_first_shift(K, M))
-    if known is None:  # correcting the first guess of s² takes the null space
+    if known is None:  # correcting the first guess of s² needs the null space
         return davidson(K, M, near.solve, n, s2=near.s2)
     if (cycle := near.precondition) is not None:
         try:
@@ -367,7 +367,7 @@ def davidson(
 def warn_of_rounding(K: Any, modes: FloatArray, what: str) -> None:
     """Warn if the rounding of K is as large as the stiffness of some `modes`, shape (dofs, n).
 
-    `what` names in the warning what depends on the modes.
+    `what`: number and name of the modes, or of what is made of them, in the warning.
     """
     sizes = np.abs(modes)
     rounding = np.finfo(float).eps * (sizes * (abs(K) @ sizes)).sum(axis=0)

@@ -12,8 +12,8 @@ from ..base import FloatArray, IntArray, MemoryLimitError, SingularError, sp
 from .method import Inverse, Method, of_factors
 from .pencil import Pencil
 
-# 1/condition below which a factorised matrix counts as singular: rounding of its entries alone
-# could have hidden that it is.
+# 1/condition below which a factorised matrix counts as singular: rounding of the entries of a
+# singular matrix leaves as much.
 _SINGULAR = 2e-15
 
 # Safety factor (times √n) for estimating 1/condition by one inverse iteration from a random vector.
@@ -39,7 +39,7 @@ class Factorization:
     matrix : scipy.sparse.csc_matrix, shape (n, n)
         The matrix that was factorised.
     order : ndarray of int, shape (n,), or None
-        Order in which SuperLU got its rows and columns; None if it is theirs.
+        Order in which SuperLU got its rows and columns; None if they were not reordered.
     """
 
     matrix: Any
@@ -137,8 +137,8 @@ def check_condition(
         sizes = type(matrix)(parts, shape=matrix.shape)
         largest = float((sizes @ (1.0 / scale) / scale).max())
         x = np.random.default_rng(0).standard_normal(len(scale))
-        # After one iteration the norm may still be too small: safety factor. The second is not
-        # judged, and the third is exact enough.
+        # One iteration may underestimate the norm, and needs a safety factor to accept the matrix.
+        # The second decides nothing, and the third is accurate enough.
         for short in (_UNLUCKY * len(scale) ** 0.5, np.inf, 1.0):
             with np.errstate(invalid="ignore"):  # of an infinite x, which is refused
                 x /= np.linalg.norm(x)

@@ -41,7 +41,7 @@ def two_level(pencil: Pencil, first: LinearSolver) -> LinearSolver:
     Returns
     -------
     LinearSolver
-        Of right-hand sides of shape (n,) or (n, m), several columns at a time.
+        It solves for right-hand sides of shape (n,) or (n, m), several columns at a time.
     """
     n = first.pencil.n
     A = pencil.matrix()

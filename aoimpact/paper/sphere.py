@@ -106,7 +106,7 @@ def all_dofs() -> ao.FullModel:
 
 @cache
 def pair(body: ao.AOModel | ao.Body | ao.FullModel, speed: float = VELOCITY) -> ao.Result:
-    """Run two like bodies against each other; contact times go as V^(-1/5), and so does dt."""
+    """Run two equal bodies against each other; duration and dt go as V^(-1/5), as contact times."""
     slower = (VELOCITY / speed) ** 0.2
     step = _STAR_STEP if isinstance(body, ao.AOModel) else _STEP
     return ao.simulate(

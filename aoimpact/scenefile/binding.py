@@ -68,7 +68,7 @@ class Reader:
         return isinstance(value, self.types)
 
     def __call__(self, binder: Binder, value: Any, place: Place) -> Any:
-        """Return the argument of a value; None if the value is wrong, which is noted."""
+        """Return the argument that a value gives; note a wrong value, and return None."""
         if not self.fits(value):
             return binder.say(place, f"must be {self.wanted}, got {_shown(value)}")
         return self.read(binder, value, place)
@@ -92,7 +92,7 @@ class Table:
     ----------
     function : callable
     keys : dict of str to str
-        Parameter of each key in the file that has another name than its parameter.
+        Names of parameters by their keys in the file, where these differ.
     hints : dict
         Annotations in place of the function's own, by parameter.
     owner : callable, optional
@@ -167,7 +167,7 @@ class Binder:
         self.problems.append((place, message))
 
     def find(self, known: Mapping[str, Any], where: str, name: str, place: Place) -> Any:
-        """Return the entry of `known` by its name; None if there is none, which is noted."""
+        """Return the entry of `known` by its name; note a name without one, and return None."""
         if name not in known:
             listed = ", ".join(known) or "nothing"
             self.say(place, f"{where} has no {name!r}{nearest(name, known)}; it has {listed}")
@@ -330,7 +330,7 @@ def _entries(hint: Any) -> Reader | None:
 
 
 def _number(binder: Binder, value: Any, place: Place) -> Any:
-    """Return a number, or lists of numbers, that doubles can hold; note others."""
+    """Return a number, or lists of numbers, that doubles can hold; note others as problems."""
     if isinstance(value, list):
         return [_number(binder, of, (*place, i)) for i, of in enumerate(value)]
     if isinstance(value, bool) or not isinstance(value, int | float):

@@ -260,7 +260,7 @@ def fit_law(
     mass : float, optional
         Mass of a rigid body that meets a wall, or reduced mass of a pair, kg.
     velocity : float or array_like, optional
-        Approach velocity, m/s; one for each dent.
+        Approach velocity, m/s; in tests of dents, one for each dent.
     projectile, target : optional
         Models of the bodies, in place of `mass`, as `simulate` takes them.
     indentation, force : array_like, optional
@@ -280,7 +280,7 @@ def fit_law(
     Raises
     ------
     InputError, InputTypeError
-        If the measurement is incomplete, or `free` names what is no parameter above 0.
+        If the measurement is incomplete, or a name in `free` is not that of a parameter above 0.
 
     Warns
     -----

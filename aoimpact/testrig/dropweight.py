@@ -152,7 +152,7 @@ class DropWeight(Frozen):
     # ---------------------------------------------------------------------- output
 
     def plot_deflection(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the force over the deflection while they touch; returns the axes.
+        """Draw the force over the deflection during the contact; returns the axes.
 
         Keywords go to ``Axes.plot``.
 

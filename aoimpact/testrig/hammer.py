@@ -27,14 +27,14 @@ from .signal import RISEN, UNEVEN, Signal, contacts, force_at
 # Power of iω by which an accelerance is divided to give each kind.
 _KINDS = {"accelerance": 0, "mobility": 1, "receptance": 2}
 
-# Force spectrum over its maximum up to which a hammer excites: 10 to 20 dB down.
+# Smallest force spectrum over its maximum at which a hammer excites: usually -10 to -20 dB.
 _EXCITED = 0.1
 
 # Share of a resonance that comes from the second half of a record in which the vibration falls to a
 # half in each half: q (1 - q)/(1 - q²) with q = 1/2.
 _SECOND_HALF = 1.0 / 3.0
 
-# 1 less the confidence level of the error due to noise.
+# One minus the confidence level of the error due to noise.
 _OUTSIDE = 0.05
 
 

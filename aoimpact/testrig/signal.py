@@ -1,6 +1,4 @@
-"""A signal over time, measured or simulated, the filter of its channel frequency class, and signals
-from the text files of data loggers.
-"""
+"""Signals over time, measured or simulated: filters of channel frequency classes, text files."""
 
 from __future__ import annotations
 
@@ -335,7 +333,7 @@ def _steps(length: float, rate: float) -> int:
     return int(count)
 
 
-# SI units that take prefixes, by each way to write them. Factor and SI unit of all units by name.
+# SI units by each spelling that takes prefixes; and factor and SI unit by each name of a unit.
 _BASES = {of: of for of in ("N", "s", "m", "V", "m/s", "m/s²")} | {"m/s2": "m/s²", "m/s^2": "m/s²"}
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
 _UNITS = {
