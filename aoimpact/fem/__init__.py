@@ -1,6 +1,6 @@
 """Finite-element models of bodies: material, supports, assembly, damping and stress.
 
-For all folders above that hold a body: `contact` takes K, M and the mesh from here.
+Every folder that works on a body imports from here; `contact` takes K, M and the mesh.
 """
 
 from .assembly import stiffness_mass, thin_stiffness_mass

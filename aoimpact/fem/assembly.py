@@ -1,7 +1,7 @@
-"""Stiffness and consistent mass of a mesh of solid elements, and of one with shells and beams.
+"""Stiffness and consistent mass of a mesh of solid, shell and beam elements.
 
-Both matrices are blocks between pairs of nodes that share an element. Which pair each block of an
-element belongs to is worked out once; then the blocks are added up, and no entry is stored twice.
+Both matrices consist of one block per pair of nodes that share an element. The pair of each block
+of each element matrix is found once; then the blocks are summed in place, without duplicates.
 """
 
 from __future__ import annotations
@@ -22,31 +22,31 @@ from .laminate import Layers
 from .material import Material
 from .shells import element_mass, element_stiffness, nodal_normals, rigid_ends
 
-# Elements are taken so many at a time that the largest temporary stays in this size, bytes: in the
-# caches.
+# Largest temporary array of a batch of elements, bytes: fits into the processor's caches.
 _BATCH = 4e6
 
-# Shells that are taken at a time, for the same reason.
+# Shell elements per batch, for the same reason.
 _SHELLS = 512
 
-# Bytes for each pair of dofs of nodes that share an element: K, or K and M, as blocks (8 each) and
-# as rows with their columns (12 each).
+# Memory for each pair of dofs whose nodes share an element, bytes: K and M as dense blocks (8 each)
+# and as CSR entries with column indices (12 each).
 _BYTES_PER_DOFS = 40.0
 
-# The blocks of the upper triangle; the others are their transposes.
+# Components (i, j) of the blocks K_ij in the upper triangle; K_ji is the transpose.
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
-# Pairs of nodes that share an element, in compressed rows: ends of rows, columns, and which of the
-# pairs each entry of each element's matrix belongs to, (n_elements, n_local, n_local) by group.
+# Sparsity pattern of nodes that share an element: indptr and indices of its CSR form, and for each
+# group of elements the position of each entry of the element matrices in the pattern, shape
+# (n_elements, n_local, n_local).
 _Pattern = tuple[npt.NDArray[np.int32], npt.NDArray[np.int32], list[IntArray]]
 
 
 def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
     """Return K and the consistent M over all dofs 3·node + component.
 
-    With shells or beams the rotations of all nodes follow, 3·n_nodes + 3·node + component. Rows of
-    nodes of solids alone are empty there.
+    With shells or beams, rotations 3·n_nodes + 3·node + component follow. Their rows are empty for
+    nodes of solid elements only.
 
     Parameters
     ----------
@@ -56,8 +56,8 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
     Returns
     -------
     K, M : scipy.sparse.csr_array, shape (3 n_nodes, 3 n_nodes) or (6 n_nodes, 6 n_nodes)
-        N/m and kg; of rotations also N, N m, kg m and kg m². Exactly symmetric, column indices
-        sorted.
+        Stiffness, N/m (with rotations N and N m), and mass, kg (with rotations kg m and kg m²).
+        Exactly symmetric, column indices sorted.
     """
     parts = pieces(mesh, material, (Layers, Beam))
     if not parts:
@@ -76,20 +76,22 @@ def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.
 def thin_stiffness_mass(
     nodes: FloatArray, parts: Sequence[tuple[IntArray, Layers | Beam]]
 ) -> list[sp.csr_array]:
-    """Return K and M over the dofs 6·node + (u, v, w, θx, θy, θz), rotations right-handed.
+    """Return K and M of shells and beams over the dofs 6·node + (u, v, w, θx, θy, θz).
+
+    Rotations are right-handed.
 
     Parameters
     ----------
     nodes : ndarray, shape (n_nodes, 3)
-        m.
+        Coordinates, m.
     parts : sequence of (ndarray of int, Shell, Laminate or Beam)
-        Nodes of elements, shape (n, 2), (n, 3) or (n, 4), and what these are.
+        Nodes of the elements, shape (n, 2), (n, 3) or (n, 4), and their section.
 
     Returns
     -------
     list of two scipy.sparse.csr_array, shape (6 n_nodes, 6 n_nodes)
-        N/m, N and N m; kg, kg m and kg m². Exactly symmetric, column indices sorted. Rows of M of
-        rotations about a flat shell's normal are zero.
+        K in N/m, N and N m; M in kg, kg m and kg m². Exactly symmetric, column indices sorted. M
+        has zero rows for rotations about the normal of a flat shell.
     """
     surfaces = [(cells, part) for cells, part in parts if not isinstance(part, Beam)]
     joints = rigid_ends(nodes, surfaces) if surfaces else []
@@ -128,9 +130,9 @@ def thin_stiffness_mass(
 def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
     """K and M of the solid elements.
 
-    Fully integrated: K exact on elements with straight sides and constant Jacobian, M on all.
-    Blocks of K for isotropic elasticity: K_ij = ∫ λ ∂iφ ∂jφᵀ + μ ∂jφ ∂iφᵀ + δij μ ∇φ·∇φᵀ dV; else
-    K_ij = ∫ C_ikjl ∂kφ ∂lφᵀ dV.
+    Full integration is exact for M, and for K if elements have straight sides and a constant
+    Jacobian. The blocks of K are K_ij = ∫ λ ∂iφ ∂jφᵀ + μ ∂jφ ∂iφᵀ + δij μ ∇φ·∇φᵀ dV for isotropic
+    materials, otherwise K_ij = ∫ C_ikjl ∂kφ ∂lφᵀ dV.
     """
     indptr, indices, places = _pattern([of.cells for of in mesh.blocks], mesh.n_nodes, 3)
     stiffness, mass = np.zeros((len(indices), 3, 3)), np.zeros(len(indices))
@@ -160,7 +162,7 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
 
 
 def _batches(mesh: Mesh, material: AnyMaterial, places: Any) -> Iterator[tuple[Piece, Any]]:
-    """Yield elements alike, some at a time, and which pairs their entries belong to."""
+    """Yield batches of elements of one kind and material, with their part of `places`."""
     for piece in pieces(mesh, material):
         place, of = places[mesh.blocks.index(piece.block)], piece.element
         n_points = max(len(of.stiffness_rule.weights), len(of.mass_rule.weights))
@@ -169,7 +171,7 @@ def _batches(mesh: Mesh, material: AnyMaterial, places: Any) -> Iterator[tuple[P
 
 
 def _stiffness(piece: Piece, nodes: FloatArray) -> Iterator[FloatArray]:
-    """Yield the blocks `_PAIRS` of the element matrices, each (n_elements, n_local, n_local)."""
+    """Yield the blocks `_PAIRS` of the element stiffness, each (n_elements, n_local, n_local)."""
     n, n_local = nodes.shape[:2]
     element, material = piece.element, piece.of
     rule = element.stiffness_rule
@@ -204,7 +206,7 @@ def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:
     shape = element.shape(rule.points)
     row, column = np.triu_indices(element.n_nodes)
     products = rule.weights[:, None] * shape[:, row] * shape[:, column]
-    upper = np.einsum("eq,qp->ep", det, products)  # the threads of BLAS change the last bits
+    upper = np.einsum("eq,qp->ep", det, products)  # unlike BLAS, reproducible to the last bit
     full = np.empty((len(nodes), element.n_nodes, element.n_nodes))
     full[:, row, column] = upper
     full[:, column, row] = upper
@@ -212,7 +214,7 @@ def _mass(element: ReferenceElement, nodes: FloatArray) -> FloatArray:
 
 
 def _pattern(groups: Sequence[IntArray], n_nodes: int, dofs: int) -> _Pattern:
-    """Return the pairs of nodes of all elements, each once, and where those of the elements are."""
+    """Return the sparsity pattern of the nodes of all elements; see `_Pattern`."""
     pairs = [cells[:, :, None] * n_nodes + cells[:, None, :] for cells in groups]
     key, place = np.unique(np.concatenate([of.ravel() for of in pairs]), return_inverse=True)
     row, column = np.divmod(key, n_nodes)
@@ -223,10 +225,9 @@ def _pattern(groups: Sequence[IntArray], n_nodes: int, dofs: int) -> _Pattern:
 
 
 def kept_rows_columns(matrix: Any, kept: IntArray) -> sp.csr_array:
-    """Return some rows and columns, ascending, of a CSR matrix, whose arrays are used up.
+    """Return the rows and columns `kept`, ascending, of a CSR matrix, overwriting its arrays.
 
-    Copies would take longer: of a plate of 224 000 dofs 2.3 s in place of 0.5 s, most of it for
-    memory that is touched for the first time.
+    For a plate of 224 000 dofs a copy takes 2.3 s instead of 0.5 s, mostly to touch new memory.
     """
     place, end = np.full(matrix.shape[0], -1, dtype=matrix.indices.dtype), 0
     place[kept] = np.arange(len(kept))

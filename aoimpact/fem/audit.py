@@ -1,6 +1,6 @@
-"""Figures by which a user sees wrong units in K and M: mass, centre, density, speed of sound.
+"""Mass, centre, density and wave speed of a body, which reveal wrong units in K and M.
 
-Only K and M, and the coordinates and labels of their rows, are looked at.
+They follow from K and M and from the coordinates and labels of their rows alone.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from ..base import FloatArray, aligned, record, sp, with_unit
 from ..mesh import motions_at
 from .labels import axes_of
 
-# Mean densities of solids, kg/m³, over the box around them: from foam and rings to tungsten.
+# Range of a body's mass over the volume of its bounding box, kg/m³: foam and rings to tungsten.
 _DENSITIES = 10.0, 25e3
 
-# Speeds of longitudinal waves in solids, m/s: from cork (500) to diamond (18 000), "Speed of sound
-# in various media", CRC Handbook of Chemistry and Physics. N/mm beside kg make 32 times less.
+# Range of longitudinal wave speeds in solids, m/s: from cork (500) to diamond (18 000), "Speed of
+# sound in various media", CRC Handbook of Chemistry and Physics. K in N/mm with M in kg gives
+# speeds √1000 = 32 times too low.
 _SPEEDS = 500.0, 20e3
 
-# Typical wave speed, by which mistaken units are guessed: millimetres for metres, tonnes or grams
-# for kilograms.
+# Typical wave speed, m/s; the ratio of a body's speed to it suggests which units were mixed up.
 _TYPICAL_SPEED = 5e3
 
-# Likely causes of a speed, up to these multiples of the typical one: about a thousand times the
-# range of solids where millimetres were taken for metres, and a thousandth of it the other way.
+# Likely cause of a wave speed up to each multiple of the typical one. Coordinates in millimetres
+# read as metres raise the speed a thousandfold; the opposite mistake lowers it a thousandfold.
 _SOFT = "of foam, soft rubber or much added mass; else, K in N/mm beside M in kg?"
 _CAUSES = {
     1e-4: _SOFT,
@@ -36,47 +36,48 @@ _CAUSES = {
     1e4: "coordinates in millimetres? Give length=1e-3 (with N and tonnes, mass=1e3)",
 }
 
-# Least thickness of the box around a body, of its largest extent: nodes may lie in a plane.
+# Smallest thickness of a bounding box over its largest edge, as all nodes may lie in one plane.
 _THINNEST = 1e-3
 
-# Elastic force of a rigid motion over that of its entries, that rounding and few digits leave; and
-# what is no rounding.
+# ‖K r‖ / ‖|K| |r|‖ of a rigid motion r: below the first a result of rounding or of few printed
+# digits, so that the motion is free; above the second the motion meets elastic force.
 _FREE, _RESISTED = 1e-6, 1e-4
 
-# Nodes whose neighbours are looked for.
+# Number of nodes whose nearest neighbours are checked.
 _SAMPLE = 2000
 
-# Largest share of couplings that may be missing where rows and nodes are in one order.
+# Largest share of missing couplings if rows and nodes are in the same order.
 _MOST_MISSING = 0.5
 
 
 @record
 class Audit:
-    """A body's figures, by which mistakes of units and files are seen.
+    """Mass, size, wave speed and frequencies of a body, which reveal wrong units and files.
 
     Attributes
     ----------
     n_dofs, n_nodes : int
+        Numbers of free degrees of freedom and of nodes.
     mass : float or None
-        kg; None where M does not determine it.
+        Mass, kg; None if M does not determine it.
     centre : ndarray, shape (3,), or None
-        Of mass, m.
+        Centre of mass, m.
     extent : ndarray, shape (3,), or None
-        Of the coordinates, m.
+        Edges of the box around the nodes, m.
     density : float or None
-        Mass over the volume of the box around the nodes, kg/m³; of a constrained body, about, from
-        the nodes that are free.
+        Mass over the volume of the box around the nodes, kg/m³. If M lacks the constrained nodes,
+        an estimate from the free ones.
     speed : float or None
-        Of longitudinal waves, m/s: √(dᵀKd/tᵀMt) of the uniform strain d along an axis and the
-        translation t, the middle one of three axes. Exact for a uniform body that is free; supports
-        make it higher, added masses lower.
+        Speed of longitudinal waves, m/s: √(dᵀKd/tᵀMt) for a uniform strain d and a translation t
+        along an axis, median over the three axes. Exact for a free uniform body; supports raise the
+        value, added masses lower it.
     rigid_residual : tuple of float
-        ‖K r‖ relative to what its entries could make, for the translations x, y, z, and, with
-        coordinates, the rotations about them: below 1e-6 the body is free to make the motion.
+        ‖K r‖ / ‖|K| |r|‖ for the translations along x, y, z and, with coordinates, the rotations
+        about them. Below 1e-6 the motion r meets no elastic force.
     frequencies : ndarray
-        The lowest natural ones, Hz.
+        Lowest natural frequencies, Hz.
     doubts : tuple of str
-        Values that no real body has, each with its likely cause.
+        Implausible values, each with its likely cause.
 
     Examples
     --------
@@ -144,11 +145,11 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
         moved = np.sum(inertia * axes, axis=0)
         box = float(np.prod(np.maximum(extent, _THINNEST * extent.max())))
         shares = np.bincount(node[body.free < 3 * n_nodes], minlength=n_nodes)
-        if shares.sum() == len(node) and box > 0.0:  # shells and beams, with rotations, are no box
-            # The mass of constrained nodes as of the others, where it is not known.
+        if shares.sum() == len(node) and box > 0.0:  # shells and beams do not fill a box
+            # If the mass is unknown, constrained nodes are taken as heavy as the free ones.
             whole = float(moved.mean()) * 3 * n_nodes / len(node) if mass is None else mass
             density = whole / box
-        # d = x - x₀ along each axis, x₀ the mean of the constrained nodes.
+        # Strain d = x - x₀ along each axis; x₀: centre of the constrained nodes, else of all.
         constrained = shares < 3
         origin = nodes[constrained if constrained.any() else slice(None)].mean(axis=0)
         strain = (nodes[node] - origin) * axes
@@ -167,7 +168,7 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
         speed=speed,
         rigid_residual=residuals,
         frequencies=body.frequencies(count) if count else np.zeros(0),
-        # K and M of a mesh follow from its material, which is checked by itself.
+        # K and M assembled from a mesh need no check: the material's own units are checked.
         doubts=()
         if body.assembled
         else (*_doubts_of_order(body, residuals), *_doubts(density, speed)),
@@ -175,8 +176,8 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
 
 
 def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
-    """Signs of rows in another order than nodes, or than those of the other matrix."""
-    if body.nodes is None:  # coordinates may be modal, which K does not couple and M does
+    """Signs that the rows of K, those of M and the nodes are in different orders."""
+    if body.nodes is None:  # dofs may be modal coordinates, which M couples and K does not
         return []
     said = []
     if _missing(body.M, body.K) > _MOST_MISSING:
@@ -199,14 +200,14 @@ def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
 
 
 def _missing(matrix: Any, other: Any) -> float:
-    """The share of the entries off the diagonal of one that the other has not."""
+    """The share of off-diagonal entries of `matrix` whose positions are empty in `other`."""
     off = sp.triu(matrix, 1).tocsr()
     missing = off.nnz - off.multiply(other).count_nonzero()
     return float(missing / off.nnz) if off.nnz else 0.0
 
 
 def _missing_neighbours(body: Any) -> float:
-    """The share of nodes whose nearest other one K does not couple them with."""
+    """The share of nodes that K does not couple with their nearest neighbour."""
     node = body.free // 3 % len(body.nodes)
     places = np.unique(node)
     if len(places) < 2:
@@ -221,7 +222,7 @@ def _missing_neighbours(body: Any) -> float:
 
 
 def _doubts(density: float | None, speed: float | None) -> list[str]:
-    """Signs of wrong units, and which would put it right."""
+    """Signs of wrong units, each with the likely correction."""
     said = []
     if speed is not None and not _SPEEDS[0] <= speed <= _SPEEDS[1]:
         known = (of for most, of in _CAUSES.items() if speed <= most * _TYPICAL_SPEED)

@@ -1,7 +1,7 @@
 """Beam elements of two nodes with six degrees of freedom at each, and their cross-sections.
 
-Timoshenko's beam with the interpolation that solves its equations without a load along the element,
-so that nodes are exact under static loads at nodes; mass is consistent with it, with rotary inertia
+The interpolation solves the equations of Timoshenko's beam without distributed load, so that nodal
+displacements under static nodal loads are exact. The consistent mass includes rotary inertia
 (Z. Friedman and J. B. Kosmatka, Computers & Structures 47, 473, 1993).
 """
 
@@ -29,40 +29,41 @@ from ..mesh import unit
 from .laminate import FAR_OFF, direction_or_none
 from .material import Material
 
-# Gauss' points along an element: moments are linear, and interpolated displacements cubic.
+# Numbers of Gauss points along an element: moments are linear and displacements cubic in x.
 _IN_STIFFNESS, _IN_MASS = 2, 4
 
-# Sine of the angle between a beam and its orientation below which the axes are rounding.
+# Smallest sine of the angle between a beam and its orientation; below it, rounding determines the
+# section's axes.
 _PARALLEL = 1e-6
 
 _length = partial(positive, unit="m")
 
-# Places on half a side of a rectangle at which stress is looked for: a parabola over the side that
-# falls to 0 at half a side from its largest value is missed by 1/(2 n)² of that at most, 0.4 %.
+# Intervals n per half side of a rectangle between the points where stress is evaluated. The maximum
+# of a parabola that falls to 0 within half a side is missed by at most 1/(2 n)² = 0.4 %.
 _HALF_A_SIDE = 8
 
-# Terms of the series of a rectangle's torsion. The last is 1e-9 of the first in the constant J, and
-# 6e-6 in the stress.
+# Terms n of the series for the torsion of a rectangle. The last term is 1e-9 of the first one for
+# the torsion constant J, and 6e-6 for the stress.
 _TERMS = np.arange(1, 400, 2)
 
 
 @dataclass(frozen=True)
 class BeamSection:
-    """A cross-section by its numbers, about its centroid and principal axes y and z.
+    """A cross-section given by its area and moments, with principal axes y and z at its centroid.
 
     Parameters
     ----------
     area : float
-        m².
+        Cross-sectional area, m².
     Iy, Iz : float
-        ∫z² dA and ∫y² dA, m⁴: Iy resists bending along z.
+        Second moments of area ∫z² dA and ∫y² dA, m⁴. Iy resists deflection along z.
     J : float
         Torsion constant, m⁴.
     shear_factors : (float, float), optional
-        The shares of the area that carry shear along y and along z. Infinity stands for a section
-        that is rigid in shear, as in Euler's beam, here with rotary inertia.
+        Shear area over `area` for shear along y and along z. Infinity makes the section rigid in
+        shear, as in Euler-Bernoulli theory, but with rotary inertia.
     points : array_like, shape (n, 2), optional
-        Places (y, z) at which stress is given, m.
+        Points (y, z) at which stress is evaluated, m.
 
     Examples
     --------
@@ -87,24 +88,24 @@ class BeamSection:
             raise InputError(f"shear_factors must be two in (0, 1], or infinite, got {factors}")
         object.__setattr__(self, "shear_factors", tuple(factors))
 
-    curvature = 0.0  # of the surface across the axis, 1/m: taken as flat
+    curvature = 0.0  # circumferential curvature of the outer surface, 1/m: taken as flat
 
     def extremes(self, strains: FloatArray) -> FloatArray:
-        """Return its `points`.
+        """Return the section's `points`, where stress may be largest.
 
         :meta private:
         """
         return np.array(self.points)
 
     def shear(self, points: FloatArray, nu: float) -> FloatArray:
-        """Return none: shear stress follows from the shape, which is not known.
+        """Return zero shear stress, as the shape of the section is not known.
 
         :meta private:
         """
         return np.zeros((*points.shape, 3))
 
     def with_nu(self, nu: float) -> BeamSection:
-        """Return the section's numbers for a material of Poisson's ratio ν.
+        """Return the section's area, moments and shear factors for Poisson's ratio ν.
 
         :meta private:
         """
@@ -113,12 +114,12 @@ class BeamSection:
 
 @dataclass(frozen=True)
 class RectangularSection:
-    """A rectangle.
+    """A full rectangular cross-section.
 
     Parameters
     ----------
     width, height : float
-        Along y and z, m.
+        Dimensions along y and z, m.
 
     Examples
     --------
@@ -132,12 +133,12 @@ class RectangularSection:
     def __post_init__(self) -> None:
         checked(self, width=_length, height=_length)
 
-    curvature = 0.0  # of the surface across the axis, 1/m
+    curvature = 0.0  # circumferential curvature of the outer surface, 1/m
 
     def extremes(self, strains: FloatArray) -> FloatArray:
-        """Return places (y, z) where stress may be largest, on the sides, m.
+        """Return points (y, z) on the sides where stress may be largest, m, shape (n, 2).
 
-        Under bending and torsion it may be anywhere on them, and is flat about its largest value.
+        Combined bending and torsion may put the maximum anywhere on the sides.
 
         :meta private:
         """
@@ -147,10 +148,10 @@ class RectangularSection:
         return 0.5 * np.hstack(ways).T * (self.width, self.height)
 
     def shear(self, points: FloatArray, nu: float) -> FloatArray:
-        """Return τxy and τxz at places (n, 2) by Gθ' and the shear forces along y and z, (n, 2, 3).
+        """Return τxy and τxz at points (n, 2) per Gθ' and shear force along y and z, (n, 2, 3).
 
-        Saint-Venant's torsion in series (S. P. Timoshenko and J. N. Goodier, Theory of Elasticity,
-        section 109), and Zhuravskii's parabolas of shear.
+        Torsion: Saint-Venant's series (S. P. Timoshenko and J. N. Goodier, Theory of Elasticity,
+        section 109). Shear forces: Zhuravskii's parabolic distribution.
 
         :meta private:
         """
@@ -159,7 +160,7 @@ class RectangularSection:
         found = np.zeros((len(points), 2, 3))
         if b <= h:
             found[:, 0, 0], found[:, 1, 0] = _rectangle_twisted(y, z, b, h)
-        else:  # turned by a right angle
+        else:  # the series takes the short side along y
             along_z, along_y = _rectangle_twisted(z, -y, h, b)
             found[:, 0, 0], found[:, 1, 0] = -along_y, along_z
         found[:, 0, 1] = 1.5 * (1.0 - (2.0 * y / b) ** 2) / (b * h)
@@ -182,14 +183,14 @@ class RectangularSection:
 
 @dataclass(frozen=True)
 class TubularSection:
-    """A round tube.
+    """A round tubular cross-section.
 
     Parameters
     ----------
     radius : float
         Outer radius, m.
     thickness : float
-        Thickness of the wall, m; up to the radius.
+        Wall thickness, m; at most the radius.
 
     Examples
     --------
@@ -208,17 +209,17 @@ class TubularSection:
 
     @property
     def curvature(self) -> float:
-        """Curvature of the surface across the axis, 1/m.
+        """Circumferential curvature of the outer surface, 1/m.
 
         :meta private:
         """
         return 1.0 / self.radius
 
     def extremes(self, strains: FloatArray) -> FloatArray:
-        """Return places (y, z) where stress may be largest, (..., 6, 2), m.
+        """Return points (y, z) where stress may be largest, m, shape (..., 6, 2).
 
-        They are those farthest out in the plane of bending, and on its neutral axis outside and
-        inside, where shear of a full circle is largest in the middle.
+        Two outer points lie in the plane of bending; four, outside and inside, on the neutral axis.
+        The inner points of a full circle are its centre, where shear is largest.
 
         :meta private:
         """
@@ -231,10 +232,10 @@ class TubularSection:
         return np.concatenate([sides, inside], axis=-2)
 
     def shear(self, points: FloatArray, nu: float) -> FloatArray:
-        """Return τxy and τxz at places (..., 2) by Gθ' and the shear forces, (..., 2, 3).
+        """Return τxy and τxz at points (..., 2) per Gθ' and shear force along y, z, (..., 2, 3).
 
-        Saint-Venant's flexure of a hollow circle, exact (A. E. H. Love, Mathematical Theory of
-        Elasticity, section 231). In the bore the mean of the section, as of its middle.
+        Exact flexure of a hollow circle by Saint-Venant (A. E. H. Love, Mathematical Theory of
+        Elasticity, section 231). In the bore: zero torsion, and the section's mean shear stress.
 
         :meta private:
         """
@@ -273,12 +274,12 @@ class TubularSection:
 
 @dataclass(frozen=True)
 class CircularSection(TubularSection):
-    """A full circle.
+    """A full circular cross-section.
 
     Parameters
     ----------
     radius : float
-        m.
+        Radius, m.
 
     Examples
     --------
@@ -305,12 +306,12 @@ class Beam:
     section : RectangularSection, CircularSection, TubularSection or BeamSection
     material : Material
     orientation : array_like, shape (3,), optional
-        The section's z axis is the projection of this direction across the beam; y = z × x, with x
-        from the first node to the second. Not needed by round sections, nor by numbers without
-        points that are the same along both axes.
+        Direction whose projection onto the cross-section is the section's z axis; y = z × x, with x
+        from the first node to the second. Optional for round sections, and for a `BeamSection` with
+        equal values along both axes and no points off the centroid.
     offset : (float, float), optional
-        Where the section's centroid is along its y and z axes, seen from the nodes, m: of a
-        stiffener on a shell, half of both heights.
+        Position (y, z) of the section's centroid relative to the nodes, m. Example: for a stiffener
+        on a shell, half the sum of both heights.
 
     Examples
     --------
@@ -335,7 +336,7 @@ class Beam:
         object.__setattr__(self, "offset", offset)
         if self.orientation is None:
             of = self.section
-            alike = isinstance(of, TubularSection)  # along all directions across the beam
+            alike = isinstance(of, TubularSection)
             if isinstance(of, BeamSection):
                 y, z = of.shear_factors
                 alike = of.Iy == of.Iz and y == z and not np.any(of.points)
@@ -349,14 +350,14 @@ class Beam:
 
     @cached_property
     def numbers(self) -> BeamSection:
-        """The section's, with its shear factors for this material."""
+        """Area, moments and shear factors of the section, for this material's Poisson's ratio."""
         return self.section.with_nu(self.material.nu)
 
     @property
     def stiffness(self) -> FloatArray:
-        """EA, EIy, EIz, GJ and the shear stiffness along y and z: N and N m², shape (6,).
+        """EA, EIy, EIz, GJ and the shear stiffness along y and z, in N and N m², shape (6,).
 
-        It is infinite along axes in which the section is rigid in shear.
+        Shear stiffness is infinite where the section is rigid in shear.
         """
         of, E, G = self.numbers, self.material.E, self.material.shear_modulus
         y, z = of.shear_factors
@@ -366,13 +367,13 @@ class Beam:
 
     @property
     def inertia(self) -> FloatArray:
-        """Mass and moments of inertia about x, y and z, kg/m and kg m, shape (4,)."""
+        """Mass and moments of inertia about x, y, z, each per length, kg/m and kg m, shape (4,)."""
         of = self.numbers
         return self.material.rho * np.array([of.area, of.Iy + of.Iz, of.Iy, of.Iz])
 
     @property
     def hollow(self) -> bool:
-        """True of a tube with a bore.
+        """True for a tube with a bore.
 
         :meta private:
         """
@@ -381,7 +382,9 @@ class Beam:
 
     @property
     def narrowest(self) -> float:
-        """Thickness of the wall of a tube, else of the section where it is thinnest, m.
+        """Wall thickness of a tube, otherwise the smallest dimension of the section, m.
+
+        For a `BeamSection` the square root of its area.
 
         :meta private:
         """
@@ -392,14 +395,16 @@ class Beam:
 
     @property
     def reach(self) -> float:
-        """How far the section reaches from the nodes, m.
+        """Largest distance of the section's points from the nodes, m.
 
         :meta private:
         """
         return float(np.linalg.norm(np.add(self.numbers.points, self.offset), axis=1).max())
 
     def side(self, name: str) -> tuple[float, float]:
-        """Return the place (y, z) of a side, m: "top" and "bottom" along z, "left" along y.
+        """Return the point (y, z) of a side, m.
+
+        "top" and "bottom" lie along z, "left" and "right" along y; other names give the centroid.
 
         :meta private:
         """
@@ -409,7 +414,7 @@ class Beam:
         return along_y.get(name, 0.0), along_z.get(name, 0.0)
 
     def holds(self, place: tuple[float, float]) -> bool:
-        """Return whether a place (y, z) is within the section, or the box about its points.
+        """Return whether a point (y, z), m, lies in a round section, else in the box of `points`.
 
         :meta private:
         """
@@ -421,19 +426,19 @@ class Beam:
         return bool((np.abs(place) <= most).all())
 
     def stress(self, strains: FloatArray, place: tuple[float, float] | None = None) -> FloatArray:
-        """Return xx, xy, xz in the section: N/A + My z/Iy - Mz y/Iz, and shear where it is known.
+        """Return σxx = N/A + My z/Iy - Mz y/Iz, τxy and τxz; see `shear` of the section.
 
         Parameters
         ----------
         strains : ndarray, shape (..., 6)
-            As of `beam_rows`.
+            Generalised strains; see `beam_rows`.
         place : (float, float), optional
-            (y, z), m; where von Mises' stress is largest if left out.
+            Point (y, z), m; by default the point with the largest von Mises stress.
 
         Returns
         -------
         ndarray, shape (..., 3)
-            Pa.
+            Stress, Pa.
 
         :meta private:
         """
@@ -452,7 +457,7 @@ class Beam:
 
 
 def beam_frames(ends: FloatArray, beam: Beam) -> ArrayPair:
-    """Return the elements' axes, rows of (n, 3, 3) with x along the beam, and their lengths."""
+    """Return the elements' axes x (along the beam), y, z as rows, (n, 3, 3), and their lengths."""
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1)
     x = along / length[:, None]
@@ -472,7 +477,7 @@ def beam_frames(ends: FloatArray, beam: Beam) -> ArrayPair:
 
 
 def beam_matrices(ends: FloatArray, beam: Beam) -> list[FloatArray]:
-    """Return stiffness and consistent mass of elements with nodes (n, 2, 3), each (n, 12, 12)."""
+    """Return stiffness and consistent mass of elements with ends (n, 2, 3), each (n, 12, 12)."""
     frames, length = beam_frames(ends, beam)
     of_strain, of_motion = beam.stiffness, beam.inertia[[0, 0, 0, 1, 2, 3]]
     found = []
@@ -487,12 +492,12 @@ def beam_matrices(ends: FloatArray, beam: Beam) -> list[FloatArray]:
 
 
 def beam_rows(ends: FloatArray, beam: Beam, places: FloatArray) -> FloatArray:
-    """Return the strains at places, 0 to 1 along elements, by (u, v, w, θx, θy, θz) of both nodes.
+    """Return the strains at places, 0 to 1 along elements, per (u, v, w, θx, θy, θz) of both nodes.
 
     Returns
     -------
     ndarray, shape (n, n_places, 6, 12)
-        For ε, the curvatures θy' and θz', the twist θx', and the shears γxy and γxz.
+        Rows for ε, the curvatures θy' and θz', the twist θx', and the shear strains γxy and γxz.
     """
     return _rows(*beam_frames(ends, beam), beam, places)[1]
 
@@ -503,7 +508,7 @@ def beam_motion(ends: FloatArray, beam: Beam, place: float) -> FloatArray:
     Returns
     -------
     ndarray, shape (3, 2, 2, 3)
-        Along x, y, z, by the displacements and then the rotations of each of the two nodes.
+        Components x, y, z, per node, displacement or rotation of the node, and its component.
     """
     frames, length = beam_frames(ends, beam)
     rows = _rows(frames, length, beam, np.array([place]))[0][0, 0, :3]
@@ -511,26 +516,29 @@ def beam_motion(ends: FloatArray, beam: Beam, place: float) -> FloatArray:
 
 
 def _finite(stiffness: FloatArray) -> FloatArray:
-    """Return stiffness with 0 where it is infinite: strain is 0 there, and does no work."""
+    """Return stiffness with 0 for infinity: the strain is 0 there and does no work."""
     return np.where(np.isinf(stiffness), 0.0, stiffness)
 
 
-# v, θ L, v and θ L at the ends of an element that is rigid in shear, by a cubic's coefficients.
+# (v, θ L) at both ends of an element rigid in shear, per coefficient of the cubic v(x/L).
 _AT_ENDS = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 1, 1], [0, 1, 2, 3]], dtype=np.float64)
 
 
 def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray) -> ArrayPair:
-    """Displacements and rotations, and strains, at places: (n, n_places, 6, 12), global axes."""
+    """Motions (u, θ) and strains at places per nodal dof, each (n, n_places, 6, 12).
+
+    Motions and strains are in the element's axes, nodal dofs in the global axes.
+    """
     moved, strain = (np.zeros((len(length), len(places), 6, 12)) for _ in range(2))
     for end, share, slope in ((0, 1.0 - places, -1.0 / length), (6, places, 1.0 / length)):
-        for row in (0, 3):  # stretched and twisted
+        for row in (0, 3):  # stretch and twist
             moved[:, :, row, end + row] = share
             strain[:, :, row, end + row] = slope[:, None]
     L, one = length, np.ones_like(length)
     powers = places[:, None] ** np.arange(4)
     first, second = powers[:, [0, 0, 1, 2]] * [0, 1, 2, 3], powers[:, [0, 0, 0, 1]] * [0, 0, 2, 6]
     _, bent_y, bent_z, _, shear_y, shear_z = beam.stiffness
-    # Along y with θz, and along z with -θy: v' = θ + γ, by v and θ at either end.
+    # Bending along y with θz, then along z with -θy: v' = θ + γ, from v and θ at both ends.
     for v, rotation, sign, bent, shear in (
         (1, 5, 1.0, bent_z, shear_y),
         (2, 4, -1.0, bent_y, shear_z),
@@ -553,16 +561,16 @@ def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray
 
 
 def _global(rows: FloatArray, frames: FloatArray, beam: Beam) -> FloatArray:
-    """Rows by the nodes' freedoms in global axes, (n, n_places, 6, 12), from the centroid's."""
+    """Rows per nodal dof in global axes, from rows per motion of the centroid in element axes."""
     turned = rows.reshape(*rows.shape[:3], 2, 2, 3) @ frames[:, None, None, None]
-    if any(beam.offset):  # the centroid moves with u + θ × d
+    if any(beam.offset):  # displacement of the centroid: u + θ × d
         d = np.einsum("i,nij->nj", beam.offset, frames[:, 1:])
         turned[..., 1, :] += np.cross(d[:, None, None, None], turned[..., 0, :])
     return turned.reshape(*rows.shape[:3], 12)
 
 
 def _rectangle_twisted(y: FloatArray, z: FloatArray, short: float, long: float) -> ArrayPair:
-    """τxy and τxz over Gθ' at places of a rectangle with its short side along y, m."""
+    """τxy and τxz over Gθ' at points (y, z) of a rectangle with its short side along y, m."""
     n, half = _TERMS * np.pi / short, 0.5 * long
     alternating = 4.0 * short * 2.0 / np.pi**2 / _TERMS**2 * np.sin(0.5 * np.pi * _TERMS)
     above, below = (np.exp(n * (sign * z[:, None] - half)) for sign in (1.0, -1.0))

@@ -1,4 +1,4 @@
-"""Materials of the elements of a mesh: one, or several by named groups of elements."""
+"""Assignment of materials to elements: one for the whole mesh, or one per group of elements."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .material import Solid
 
 OneMaterial = Solid | Layers | Beam
 
-# Materials that each kind of elements takes, in words and as types.
+# Admissible materials of each thin kind of element, in words and as types; others are solids.
 _FITTING: dict[str, tuple[str, Any]] = {
     "quad": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),
     "triangle": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),
@@ -37,16 +37,16 @@ _SOLID: tuple[str, Any] = ("a Material or an Orthotropic", Solid)
 
 @record
 class Materials(Frozen):
-    """The materials of a body that has several.
+    """The materials of a body made of several.
 
     Attributes
     ----------
     groups : mapping of str to Material, Orthotropic, Shell, Laminate or Beam
-        By the named groups of elements, as given.
-    materials : tuple of these
-        Each once.
+        Material of each named group of elements, as given.
+    materials : tuple of Material, Orthotropic, Shell, Laminate or Beam
+        Distinct materials.
     index : ndarray of int, shape (n_cells,)
-        Which of them each element is made of.
+        Index into `materials` for each element.
     """
 
     groups: Mapping[str, OneMaterial]
@@ -58,13 +58,13 @@ AnyMaterial = OneMaterial | Materials
 
 
 def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
-    """Return what a mesh is made of: the argument `material` of `FEModel.from_mesh`, checked.
+    """Return the checked argument `material` of `FEModel.from_mesh`.
 
     Raises
     ------
     InputError, InputTypeError
-        If it is no material, a group is unknown, or an element has none or two of them, or one
-        that is not for elements of its kind.
+        If `given` is not a material, a group is unknown, or an element has no material, several,
+        or one that does not suit its kind.
     """
     found = _of_elements(mesh, given)
     for piece in pieces(mesh, found, OneMaterial):
@@ -116,24 +116,24 @@ def _of_elements(mesh: Mesh, given: Any) -> AnyMaterial:
 
 
 def thin_groups(given: Any) -> tuple[str, ...]:
-    """Return the names of the groups that the argument `material` makes shells or beams."""
+    """Return the names of the groups whose given material is a shell or beam."""
     if not isinstance(given, Mapping):
         return ()
     return tuple(name for name, of in given.items() if isinstance(of, (Layers, Beam)))
 
 
 def each_of(material: AnyMaterial) -> tuple[OneMaterial, ...]:
-    """Return the materials, each once; of one material itself."""
+    """Return the distinct materials."""
     return material.materials if isinstance(material, Materials) else (material,)
 
 
 def material_of(material: AnyMaterial, cell: int) -> OneMaterial:
-    """Return what an element is made of."""
+    """Return the material of an element."""
     return each_of(material)[material.index[cell] if isinstance(material, Materials) else 0]
 
 
 def taken_material(material: AnyMaterial, cells: IntArray) -> AnyMaterial:
-    """Return what some of the elements are made of, shape (n,)."""
+    """Return the material of a mesh that consists of the elements `cells`, shape (n,)."""
     if not isinstance(material, Materials):
         return material
     used, index = np.unique(material.index[cells], return_inverse=True)
@@ -147,11 +147,13 @@ class Piece:
     Attributes
     ----------
     block : Block
+        The mesh's elements of this kind.
     of : Material, Orthotropic, Shell, Laminate or Beam
+        The elements' material.
     which : int
-        Number of the material.
+        Index of the material in `each_of`.
     rows : ndarray of int, shape (n,)
-        The elements' numbers in their block.
+        Indices of the elements in `block`.
     """
 
     block: Block
@@ -164,12 +166,12 @@ class Piece:
         return self.block.element
 
     def batches(self, step: int) -> Iterator[Piece]:
-        """Yield pieces of at most so many elements."""
+        """Yield pieces of at most `step` elements."""
         for start in range(0, len(self.rows), step):
             yield self.taken(slice(start, start + step))
 
     def taken(self, some: Any) -> Piece:
-        """Return some of the elements, by an index, mask or slice."""
+        """Return the piece with the elements of an index, mask or slice."""
         return Piece(self.block, self.of, self.which, self.rows[some])
 
     @property
@@ -178,7 +180,7 @@ class Piece:
         return self.block.cells[self.rows]
 
     def signed(self, values: FloatArray) -> FloatArray:
-        """Return values of the elements' shape functions, (n, nodes per element, ...), signed."""
+        """Return values per shape function, (n, nodes per element, ...), times `block.signs`."""
         if self.block.signs is None:
             return values
         signs = self.block.signs[self.rows]
@@ -186,18 +188,18 @@ class Piece:
 
     @property
     def numbers(self) -> IntArray:
-        """The elements' numbers among all of the mesh."""
+        """Indices of the elements in the mesh."""
         return self.block.first + self.rows
 
 
 def pieces(mesh: Mesh, material: AnyMaterial, kind: Any = Solid) -> list[Piece]:
-    """Return the elements of a mesh by kind and material.
+    """Return the elements of a mesh grouped by kind and material.
 
     Parameters
     ----------
     mesh, material
     kind : type or union of types, optional
-        Class of the materials wanted: solids, if left out.
+        Class of the materials to include; by default solids.
     """
     found, each = [], each_of(material)
     for block in mesh.blocks:
@@ -212,7 +214,7 @@ def pieces(mesh: Mesh, material: AnyMaterial, kind: Any = Solid) -> list[Piece]:
 
 
 def thickness_of_cells(mesh: Mesh, material: AnyMaterial) -> FloatArray:
-    """Return the thickness of each element that is a shell, m, shape (n_cells,); 0 of others."""
+    """Return the thickness of each element, m, shape (n_cells,): 0 unless it is a shell."""
     found = np.zeros(mesh.n_cells)
     for part in pieces(mesh, material, Layers):
         found[part.numbers] = part.of.total_thickness
@@ -221,14 +223,14 @@ def thickness_of_cells(mesh: Mesh, material: AnyMaterial) -> FloatArray:
 
 @record
 class Layout:
-    """The nodes of a mesh, one for each material that meets there: stress jumps between them.
+    """Pairs of a node and a material that meets there, as stress jumps between materials.
 
     Attributes
     ----------
     node, which : ndarray of int, shape (n,)
-        Of each place, ordered by the number of the material, `which`, then by node.
+        Node and material index of each pair, ordered by material, then by node.
     cells : ndarray of int, shape (n_cells, width)
-        `Mesh.cells` by places.
+        `Mesh.cells` with the indices of pairs in place of nodes.
     """
 
     node: IntArray
@@ -236,12 +238,12 @@ class Layout:
     cells: IntArray
 
     def of(self, piece: Piece) -> IntArray:
-        """Return a piece's `cells` by places, without functions that are no nodes."""
+        """Return the pairs of a piece's elements, without shape functions that are no nodes."""
         return self.cells[piece.numbers, : piece.element.own.n_nodes]
 
 
 def layout(mesh: Mesh, material: AnyMaterial) -> Layout:
-    """Return the places of a mesh at which stress has one value."""
+    """Return the pairs of node and material of a mesh, each with one value of stress."""
     index = material.index[:, None] if isinstance(material, Materials) else 0
     keys = index * mesh.n_nodes + mesh.cells
     key, cells = np.unique(keys, return_inverse=True)

@@ -1,4 +1,4 @@
-"""Damping of linear bodies: how fast each natural mode dies away."""
+"""Damping of linear bodies: Rayleigh's, and one ratio for all natural modes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..base import HUGE, InputError, InputTypeError, checked, finite_array, nonn
 
 
 def _coefficient(name: str, value: Any, unit: str = "") -> float:
-    """Return `value` as a float that any mode's frequency may be multiplied by."""
+    """Return `value` as a float, small enough that products with frequencies do not overflow."""
     number = nonnegative(name, value, unit=unit)
     if number > HUGE:
         raise InputError(f"{name} must be at most {HUGE:g}{unit and ' ' + unit}, got {number:g}")
@@ -24,16 +24,16 @@ def _coefficient(name: str, value: Any, unit: str = "") -> float:
 class Rayleigh:
     """Damping in proportion to mass and stiffness, C = αM + βK.
 
-    On an AO model: dashpots α m_i from each mass to the ground and β k_i beside each spring,
-    exactly. A massless contact (m0 = 0) follows its springs at once: the compliance it leaves is
-    undamped. A run in which that counts warns.
+    An AO model gets the equivalent dashpots: α m_i from each mass to the ground and β k_i parallel
+    to each spring. The residual compliance of a massless contact (m0 = 0) is undamped; runs warn if
+    this matters.
 
     Parameters
     ----------
     alpha : float, optional
-        1/s, not negative. It also slows down a free body's rigid motion, as the ground would.
+        Coefficient α of the mass, 1/s, not negative. Also slows down a free body's rigid motion.
     beta : float, optional
-        s, not negative.
+        Coefficient β of the stiffness, s, not negative.
 
     Examples
     --------
@@ -48,7 +48,7 @@ class Rayleigh:
         checked(self, alpha=partial(_coefficient, unit="1/s"), beta=partial(_coefficient, unit="s"))
 
     def decay(self, omega: npt.ArrayLike) -> Any:
-        """Return σ = (α + β ω²)/2, 1/s, of modes x'' + 2σx' + ω²x = f.
+        """Return the decay rate σ = (α + β ω²)/2, 1/s, of modes x'' + 2σx' + ω²x = f.
 
         Parameters
         ----------
@@ -64,12 +64,12 @@ class Rayleigh:
 
 @dataclass(frozen=True)
 class ModalDamping:
-    """The same damping ratio of every natural mode that vibrates; rigid motion is not damped.
+    """The same damping ratio for every elastic mode; rigid motion is not damped.
 
     Parameters
     ----------
     ratio : float
-        ζ, share of the critical damping, not negative.
+        Damping ratio ζ (1: critical damping), not negative.
 
     Examples
     --------
@@ -83,7 +83,7 @@ class ModalDamping:
         checked(self, ratio=_coefficient)
 
     def decay(self, omega: npt.ArrayLike) -> Any:
-        """Return σ = ζω, 1/s, of modes x'' + 2σx' + ω²x = f; takes ω as `Rayleigh.decay` does.
+        """Return the decay rate σ = ζω, 1/s, of modes x'' + 2σx' + ω²x = f.
 
         :meta private:
         """
@@ -96,7 +96,7 @@ Damping = Rayleigh | ModalDamping
 
 
 def damping_or_none(value: Any) -> Damping | None:
-    """Return `value` if it is a damping or None; a damping that does nothing is None.
+    """Return `value` if it is a damping or None; zero damping gives None.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Warnings about bodies that can be computed with, but are probably not what their maker means."""
+"""Warnings about bodies that can be computed but are probably not what the user intends."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from .composition import AnyMaterial, pieces
 from .laminate import Layers
 from .material import Material
 
-# ν above which elements of first order lock in volume. A bar of 16 × 2 × 2 hexahedra bends 10 % too
-# stiffly (in frequency) at 0.3, 19 % at 0.45, 35 % at 0.49, 195 % at 0.4999; quadratic ones 4 %.
+# ν above which first-order elements show volumetric locking. The first bending frequency of a bar
+# of 16 × 2 × 2 hexahedra is 10 % too high at ν = 0.3, 19 % at 0.45, 35 % at 0.49, 195 % at 0.4999;
+# with quadratic elements 4 %.
 _NEARLY_INCOMPRESSIBLE = 0.45
 
-# Relative difference of mass between the surface of the nodes and the middle surface.
+# Largest relative difference of mass by the area at the nodes and by that of the middle surface.
 _CURVED = 0.01
 
 
 def warn_of_locking(mesh: Mesh, material: AnyMaterial) -> None:
-    """Warn of elements of first order of nearly incompressible material."""
+    """Warn of first-order elements of nearly incompressible material."""
     locking = [
         piece
         for piece in pieces(mesh, material, Material)
@@ -35,7 +36,7 @@ def warn_of_locking(mesh: Mesh, material: AnyMaterial) -> None:
 
 
 def check_joints(mesh: Mesh, material: AnyMaterial) -> None:
-    """Refuse shells and beams whose edge or end is a hinge on solids, which have no rotations.
+    """Refuse shells and beams that share only an edge or end with solids, which forms a hinge.
 
     Raises
     ------
@@ -60,9 +61,9 @@ def check_joints(mesh: Mesh, material: AnyMaterial) -> None:
 
 
 def warn_of_curved_offsets(mesh: Mesh, material: AnyMaterial) -> None:
-    """Warn of shells with an offset whose middle surface is larger or smaller than the nodes'.
+    """Warn if the offset of shells gives a middle surface with another area than at the nodes.
 
-    The middle surface is that of the nodes, moved along the mean normals of their elements.
+    The middle surface is found by moving each node along the mean normal of its elements.
     """
     shells = pieces(mesh, material, Layers)
     if not any(part.of.offset for part in shells):
@@ -86,12 +87,12 @@ def warn_of_curved_offsets(mesh: Mesh, material: AnyMaterial) -> None:
 
 
 def _areas(corners: FloatArray) -> FloatArray:
-    """Return the vectors of area, m², of triangles and quadrilaterals, (n, 3 or 4, 3)."""
+    """Return the area vectors, m², of triangles or quadrilaterals with corners (n, 3 or 4, 3)."""
     return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1])
 
 
 def warn_of_separate_parts(mesh: Mesh, masses: Any) -> None:
-    """Warn of a mesh in parts that share no nodes, and that no added mass, (dofs, dofs), joins."""
+    """Warn of a mesh in parts joined neither by nodes nor by added `masses`, (dofs, dofs)."""
     row, column = np.repeat(mesh.cells[:, 0], mesh.cells.shape[1]), mesh.cells.ravel()
     if masses is not None:
         joined = masses.tocoo()

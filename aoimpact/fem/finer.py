@@ -1,10 +1,11 @@
-"""The finer body: of solids with the functions of the next degree beside the elements' own.
+"""The finer body, from which the error of a body's mesh is estimated.
 
-Its dofs are those of the body, followed by the amplitudes of the added functions, which are zero at
-the body's nodes. So a motion of the body is one of the finer body with zeros appended, and the
-body's K and M are blocks of the finer one's.
+Solid elements get additional shape functions of the next degree (hierarchical refinement). The
+finer body's dofs are those of the body, followed by the amplitudes of the added functions, which
+vanish at the body's nodes. So zeros appended to a motion of the body give the same motion of the
+finer body, and the body's K and M are leading blocks of the finer matrices.
 
-Shells and beams, whose elements have no next degree, are cut instead: in four and in two.
+Shells are cut into four and beams into two instead, as their elements have no next degree.
 """
 
 from __future__ import annotations
@@ -24,12 +25,12 @@ from .model import FEModel, summed
 
 
 class _Finer(FEModel):
-    """A body that is made of another, with K and M when they are first needed."""
+    """A body refined from `given`; K and M are assembled at their first use."""
 
-    mean: Any  # values at the functions' nodes, by those at the other body's nodes
+    mean: Any  # matrix that interpolates values at the nodes of `given` to all functions' nodes
 
     def __reduce__(self) -> Any:
-        """Pickle by the other body."""
+        """Pickle the body `given` only."""
         return attrgetter("finer"), (self.given,)
 
     def carried(self, values: FloatArray) -> FloatArray:
@@ -42,7 +43,7 @@ class _Finer(FEModel):
 
 
 class FinerBody(_Finer):
-    """A body whose elements have more functions than `mesh`, which has its places."""
+    """A body with additional shape functions; `mesh` holds the nodes and elements alone."""
 
     def _matrices(self) -> dict[str, Any]:
         found, body = super()._matrices(), self.given
@@ -66,7 +67,8 @@ class FinerBody(_Finer):
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
     ) -> LinearSolver:
         if (found := self._living.get((s2, solver))) is None:
-            # Each solution takes about 8 of the body's: 5 to 20 iterations, several at once.
+            # One solution takes about 8 solutions of `given`: 5 to 20 iterations, several loads
+            # at once.
             coarse = self.given.inverse(s2, solver=solver, solutions=8 * solutions)
             found = self._living[s2, solver] = two_level(self._pencil.at(s2), coarse)
         return found
@@ -79,7 +81,7 @@ class FinerBody(_Finer):
 
 
 class HalvedBody(_Finer):
-    """A body of shells and beams of which each element is cut; the nodes that it had come first."""
+    """A body of shells and beams with each element cut; the original nodes come first."""
 
     def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
         n = self.n_dofs
@@ -87,7 +89,7 @@ class HalvedBody(_Finer):
 
 
 def finer_body(body: FEModel) -> FEModel | None:
-    """Return the finer body; None if no element can be made finer."""
+    """Return the finer body; None if no element can be refined."""
     if body.mesh is None or body.material is None or body.free is None:
         return None
     if all(block.element.thin for block in body.mesh.blocks):
@@ -100,7 +102,7 @@ def finer_body(body: FEModel) -> FEModel | None:
     added = len(members)
     moves = np.zeros(3 * n, dtype=bool)
     moves[body.free[body.free < 3 * n]] = True
-    # A support holds a function where it holds all nodes of its edge or side.
+    # Supports constrain an added function if they hold all nodes of its edge or face.
     loose = moves.reshape(-1, 3)[members].any(axis=1) & ~shared[:, None]
     free = np.concatenate([_placed(body.free, n, added), 3 * n + np.flatnonzero(loose)])
     mean = sp.eye_array(shapes.n_nodes, n, format="csr")
@@ -109,10 +111,9 @@ def finer_body(body: FEModel) -> FEModel | None:
 
 
 def _halved(body: Any) -> FEModel:
-    """The body cut finer.
+    """The body with each element cut.
 
-    Masses and springs stay on their nodes. A support also holds the new nodes between those that it
-    holds.
+    Masses and springs stay on their nodes. Supports also hold the new nodes between held ones.
     """
     mesh = body.mesh
     free = body.free
@@ -144,12 +145,12 @@ def _made_of(
 
 
 def _placed(dofs: Any, n: int, added: int) -> Any:
-    """Dofs of a body of n nodes among those with more nodes, after which the rotations come."""
+    """Renumber dofs of a body of n nodes for n + added nodes: rotations follow displacements."""
     return dofs + np.where(dofs < 3 * n, 0, 3 * added)
 
 
 def _masses(masses: Any, mesh: Any, n_nodes: int) -> Any:
-    """The added masses over all dofs of a body with more nodes than those of its mesh."""
+    """The added masses of a body with `mesh` over all dofs of its finer body with n_nodes nodes."""
     of = masses.tocoo()
     size = n_nodes * (6 if mesh.thin else 3)
     at = tuple(_placed(index, mesh.n_nodes, n_nodes - mesh.n_nodes) for index in of.coords)
@@ -157,7 +158,7 @@ def _masses(masses: Any, mesh: Any, n_nodes: int) -> Any:
 
 
 def _with(matrix: Any, block: Any) -> Any:
-    """The matrix with another first block."""
+    """The matrix with its leading block replaced by `block`."""
     n = block.shape[0]
     change = (block - matrix[:n, :n]).tocsr()
     change.resize(matrix.shape)

@@ -1,22 +1,29 @@
 """Frequency response functions: displacement, velocity or acceleration over force at a frequency.
 
-With the modes Φ up to a frequency well above those asked for, and cᵀX of a force at b,
+The displacement cᵀX under a unit force along b, with b_j = φ_jᵀb and c_j = φ_jᵀc, is
 
-    H(ω) = Σ_j c_j b_j / (ω_j² - ω² + 2iσ_jω),
+    H(ω) = Σ_j c_j b_j / (ω_j² - ω² + 2iσ_jω).
 
-where the modes that are left out follow as a power series in ω² of static solutions
-(M. A. Akgün, *J. Sound Vib.* 167, 289, 1993; the first term is the residual flexibility),
+The modes j ≤ m reach well above the requested frequencies. All others are summed as a power series
+of static solutions (M. A. Akgün, *J. Sound Vib.* 167, 289, 1993; the first term is the residual
+flexibility),
 
-    Σ_{j>m} c_j b_j / (ω_j² - μ) = Σ_k μᵏ S_k,    S_k = cᵀ(K⁻¹M)ᵏ K⁻¹ b less the modes' own.
+    Σ_{j>m} c_j b_j / (ω_j² - μ) = Σ_k μᵏ S_k,
 
-Under Rayleigh's damping μ = (ω² - iαω)/(1 + iβω), and the sum is divided by 1 + iβω. After p terms
-the rest is at most rᵖ/(1 - r) · √(bᵀX_b cᵀX_c) with r = |μ|/ω_{m+1}² and X the static residuals, by
-Cauchy and Schwarz. Damping by modes is left out of the static part, and bounded likewise. Rounding
-of ω_j² is that of φ_jᵀKφ_j, and none of rigid motions, which have no stiffness; of k numbers in a
-row it grows as √k. Far above the highest mode the terms nearly cancel; with E = ΦᵀMΦ - I, by which
-the modes are not orthogonal, what is left is wrong by up to ω² ‖E‖ ‖b_j g_j‖ ‖c_j g_j‖ with
-g_j = 1/(ω_j² - ω²). Few frequencies above many modes are solved for directly, without the rigid
-part, which is added; their error is yᵀr with the residual r and the response y to c.
+with S_k = cᵀ(K⁻¹M)ᵏ K⁻¹ b minus the contribution of the modes j ≤ m. Rayleigh's damping gives
+μ = (ω² - iαω)/(1 + iβω) and divides the sum by 1 + iβω.
+
+The error is bounded by the sum of three terms.
+
+- Truncation after p terms leaves at most rᵖ/(1 - r) · √(bᵀX_b cᵀX_c), by Cauchy and Schwarz, with
+  r = |μ|/ω_{m+1}² and the static residuals X. The series neglects modal damping, with a bound of
+  the same kind.
+- Rounding of ω_j² is that of φ_jᵀKφ_j, growing as √k with k entries per row; rigid modes have none.
+- Far above the highest mode, the modal terms nearly cancel. If E = ΦᵀMΦ - I is the modes' error of
+  orthogonality, the sum is wrong by up to ω² ‖E‖ ‖b_j g_j‖ ‖c_j g_j‖ with g_j = 1/(ω_j² - ω²).
+
+A few frequencies above many modes are solved directly, after the rigid-body part is separated. The
+error of cᵀX is then yᵀr, with the residual r and the response y to c.
 """
 
 from __future__ import annotations
@@ -49,21 +56,21 @@ if TYPE_CHECKING:
 
 KINDS = {"receptance": "m/N", "mobility": "m/(s N)", "accelerance": "m/(s² N)"}
 
-# Modes are taken up to this multiple of the highest frequency, under modal damping up to the other,
-# which leaves 2ζ/10 of the static residual.
+# Highest modal frequency over the highest requested one; the second applies to modal damping, and
+# leaves an error of 2ζ/10 of the static residual.
 _BEYOND, _BEYOND_DAMPED = 2.0, 10.0
 
-# Dofs up to which all modes are taken.
+# Number of dofs up to which all modes are computed.
 _ALL = 600
 
-# Remainder of the series over the static residual.
+# Largest remainder of the series over the static residual.
 _NEGLIGIBLE = 1e-12
 
-# Numbers of a table of modes and frequencies that are held at once.
+# Largest number of entries of a table modes × frequencies in memory.
 _AT_ONCE = 2**22
 
-# Modes that are asked for at first; and for each frequency at most, which take about as long as its
-# direct solution.
+# Number of modes computed first, and largest number of modes per requested frequency: so many modes
+# take about as long as one direct solution.
 _FIRST, _FOR_EACH = 16, 16
 
 
@@ -74,17 +81,16 @@ class FrequencyResponse(Frozen):
     Attributes
     ----------
     frequencies : ndarray, shape (n,)
-        Hz.
+        Frequencies, Hz.
     values : ndarray of complex, shape (n,)
-        Response over force, of the `kind`, for e^{iωt}.
+        Response over force for e^{iωt}, in the unit of `kind`.
     error : ndarray, shape (n,)
-        Bound of |values - exact|, of the finite elements' K and M, in the unit of the values,
-        without that of the mesh.
+        Bound of |values - exact|, in the unit of the values. Exact means for the given K and M: the
+        discretisation error of the mesh is not included.
     kind : str
         "receptance" (displacement, m/N), "mobility" (velocity) or "accelerance" (acceleration).
     modes : int
-        How many natural modes were taken; 0 where the frequencies were solved for directly, and
-        of a measurement.
+        Number of natural modes used; 0 for direct solutions and for measurements.
     """
 
     frequencies: FloatArray
@@ -145,7 +151,7 @@ def frequency_response(
     if not np.isfinite(values).all():
         at = hertz[~np.isfinite(values)][0]
         raise InputError(f"frequencies: {at:g} Hz is a natural one without damping; take others")
-    factor = (1j * omega) ** list(KINDS).index(of)  # a derivative for each step
+    factor = (1j * omega) ** list(KINDS).index(of)  # KINDS are ordered by time derivatives
     taken = 0 if modes is None else len(modes[0])
     return FrequencyResponse(hertz, factor * values, np.abs(factor) * error, of, taken)
 
@@ -178,7 +184,7 @@ def _solved(
 def _without_damping(
     damping: Damping | None, omega: FloatArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return μ and 1 + iωβ, of which K - ω²M + iω(αM + βK) = (1 + iωβ)(K - μM)."""
+    """Return μ and 1 + iωβ so that K - ω²M + iω(αM + βK) = (1 + iωβ)(K - μM)."""
     alpha, beta = (damping.alpha, damping.beta) if isinstance(damping, Rayleigh) else (0.0, 0.0)
     stiffer = 1.0 + 1j * beta * omega
     mu = np.asarray((omega**2 - 1j * alpha * omega) / stiffer, dtype=np.complex128)
@@ -186,10 +192,10 @@ def _without_damping(
 
 
 def _modes(body: FEModel, highest: float, most: int) -> tuple[FloatArray, FloatArray, float] | None:
-    """Return the modes up to well above √|μ|, rad/s, so that the series in μ/ω² converges.
+    """Return the modes up to well above `highest`, √|μ| in rad/s, so that the series converges.
 
-    Frequencies, rad/s, shapes, and a frequency below which there is no other mode.
-    None where these are more than `most`.
+    The result consists of angular frequencies, rad/s, mode shapes, and a lower bound of the angular
+    frequencies of all other modes, rad/s. It is None if more than `most` modes would be needed.
     """
     beyond = _BEYOND_DAMPED if isinstance(body.damping, ModalDamping) else _BEYOND
     dofs, rigid = body.n_dofs, body.rigid_modes
@@ -200,7 +206,7 @@ def _modes(body: FEModel, highest: float, most: int) -> tuple[FloatArray, FloatA
         if len(omega) < count or count == dofs:
             return omega, shapes, math.inf
         if omega[-1] > beyond * highest:
-            # The last one found is the first that is left out.
+            # The last mode is left out, and bounds the frequencies of all others from below.
             return omega[:-1], shapes[:, :-1], float(omega[-1])
         count = dofs if 10 * count > dofs else 2 * count
     return None
@@ -218,7 +224,7 @@ def _by_modes(
     moved = body.M @ shapes
 
     def static(load: FloatArray) -> FloatArray:
-        """K⁻¹ of a load without the modes, shape (n_dofs,)."""
+        """K⁻¹ times a load, with the part of the computed modes removed, shape (n_dofs,)."""
         rest = load - moved @ (shapes.T @ load)
         if not np.abs(rest).max(initial=0.0) > 1e-12 * np.abs(load).max(initial=0.0):
             return np.zeros_like(load)
@@ -232,7 +238,7 @@ def _by_modes(
     rounding = math.sqrt(row) * eps * np.einsum("ij,ij->j", sizes, abs(body.K) @ sizes)
     rounding[natural == 0.0] = 0.0
     of_force, of_response = shapes.T @ b, shapes.T @ c
-    seen = of_force * of_response != 0.0  # others may be at resonance without damping
+    seen = of_force * of_response != 0.0  # others contribute 0, even at an undamped resonance
     own, weight = natural[seen], (of_force * of_response)[seen]
     decay = np.zeros_like(own) if damping is None else damping.decay(own)
     squares = np.stack(
@@ -241,7 +247,7 @@ def _by_modes(
     found, error = np.empty(len(omega), dtype=np.complex128), np.empty(len(omega))
     for some in np.array_split(np.arange(len(omega)), 1 + len(omega) * len(own) // _AT_ONCE):
         of = omega[some, None]
-        with np.errstate(divide="ignore", invalid="ignore"):  # at a resonance without damping
+        with np.errstate(divide="ignore", invalid="ignore"):  # undamped resonance: refused later
             gain = 1.0 / (own**2 - of**2 + 2j * decay * of)
             found[some] = gain @ weight
             sharp, force, response = squares @ np.abs(gain.T) ** 2

@@ -1,4 +1,4 @@
-"""Labels of the rows of K as the program that wrote it has them: a node's number, a component."""
+"""Labels of the rows of K, node number and component, from the program that wrote K."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import scipy
 
 from ..base import FloatArray, InputError, IntArray, integers, node_ids, plain
 
-# Components: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
+# Largest component: 1, 2, 3 are displacements, 4, 5, 6 rotations; 0 has no direction.
 _MOST = 6
 
-# Relative rounding of the coordinates that decks print, of the body's size.
+# Rounding of coordinates in input files, relative to the body's size.
 _SAME_PLACE = 1e-5
 
 
 def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
-    """Return labels as integers, shape (n_dofs, 2): node and component 0 … 6, each pair once.
+    """Return the labels, node and component 0 … 6, as distinct integer pairs, shape (n_dofs, 2).
 
     Raises
     ------
@@ -41,7 +41,7 @@ def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
 
 
 def axes_of(free: IntArray | None, labels: IntArray | None, n_nodes: int) -> FloatArray | None:
-    """Return what a unit translation along each axis moves, shape (n_dofs, 3); None if unknown."""
+    """Return the unit translations along x, y, z, shape (n_dofs, 3); None if not known."""
     if free is not None:
         return np.where(free[:, None] < 3 * n_nodes, np.eye(3)[free % 3], 0.0)
     if labels is None:
@@ -51,27 +51,28 @@ def axes_of(free: IntArray | None, labels: IntArray | None, n_nodes: int) -> Flo
 
 
 def nodes_by_number(name: str, given: Any, count: int, labels: IntArray | None) -> IntArray:
-    """Return the nodes that a user names by numbers: by their labels, without these from 0.
+    """Return the indices of the nodes with the given labels, or indices if there are no labels.
 
     Parameters
     ----------
     name : str
-        Of the argument.
+        Name of the argument, for messages.
     given : int or array_like of int
+        Labels or, if `labels` is None, indices.
     count : int
-        How many nodes there are.
+        Number of nodes.
     labels : ndarray of int, shape (count,), or None
-        The nodes' labels.
+        Label of each node.
 
     Returns
     -------
     ndarray of int
-        Ascending, each once, counted from 0.
+        Distinct indices from 0, ascending.
 
     Raises
     ------
     InputTypeError, InputError
-        If a number names no node, or several.
+        If a number belongs to no node, or to several.
     """
     if labels is None:
         return node_ids(name, given, count)
@@ -89,7 +90,7 @@ def nodes_by_number(name: str, given: Any, count: int, labels: IntArray | None) 
 
 
 def label_of(node: int, labels: IntArray | None) -> int:
-    """Return the number by which a user knows a node; see `nodes_by_number`."""
+    """Return the label of a node, or its index if it has none."""
     return node if labels is None or labels[node] < 0 else int(labels[node])
 
 
@@ -99,7 +100,7 @@ def labelled_rows(labels: IntArray, node: int) -> IntArray:
     Raises
     ------
     InputError
-        If there are none.
+        If there is no such row.
     """
     rows = np.flatnonzero((labels[:, 0] == node) & (labels[:, 1] >= 1) & (labels[:, 1] <= 3))
     if not len(rows):
@@ -108,12 +109,12 @@ def labelled_rows(labels: IntArray, node: int) -> IntArray:
 
 
 def node_numbers(nodes: FloatArray, which: IntArray, of_mesh: FloatArray, size: float) -> IntArray:
-    """Return which node of a mesh each of some nodes is, by its place.
+    """Return the node of a mesh at the place of each node `which`, up to a tolerance.
 
     Raises
     ------
     InputError
-        If one is none, or two are the same.
+        If there is no mesh node at the place of a node, or two nodes share a mesh node.
     """
     gap, found = scipy.spatial.cKDTree(of_mesh).query(nodes[which])
     if gap.max() > _SAME_PLACE * size:
@@ -128,7 +129,7 @@ def node_numbers(nodes: FloatArray, which: IntArray, of_mesh: FloatArray, size: 
 
 
 def missing_node(name: str, labels: IntArray, node: int) -> InputError:
-    """The error for a label that no node has, or none with a row in K (other nodes: -1)."""
+    """The error for an unknown label; a label of -1 means a node without a row in K."""
     known = np.unique(labels[labels > 0])
     if not len(known):
         return InputError(f"{name} {node}: no row of K has the label of a node")

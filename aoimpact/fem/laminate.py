@@ -1,10 +1,10 @@
-"""Layers of a shell: one of an isotropic material, or the plies of a laminate.
+"""Layers of a shell: a single layer, or the plies of a laminate.
 
-Through the thickness the strains are linear, ε + z κ, and each ply is in plane stress (classical
-laminate theory: R. M. Jones, Mechanics of composite materials, 1999). The transverse shear is that
-of first order, with the energy of the shear stresses that are in equilibrium with the in-plane
-ones in cylindrical bending about both axes (R. Rolfes and K. Rohwer, Int. J. Num. Meth. Eng. 40,
-51, 1997). Of a single isotropic layer this is Reissner's factor 5/6.
+In-plane strains are linear through the thickness, ε + z κ, and each ply is in plane stress
+(classical laminate theory: R. M. Jones, Mechanics of composite materials, 1999). First-order shear
+deformation has the energy of transverse shear stresses in equilibrium with the in-plane stresses
+of cylindrical bending about both axes (R. Rolfes and K. Rohwer, Int. J. Num. Meth. Eng. 40, 51,
+1997). For a single isotropic layer this gives Reissner's factor 5/6.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from .material import Material, Orthotropic, Solid
 
 _AXES = Orthotropic.axes
 
-# Components of plane stress, and (xz, yz), in the order xx, yy, zz, xy, yz, xz.
+# Indices of (xx, yy, xy) and (xz, yz) in the order xx, yy, zz, xy, yz, xz.
 _PLANE, _SHEAR = [0, 1, 3], [5, 4]
 
-# Thicknesses, m, of which stiffness is computed.
+# Range of thicknesses, m, that is neither absurd nor leads to overflow of the stiffness.
 _thickness = partial(within, low=1e-9, high=1e3)
 
-# Offset over the thickness from which on it is in another unit: millimetres make it a thousand.
+# Largest plausible offset over thickness; millimetres taken for metres make it a thousand.
 FAR_OFF = 100.0
 
-# Gauss' points in a ply: the energy of shear stresses that are quadratic in z is of degree 4.
+# Gauss points in a ply: shear stresses are quadratic in z, so that their energy has degree 4.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
@@ -43,12 +43,13 @@ class Ply:
     Parameters
     ----------
     thickness : float
-        m.
+        Thickness, m.
     material : Material or Orthotropic
-        Axis 1 of an `Orthotropic` is along the fibres, axis 2 across them in the ply, and axis 3
-        normal to it; its `axes` are left at their default.
+        For an `Orthotropic`, axis 1 lies along the fibres, axis 2 across the fibres in the ply, and
+        axis 3 normal to the ply. Its `axes` must be the default.
     angle_deg : float, optional
-        From the laminate's fibre axis to the ply's axis 1, right-handed about the normal, degrees.
+        Angle from the laminate's fibre axis to the ply's axis 1, right-handed about the normal,
+        degrees.
 
     Examples
     --------
@@ -71,7 +72,7 @@ class Ply:
 
     @cached_property
     def compliance(self) -> FloatArray:
-        """Strains of stresses in the laminate's axes, 1/Pa, shape (6, 6): xx, yy, zz, xy, yz, xz.
+        """Compliance in the laminate's axes, 1/Pa, shape (6, 6), order xx, yy, zz, xy, yz, xz.
 
         :meta private:
         """
@@ -82,11 +83,11 @@ class Ply:
 
 
 class Layers:
-    """Stiffness, inertia and stresses of a stack of plies; z counts from the nodes' surface.
+    """Stiffness, inertia and stresses of a stack of plies, with z = 0 on the surface of the nodes.
 
-    Generalised strains are εxx, εyy, γxy of the nodes' surface, the curvatures κxx, κyy, κxy (of
-    u = z θ×n), and the transverse shears γxz, γyz. They work on the forces N and moments M per
-    length and on the shear forces Q.
+    Generalised strains are εxx, εyy, γxy at z = 0, the curvatures κxx, κyy, κxy (of u = z θ×n), and
+    the transverse shears γxz, γyz. Their work conjugates are the membrane forces N, the moments M
+    and the shear forces Q, each per length.
     """
 
     plies: tuple[Ply, ...]
@@ -98,7 +99,7 @@ class Layers:
 
     @property
     def reference(self) -> FloatArray | None:
-        """The direction whose projection is the local x axis; None if any is as good.
+        """Direction whose projection is the local x axis; None if the choice does not matter.
 
         :meta private:
         """
@@ -116,7 +117,7 @@ class Layers:
 
     @property
     def sided(self) -> bool:
-        """True if it matters which side of the surface is the top.
+        """True if exchanging top and bottom changes the shell.
 
         :meta private:
         """
@@ -126,7 +127,7 @@ class Layers:
 
     @property
     def narrowest(self) -> float:
-        """The whole thickness, m.
+        """Total thickness, m.
 
         :meta private:
         """
@@ -134,14 +135,14 @@ class Layers:
 
     @property
     def reach(self) -> float:
-        """How far the faces are from the nodes, m.
+        """Largest distance of a face from the nodes, m.
 
         :meta private:
         """
         return float(np.abs(self.interfaces[[0, -1]]).max())
 
     def seen_from(self, *, top: bool) -> Layers:
-        """Return the layers as a contact on the top, or on the bottom, finds them below it.
+        """Return the layers with the side of a contact, top or bottom, as their top.
 
         :meta private:
         """
@@ -151,7 +152,7 @@ class Layers:
         return Laminate(plies, self.reference, -self.offset)
 
     def half_space(self, normal: Any) -> Material:
-        """Return the isotropic material that a contact on the top meets, whatever its normal.
+        """Return the isotropic half-space equivalent to the top ply; `normal` is not used.
 
         :meta private:
         """
@@ -159,13 +160,16 @@ class Layers:
 
     @cached_property
     def interfaces(self) -> FloatArray:
-        """z of the bottom, of each interface, and of the top, m, shape (n_plies + 1,)."""
+        """z of the bottom, the interfaces and the top, m, shape (n_plies + 1,)."""
         upto = np.cumsum([0.0, *(ply.thickness for ply in self.plies)])
         return upto - 0.5 * self.total_thickness + self.offset
 
     @cached_property
     def stiffness(self) -> FloatArray:
-        """N, M, Q of the generalised strains, shape (8, 8): A, B, D in N/m, N, N m; then N/m."""
+        """Stiffness of N, M, Q per generalised strain, shape (8, 8).
+
+        A, B and D in N/m, N and N m, followed by the transverse shear stiffness, N/m.
+        """
         matrix = np.zeros((8, 8))
         matrix[:6, :6] = self._plane
         flexibility = np.zeros((2, 2))
@@ -178,7 +182,7 @@ class Layers:
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """∫ρ dz, ∫ρ z dz and ∫ρ z² dz: kg/m², kg/m, kg."""
+        """∫ρ dz, ∫ρ z dz and ∫ρ z² dz, in kg/m², kg/m and kg."""
         moments = np.zeros(3)
         for number, z, weight in self._points:
             moments += weight * self.plies[number].material.rho * z ** np.arange(3)
@@ -186,7 +190,7 @@ class Layers:
 
     @property
     def _points(self) -> list[tuple[int, float, float]]:
-        """Points of quadrature: number of the ply, z and weight, m."""
+        """Quadrature points through the thickness: ply index, z and weight, both m."""
         return [
             (number, 0.5 * (low + high + x * (high - low)), 0.5 * w * (high - low))
             for number, (low, high) in enumerate(pairwise(self.interfaces.tolist()))
@@ -202,7 +206,7 @@ class Layers:
 
     @cached_property
     def _plane(self) -> FloatArray:
-        """The classical laminate's A, B, B, D, shape (6, 6)."""
+        """Matrix [[A, B], [B, D]] of classical laminate theory, shape (6, 6)."""
         z = self.interfaces
         a, b, d = (
             np.einsum("p,pij->ij", (z[1:] ** n - z[:-1] ** n) / n, self._moduli) for n in (1, 2, 3)
@@ -211,12 +215,12 @@ class Layers:
 
     @cached_property
     def _slopes(self) -> FloatArray:
-        """ε and κ along x by Mxx,x = Qx, and along y by Myy,y = Qy; shape (2, 6), per newton/m."""
+        """Slopes of ε and κ: along x per Qx = Mxx,x, and along y per Qy = Myy,y; shape (2, 6)."""
         return np.asarray(np.linalg.inv(self._plane)[:, 3:5].T, dtype=np.float64)
 
     @cached_property
     def _below(self) -> FloatArray:
-        """-∫ over the plies below each, of what `_shear_stress` integrates, shape (n, 2, 2)."""
+        """τxz and τyz at the bottom of each ply per (Qx, Qy), 1/m, shape (n_plies, 2, 2)."""
         steps = [
             self._change(number, low, high)
             for number, (low, high) in enumerate(pairwise(self.interfaces.tolist()))
@@ -224,30 +228,34 @@ class Layers:
         return np.cumsum([np.zeros((2, 2)), *steps[:-1]], axis=0)
 
     def _change(self, number: int, low: float, high: float) -> FloatArray:
-        """-∫ of σxx,x + τxy,y and τxy,x + σyy,y within a ply, by (Qx, Qy)."""
+        """Increase of τxz and τyz from low to high in a ply per (Qx, Qy), from equilibrium.
+
+        τxz = -∫ (σxx,x + τxy,y) dz and τyz = -∫ (τxy,x + σyy,y) dz; shape (2, 2), 1/m.
+        """
         first, second = high - low, 0.5 * (high**2 - low**2)
         sums = self._slopes[:, :3] * first + self._slopes[:, 3:] * second
         along_x, along_y = sums @ self._moduli[number]  # of xx, yy, xy
         return -np.array([[along_x[0], along_y[2]], [along_x[2], along_y[1]]])
 
     def _shear_stress(self, number: int, z: float) -> FloatArray:
-        """τxz and τyz at z in a ply by the shear forces, 1/m, shape (2, 2)."""
+        """τxz and τyz at z in a ply per (Qx, Qy), 1/m, shape (2, 2)."""
         return np.asarray(self._below[number] + self._change(number, self.interfaces[number], z))
 
     def stress_at(self, strains: FloatArray, number: int, z: float) -> FloatArray:
-        """Return the stress at a height in a ply, in the element's axes, Pa, shape (..., 6).
+        """Return the stress at z in a ply, in the element's axes, Pa, shape (..., 6).
 
-        xx, yy, zz, xy, yz, xz; tension is positive, and zz is zero. The shear stresses xz and yz
-        are those in equilibrium with the others: parabolas of z that vanish on both faces.
+        Components xx, yy, zz, xy, yz, xz; tension is positive, and zz is zero. The shear stresses
+        xz and yz are in equilibrium with the in-plane stresses: piecewise parabolas of z that
+        vanish on both faces.
 
         Parameters
         ----------
         strains : ndarray, shape (..., 8)
             Generalised strains.
         number : int
-            Number of the ply.
+            Index of the ply.
         z : float
-            m.
+            Height above the surface of the nodes, m.
 
         :meta private:
         """
@@ -258,7 +266,7 @@ class Layers:
         return found
 
     def height(self, side: str, ply: int | None = None) -> float:
-        """Return z of the bottom, middle or top of a ply by its number, or of all of them, m.
+        """Return z of the bottom, middle or top of the ply with index `ply`, or of the stack, m.
 
         :meta private:
         """
@@ -273,14 +281,14 @@ class Shell(Layers):
     Parameters
     ----------
     thickness : float
-        m.
+        Thickness, m.
     material : Material or Orthotropic
-        Axis 1 of an `Orthotropic`, projected on each element, is the element's x axis; axis 3 is
-        taken as the normal.
+        For an `Orthotropic`, the projection of axis 1 onto an element is the element's x axis, and
+        axis 3 is assumed normal to the element.
     offset : float, optional
-        Distance of the middle surface from the nodes along the elements' normals, m: +thickness/2
-        where the nodes are on the lower face. Area is that of the nodes' surface also where it is
-        curved, which warns above 1 % of mass.
+        Distance from the nodes to the middle surface along the elements' normals, m: +thickness/2
+        if the nodes are on the lower face. The area at the nodes is used even if the surface is
+        curved; a warning follows if this changes the mass by more than 1 %.
 
     Examples
     --------
@@ -300,7 +308,7 @@ class Shell(Layers):
 
     @cached_property
     def plies(self) -> tuple[Ply, ...]:  # type: ignore[override]
-        """The single layer."""
+        """The single layer as a ply."""
         material = self.material
         if isinstance(material, Orthotropic):
             material = replace(material, axes=_AXES)
@@ -324,11 +332,12 @@ class Laminate(Layers):
     plies : sequence of Ply
         From the bottom to the top, along the elements' normals.
     fibre_axis : array_like, shape (3,), optional
-        The direction from which the plies' angles count; its projection on each element is the
-        element's x axis. Needed if a ply is orthotropic.
+        Direction of angle 0 of the plies; its projection onto an element is the element's x axis.
+        Required if a ply is orthotropic.
     offset : float, optional
-        Distance of the middle surface from the nodes along the elements' normals, m. Area is that
-        of the nodes' surface also where it is curved, which warns above 1 % of mass.
+        Distance from the nodes to the middle surface along the elements' normals, m. The area at
+        the nodes is used even if the surface is curved; a warning follows if this changes the mass
+        by more than 1 %.
 
     Examples
     --------
@@ -342,7 +351,7 @@ class Laminate(Layers):
     (0.001, 1.55)
     """
 
-    plies: Sequence[Ply]  # type: ignore[assignment]  # a tuple, once it is there
+    plies: Sequence[Ply]  # type: ignore[assignment]  # stored as a tuple
     fibre_axis: Any = None
     offset: float = 0.0
 
@@ -365,7 +374,7 @@ class Laminate(Layers):
 
 
 def direction_or_none(name: str, value: Any) -> tuple[float, ...] | None:
-    """Return a direction, of any length but zero, as a tuple; None as it is."""
+    """Return a direction, any nonzero vector, as a tuple, or None for None."""
     if value is None:
         return None
     axis = finite_array(name, value, shape=(3,))
