@@ -1,10 +1,10 @@
-"""The shape of a surface at a point, from the nodes of its mesh around it.
+"""Normal and curvatures of a surface at a point, estimated from the mesh nodes around it.
 
-A polynomial of degree six, the height over the tangent plane, is fitted to the nodes
+The height over the tangent plane is fitted to the nodes as a polynomial of degree six
 (F. Cazals and M. Pouget, *Computer Aided Geometric Design* 22 (2005) 121). The fit is a Bayesian
 regression (C. E. Rasmussen and C. K. I. Williams, *Gaussian Processes for Machine Learning*
-(2006), sections 2.1 and 5.4): terms that the nodes cannot tell apart share the prior's width, which
-enters the error as noise in the nodes does.
+(2006), sections 2.1 and 5.4): its error includes both the noise of the nodes and the prior's width
+of terms that the nodes do not determine.
 """
 
 from __future__ import annotations
@@ -20,49 +20,52 @@ from .mesh import twins
 from .surface import SHARP, Surface, plane_of
 from .vectors import dot
 
-# Cosine of 75°: beyond it the edge between two faces is sharp for certain; up to it the body may be
-# round, of very few linear elements.
+# Cosine of 75°. An edge at which two faces turn by more is certainly sharp; from 45° to 75° it may
+# belong to a round body of very few linear elements.
 _SURELY_SHARP = 0.25
 
-# Cosine of the largest turn, 60°, of a surface that is taken as a height over the tangent plane.
+# Cosine of 60°, the largest angle between a face and the tangent plane for a face to be fitted as
+# a height over that plane.
 _GRAPH = 0.5
 
-# Reaches that are tried, in distances between neighbouring nodes.
+# Radii around the point within which nodes are fitted, in distances between neighbouring nodes.
+# The fit with the smallest error that agrees with all smaller radii is taken.
 _REACHES = (2.2, 2.8, 3.6, 5.0, 7.0)
 
-# Height of nodes that lie in a plane, as a fraction of the reach: digits of a mesh file.
+# Largest height of nodes that count as coplanar, over the reach: rounding to a mesh file's digits.
 _IN_PLANE = 1e-6
 
-# Standard deviations in the error, and the least relative error. A shape is no sample of the prior.
-# On meshes that gmsh makes of spheres, tori and ellipsoids, of one to eight straight and one to
-# four curved elements a radius, 2 of 773 errors exceed six deviations. On cylinders 41 of 300 do,
-# by up to 4.5 times: their nodes lie in rows, and few rows fit a lower degree and show no need of a
-# higher one. There the estimate is at least 2 κ (κh)³ with h between nodes, which covers all of
-# these and 276 of 280 places on regular meshes.
+# Number of standard deviations in the error, and the smallest relative error. The number is
+# calibrated, since surfaces are no samples of the prior. On gmsh's meshes of spheres, tori and
+# ellipsoids, of one to eight straight or one to four curved elements per radius, 2 of 773 errors
+# exceed six deviations. On cylinders 41 of 300 do, by up to 4.5 times: their nodes lie in rows, and
+# a polynomial of low degree fits a few rows without any sign that a higher degree is missing. On
+# cylinders the error is therefore at least 2 κ (κh)³, h being the distance between nodes; this
+# covers all of the 300 cases, and 276 of 280 on regular meshes.
 _DEVIATIONS, _LEAST_ERROR = 6.0, 1e-3
 
-# Share of the larger curvature below which a shape bends along one direction alone, and the factor
-# 2 of its error.
+# Largest ratio of the principal curvatures of a shape treated as a cylinder, and the factor 2 in
+# the smallest error of a cylinder (above).
 _ONE_WAY, _IN_ROWS = 0.1, 2.0
 
-# Nodes that a fit needs: as many as a polynomial of degree two has terms.
+# Smallest number of nodes of a fit: the number of terms of a polynomial of degree two.
 _LEAST = 6
 
-# Powers of the polynomial's terms, ascending by degree, and the square roots of the binomial
-# coefficients, with which a prior is the same in every direction.
+# Exponents of the polynomial's terms, ascending by degree, and the square roots of the binomial
+# coefficients, which as prior widths make the prior isotropic.
 _POWERS = [(degree - j, j) for degree in range(7) for j in range(degree + 1)]
 _DEGREE = np.array([i + j for i, j in _POWERS])
 _BINOMIAL = np.sqrt([math.comb(i + j, j) for i, j in _POWERS])
 
-# Width of height and slope, against that of the curvature.
+# Prior width of height and slope, in units of the curvature's: both are practically free.
 _FREE = 1e3
 
-# How much the terms grow from degree to degree over the reach (a sphere's, κ reach/2), and noise in
-# the nodes against the height of the bulge.
+# Values of λ, the ratio of the prior widths of successive degrees (κ reach/2 for a sphere), and of
+# s, the noise of the nodes over the prior width of the curvature, that are averaged over.
 _ROUGHNESS = np.array([0.25, 0.5, 1.0, 2.0])
 _NOISE = np.geomspace(1e-9, 1.0, 19)
 
-# The prior's widths for each of these, shape (4, 28).
+# Prior widths of all terms for each value of λ, shape (4, 28).
 _WIDTHS = _BINOMIAL * _ROUGHNESS[:, None] ** (_DEGREE - 2.0)
 _WIDTHS[:, :3] = _FREE
 
@@ -78,11 +81,11 @@ class SurfaceShape(Frozen):
     curvatures : ndarray, shape (2,)
         Principal curvatures, 1/m, the larger first; positive where the body is convex.
     directions : ndarray, shape (2, 3)
-        Unit tangents along which the surface bends so.
+        Principal directions: unit tangents that belong to the curvatures.
     error : float
-        How wrong each curvature may be, 1/m.
+        Estimated largest error of the curvatures, 1/m.
     reach : float
-        Distance from the point of the farthest nodes that were taken, m.
+        Radius around the point within which nodes were fitted, m.
     """
 
     normal: FloatArray
@@ -93,21 +96,22 @@ class SurfaceShape(Frozen):
 
     @property
     def from_below(self) -> SurfaceShape:
-        """The shape of the other side of a shell."""
+        """Normal and curvatures of the same place seen from the other side of a shell."""
         curvatures, directions = -self.curvatures[::-1], self.directions[::-1].copy()
         return replace(self, normal=-self.normal, curvatures=curvatures, directions=directions)
 
 
 def surface_shape(surface: Surface, point: FloatArray) -> SurfaceShape:
-    """Return the shape of a surface at a point, from the nodes around it.
+    """Return the normal and curvatures of a surface at a point, from the nodes around it.
 
-    Nodes beyond a sharp edge (45°) do not count. The middle nodes of straight edges do not either:
-    they lie on chords.
+    Nodes beyond a sharp edge (45°) are left out, and so are the middle nodes of straight edges,
+    which lie on chords of the true surface.
 
     Parameters
     ----------
+    surface : Surface
     point : ndarray, shape (3,)
-        On the surface, m; the nearest point on it is taken.
+        Coordinates, m. The point of the surface nearest to them is taken.
 
     Raises
     ------
@@ -140,7 +144,7 @@ def surface_shape(surface: Surface, point: FloatArray) -> SurfaceShape:
     normal = _fitted(region, here, normal, float(reaches[0])).normal
     shapes = [_fitted(region, here, normal, float(length)) for length in reaches]
     best = shapes[0]
-    for i, shape in enumerate(shapes):  # the least error that agrees with every fit of less reach
+    for i, shape in enumerate(shapes):
         agrees = all(
             np.abs(shape.curvatures - other.curvatures).max() <= shape.error + other.error
             for other in shapes[:i]
@@ -156,18 +160,19 @@ def surface_shape(surface: Surface, point: FloatArray) -> SurfaceShape:
 
 @record
 class _Region:
-    """Nodes about a place that no sharp edge parts from it.
+    """Nodes around a point that are not separated from it by a sharp edge.
 
     Attributes
     ----------
     nodes : ndarray, shape (n, 3)
-        m.
+        Coordinates, m.
     distance : ndarray, shape (n,)
-        From the place, m.
+        Distance of each node from the point, m.
     bends : ndarray, shape (any, 2)
-        Distance, m, and turn, rad, of the edges that may be sharp or a coarse mesh.
+        Distance from the point, m, and turning angle, rad, of each edge of 45° to 75°, which is
+        either sharp or part of a coarse round mesh.
     limit : float
-        Distance at which the surface turns away, m.
+        Distance, m, of the first face turned by more than 60° from the tangent plane.
     """
 
     nodes: FloatArray
@@ -177,7 +182,7 @@ class _Region:
 
 
 def _doubt(bends: FloatArray, reach: float) -> float:
-    """Return the curvature, 1/m, that the edges within reach have if they are no edges."""
+    """Return the curvature, 1/m, if the uncertain edges within reach are part of a round body."""
     turn = bends[bends[:, 0] <= reach, 1]
     return float(turn.max(initial=0.0)) / reach
 
@@ -189,7 +194,7 @@ def _spacing(surface: Surface, face: IntArray) -> float:
 
 
 def _curved(surface: Surface, face: IntArray) -> BoolArray:
-    """Return which faces have nodes between their corners that lie off the chords."""
+    """Return which faces have a node off the straight edge or side between their corners."""
     gap = np.linalg.norm(surface.bulges(face), axis=2).max(axis=1)
     return np.asarray(gap > _IN_PLANE * surface.edges(face))
 
@@ -197,7 +202,7 @@ def _curved(surface: Surface, face: IntArray) -> BoolArray:
 def _flat(
     surface: Surface, start: IntArray, here: FloatArray, normal: FloatArray
 ) -> SurfaceShape | None:
-    """Return a flat shape if the faces about the place lie in a plane."""
+    """Return a shape of zero curvature if the faces around the point are coplanar, else None."""
     face = np.flatnonzero(np.isin(surface.nodes, surface.nodes[start]).any(axis=1))
     joined, bends = _joined(surface, face, here)
     face = face[_linked(joined, np.isin(face, start))]
@@ -235,13 +240,13 @@ def _region(
 
 
 def _linked(joined: sp.csr_array, start: BoolArray) -> BoolArray:
-    """Return which faces are connected with those to start from."""
+    """Return which faces are connected to one of `start`."""
     label = sp.csgraph.connected_components(joined, directed=False)[1]
     return np.isin(label, label[start])
 
 
 def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_array, FloatArray]:
-    """Return which of the faces share an edge that is not sharp, and `_Region.bends`."""
+    """Return the adjacency matrix of faces over edges that are not sharp, and `_Region.bends`."""
     key = surface.ends(face).reshape(-1, 2)
     row = np.repeat(np.arange(len(face)), 4)
     middles = np.zeros((len(face), 4, 2))
@@ -262,10 +267,10 @@ def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_
 
 
 def _fitted(region: _Region, here: FloatArray, normal: FloatArray, reach: float) -> SurfaceShape:
-    """Return the shape of the height over the tangent plane that fits the nodes within reach.
+    """Return the shape found by fitting heights over the tangent plane to the nodes within reach.
 
-    Bayesian regression with the prior widths A λ^(k-2) of the terms of degree k and noise A s in
-    the nodes. A is integrated out, λ and s are averaged over by their evidence.
+    Bayesian regression: the terms of degree k have the prior width A λ^(k-2), the nodes the noise
+    A s. The amplitude A is integrated out; λ and s are averaged over, weighted by their evidence.
     """
     offset = region.nodes[region.distance <= reach] - here
     across, height = plane_of(normal), offset @ normal / reach
@@ -278,7 +283,7 @@ def _fitted(region: _Region, here: FloatArray, normal: FloatArray, reach: float)
     free = max(n - 3, 1)
     left, size, right = np.linalg.svd(r * _WIDTHS[:, None], full_matrices=False)
     along, weight = seen @ left, right[:, :, :6] * _WIDTHS[:, None, :6]
-    # By roughness, noise and singular value.
+    # Axes of the arrays below: roughness λ, noise s, singular value.
     size, along = size[:, None], along[:, None]
     total = size**2 + _NOISE[:, None] ** 2
     misfit = (along**2 / total).sum(axis=2) + beyond / _NOISE**2

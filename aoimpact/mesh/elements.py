@@ -1,7 +1,7 @@
-"""The elements: shape functions and quadrature of each kind, nodes in meshio's order.
+"""Shape functions and quadrature rules of each kind of element, with nodes in meshio's order.
 
-It is enough to say which functions the shape functions are combinations of: each is one at its own
-node and zero at the others.
+A kind is defined by its nodes and by the functions that its shape functions combine: each shape
+function is one at its own node and zero at the others.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ import scipy
 
 from ..base import ROUNDING, ArrayPair, FloatArray, IntArray, record
 
-# Least 1 - z, at an apex: the inverse of its cube is finite.
+# Smallest 1 - z, used at the apex of a pyramid, so that (1 - z)⁻³ stays finite.
 _APEX = 1e-100
 
 
 @record
 class Cell:
-    """A reference cell, shared by elements of several orders.
+    """The shape of a reference element, shared by elements of several orders.
 
     Attributes
     ----------
@@ -30,9 +30,9 @@ class Cell:
         The kind of element whose nodes are the corners alone.
     corners : ndarray, shape (n_corners, 3)
     normals : ndarray, shape (n_sides, 3)
-        Outward normals of the sides, of any length; of a surface those of its edges.
+        Outward normals of the sides, of any length; for a surface cell those of its edges.
     of_brick : ndarray, shape (n_cells, n_corners, 3)
-        The cells into which a brick, from 0 to 1 along each axis, is cut.
+        Corners of the cells of this shape that together fill the unit brick.
     """
 
     linear: str
@@ -41,7 +41,7 @@ class Cell:
     of_brick: FloatArray
 
     def inside(self, place: FloatArray) -> FloatArray:
-        """Return a place, shape (3,), drawn towards the middle until it is within the cell."""
+        """Return a point, shape (3,), moved towards the cell's middle until it is inside."""
         middle = self.corners.mean(axis=0)
         beyond = self.normals @ (place - middle)
         room = (self.corners @ self.normals.T).max(axis=0) - self.normals @ middle
@@ -59,16 +59,16 @@ class Rule:
 
 @record
 class ReferenceElement:
-    """One kind of element.
+    """One kind of element, described in reference coordinates.
 
     Attributes
     ----------
     kind : str
-        meshio's name.
+        meshio's name, followed by "+" if the element is enriched.
     cell : Cell
     nodes : ndarray, shape (n_nodes, 3)
-        Reference coordinates of the nodes, meshio's order: the corners first; the rest lie in the
-        middle of edges, faces, and the body.
+        Reference coordinates of the nodes in meshio's order: the corners first, then the middles of
+        edges, faces and the element.
     """
 
     kind: str
@@ -79,12 +79,12 @@ class ReferenceElement:
 
     @cached_property
     def stiffness_rule(self) -> Rule:
-        """Exact for ∫∇φ dV, which the patch test needs, on elements however curved."""
+        """Rule for stiffness, exact for ∫∇φ dV on curved elements, as the patch test needs."""
         return _quadrature(self.cell.linear, self._points[0])
 
     @cached_property
     def mass_rule(self) -> Rule:
-        """Exact for ∫φφ dV, on elements however curved."""
+        """Rule for mass, exact for ∫φφ dV on curved elements."""
         return _quadrature(self.cell.linear, self._points[1])
 
     @property
@@ -97,17 +97,17 @@ class ReferenceElement:
 
     @property
     def linear(self) -> ReferenceElement:
-        """The element of first order on the same corners; itself, if it is of first order."""
+        """The first-order element on the same corners, which may be this element."""
         return self if self.kind == self.cell.linear else reference_element(self.cell.linear)
 
     @property
     def own(self) -> ReferenceElement:
-        """The element that has been enriched; itself, if it has not."""
+        """This element without the functions that `enriched_element` adds."""
         return reference_element(self.kind.removesuffix("+"))
 
     @property
     def lower(self) -> ReferenceElement:
-        """An element of lower degree on the same nodes, or on the corners; itself if linear."""
+        """The element without enrichment, or else the linear one on the same corners."""
         return self.own if self.kind[-1] == "+" else self.linear
 
     def shape(self, points: FloatArray) -> FloatArray:
@@ -119,12 +119,12 @@ class ReferenceElement:
         return self.evaluate(points)[1]
 
     def evaluate(self, points: FloatArray) -> ArrayPair:
-        """Return `shape` and `gradient` at once, for little more than one of them."""
+        """Return `shape` and `gradient`, for little more work than one of the two."""
         return self._basis(points)
 
     @property
     def quadratic(self) -> bool:
-        """True if it has nodes between its corners."""
+        """True if the element has nodes between its corners."""
         return self.n_nodes > self.n_corners
 
     @property
@@ -134,13 +134,13 @@ class ReferenceElement:
 
     @cached_property
     def edges(self) -> IntArray:
-        """The corners at both ends of the edges on which nodes lie, shape (n_edges, 2)."""
+        """The two end corners of each edge that has a middle node, shape (n_edges, 2)."""
         weights = self.linear.shape(self.nodes[self.n_corners :]) > ROUNDING
         return np.nonzero(weights[weights.sum(axis=1) == 2])[1].reshape(-1, 2)
 
     @property
     def mirror(self) -> IntArray:
-        """The order of nodes that turns a left-handed element into a right-handed one."""
+        """Permutation of the nodes that turns a left-handed element into a right-handed one."""
         reflected = self.nodes[:, [1, 0, 2]]
         distance = np.abs(reflected[:, None, :] - self.nodes[None, :, :]).max(axis=2)
         order: IntArray = distance.argmin(axis=1)
@@ -149,15 +149,16 @@ class ReferenceElement:
 
 @record
 class ReferenceFace:
-    """A side of a reference element, with coordinates u, v of its own.
+    """A side of a reference element, with surface coordinates u, v.
 
     Attributes
     ----------
     nodes : ndarray of int
-        The nodes on it, by their numbers within the element: the corners, counter-clockwise as seen
-        from outside, the middles of the edges from each to the next, the middle of the side.
+        Numbers within the element of the side's nodes: the corners, counter-clockwise as seen from
+        outside; the middle of the edge after each corner; the middle of the side.
     element : ReferenceElement
-        The surface element on these nodes. Its u, v ≥ 0 have u + v ≤ 1, or are both from 0 to 1.
+        The surface element on these nodes, with u, v ≥ 0: u + v ≤ 1 on a triangle, u, v ≤ 1 on a
+        quadrilateral.
     """
 
     nodes: IntArray
@@ -168,12 +169,12 @@ class ReferenceFace:
         return self.element.n_corners
 
     def evaluate(self, uv: FloatArray) -> ArrayPair:
-        """Return the nodes' shape functions, (n, n_nodes), and their slopes, (n, n_nodes, 2)."""
+        """Return φ_a, shape (n, n_nodes), and ∂φ_a/∂(u, v), shape (n, n_nodes, 2)."""
         shape, gradient = self.element.evaluate(np.pad(uv, ((0, 0), (0, 1))))
         return shape, gradient[..., :2]
 
 
-# The exponents (i, j, k, l) of xⁱ yʲ zᵏ (1 - z)⁻ˡ, each from 0 to 3.
+# Exponents (i, j, k, l) of a function xⁱ yʲ zᵏ (1 - z)⁻ˡ, each from 0 to 3.
 _Powers = tuple[int, int, int, int]
 
 
@@ -184,10 +185,13 @@ class _Basis:
     Attributes
     ----------
     middle : float
-        x, y and z are counted from here: in bricks from their middle, so that rounding stays small.
+        Origin of x, y and z: the middle of bricks, for small rounding errors; 0 for other elements.
     powers : ndarray of int, shape (m, 4)
+        Exponents (i, j, k, l) of the functions that are combined.
     shape : ndarray, shape (m, n_nodes)
+        Coefficients of the shape functions.
     gradient : ndarray, shape (m, 3 n_nodes)
+        Coefficients of their derivatives: x, y and z of the first node, then of the next.
     """
 
     middle: float
@@ -197,8 +201,8 @@ class _Basis:
 
     @classmethod
     def of(cls, space: tuple[_Powers, ...], nodes: FloatArray, middle: float) -> _Basis:
-        """Return the functions of a space that are one at one of the nodes each."""
-        # Derivatives along x, y and z, as factors of functions of the same form.
+        """Return the nodal basis of a space: each function is one at one node, zero elsewhere."""
+        # Each derivative along x, y or z is a number times a function of the same form.
         slopes = [
             (axis, column, of, factor)
             for column, (i, j, k, m) in enumerate(space)
@@ -230,7 +234,7 @@ class _Basis:
 
 
 def _monomials(points: FloatArray, powers: IntArray) -> FloatArray:
-    """Return xⁱ yʲ zᵏ (1 - z)⁻ˡ, shape (m, n); at an apex z = 1 those where x, y = 0."""
+    """Return xⁱ yʲ zᵏ (1 - z)⁻ˡ, shape (m, n); at the apex z = 1 the values on x = y = 0."""
     base = points.T
     if powers[:, 3].any():
         base = np.vstack([base, 1.0 / np.maximum(1.0 - base[2], _APEX)])
@@ -242,17 +246,17 @@ def _monomials(points: FloatArray, powers: IntArray) -> FloatArray:
 
 
 def _quadrature(linear: str, n: int) -> Rule:
-    """Return Gauss' rule of n points in each direction, exact to degree 2n − 1, on a cell.
+    """Return the Gauss rule of n points in each direction, exact to degree 2n − 1, on a cell.
 
-    The cell is folded from a brick with coordinates from 0 to 1, in which the rule has the weights
-    (1 − x_i)^power of Gauss and Jacobi. In a wedge y = s (1 − x), in a tetrahedron also
+    The unit brick is mapped to the cell, and Gauss-Jacobi rules with weights (1 − x_i)^power absorb
+    the Jacobian of the map. In a wedge y = s (1 − x), in a tetrahedron also
     z = t (1 − x)(1 − s) (Stroud, 1971); in a pyramid x = a (1 − z) and y = b (1 − z).
     """
     if linear == "tetra" and n == 3:
-        # 14 points, exact to degree 5, the same from each corner: on the lines from the corners to
-        # the middles of the opposite sides, and from the middles of edges to those of the opposite
-        # ones (N. J. Walkington, Quadrature on simplices of arbitrary dimension, Carnegie Mellon
-        # 2000). `large` of the barycentric coordinates differ.
+        # Symmetric rule of 14 points, exact to degree 5: points on the lines from each corner to
+        # the middle of the opposite side, and between the middles of opposite edges
+        # (N. J. Walkington, Quadrature on simplices of arbitrary dimension, Carnegie Mellon 2000).
+        # Of the four barycentric coordinates, all but `large` equal `small`.
         corners, found = np.vstack([np.zeros(3), np.eye(3)]), []
         for small, weight, large in (
             (0.31088591926330060980, 0.018781320953002641800, 1),
@@ -284,7 +288,7 @@ _BRICK = np.vstack([_SQUARE, _SQUARE + _AXES[2], np.full(3, 0.5)])  # its corner
 
 
 def _cell(linear: str, corners: Any, normals: Any, of_brick: str) -> Cell:
-    """Return a cell; `of_brick` are the pieces of a brick by the numbers of their corners."""
+    """Return a cell; `of_brick` gives each piece of the brick by its corners in `_BRICK`."""
     pieces = _BRICK[[[*map(int, piece)] for piece in of_brick.split()]]
     return Cell(linear, np.array(corners, float), np.array(normals, float), pieces)
 
@@ -293,7 +297,7 @@ _TETRAHEDRON = _cell(
     "tetra",
     np.vstack([_ORIGIN, _AXES]),
     np.vstack([-_AXES, np.ones(3)]),
-    "0126 0516 0236 0376 0456 0746",  # about one diagonal, each along the axes in another order
+    "0126 0516 0236 0376 0456 0746",  # six pieces around the diagonal from 0 to 6
 )
 _HEXAHEDRON = _cell("hexahedron", _BRICK[:8], np.vstack([-_AXES, _AXES]), "01234567")
 _WEDGE = _cell(
@@ -309,23 +313,23 @@ _PYRAMID = _cell(
     "01238 03748 04518 54768 21568 73268",
 )
 
-# Shells and beams: a surface has one side, seen from +z, and a line none.
+# Cells of shells and beams. A surface has one side, whose normal is +z; a line has none.
 _LINE = _cell("line", _BRICK[:2], np.vstack([-_AXES[0], _AXES[0]]), "01")
 _QUAD = _cell("quad", _SQUARE, np.vstack([-_AXES[:2], _AXES[:2]]), "0123")
 _TRIANGLE = _cell("triangle", _BRICK[[0, 1, 3]], np.vstack([-_AXES[:2], [(1, 1, 0)]]), "012 023")
 
 
 def _space(degree: int, has: Callable[[int, int, int], bool]) -> tuple[_Powers, ...]:
-    """The functions xⁱ yʲ zᵏ of at most this degree in each coordinate that the space has."""
+    """Return the functions xⁱ yʲ zᵏ, with i, j, k ≤ `degree`, for which `has(i, j, k)` holds."""
     each = range(degree + 1)
     return tuple((i, j, k, 0) for i, j, k in product(each, each, each) if has(i, j, k))
 
 
-# With 20 nodes, a function is quadratic in one coordinate at most, as on each side: the serendipity
-# space (D. Arnold & G. Awanou, Found. Comput. Math. 11, 337, 2011). A wedge of 15 nodes is
-# quadratic in x, y, and in z times linear functions of x, y. A pyramid has x²y/(1-z), xy²/(1-z),
-# xy/(1-z) beside all quadratic functions (G. Bedrosian, Int. J. Num. Meth. Eng. 35, 95, 1992), the
-# first of which are the linear pyramid's.
+# Hexahedra of 20 nodes: products that are quadratic in at most one coordinate, the serendipity
+# space (D. Arnold & G. Awanou, Found. Comput. Math. 11, 337, 2011). Wedges of 15 nodes: quadratic
+# functions of x, y times 1 and z, and linear functions of x, y times z². Pyramids of 13 nodes: all
+# quadratic functions, xy/(1-z), x²y/(1-z) and xy²/(1-z) (G. Bedrosian, Int. J. Num. Meth. Eng. 35,
+# 95, 1992). Linear pyramids: all linear functions and xy/(1-z).
 _TETRAHEDRON_4 = _space(1, lambda i, j, k: i + j + k <= 1)
 _TETRAHEDRON_10 = _space(2, lambda i, j, k: i + j + k <= 2)
 _HEXAHEDRON_8 = _space(1, lambda i, j, k: True)
@@ -340,13 +344,14 @@ _PYRAMID_13 = (*_TETRAHEDRON_10, (1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1))
 _EDGES = "01 12 23 03 45 56 67 47 04 15 26 37"  # of a hexahedron
 _FACES = "0347 1256 0145 2367 0123 4567"
 
-# All kinds of elements, by meshio's names. Nothing about a kind is said elsewhere: the cell; the
-# nodes after the corners, each in the middle of these corners (VTK's file-format figures); the
-# space; and the points of quadrature in each direction, of stiffness and mass.
+# All kinds of elements, by meshio's names: the cell; for each node after the corners, the corners
+# in whose middle it lies (VTK's file-format figures); the space of functions; and the numbers of
+# quadrature points in each direction, for stiffness and for mass.
 #
-# Degrees needed with curved sides, where the Jacobian is a polynomial too. Hexahedra of order p, in
-# each coordinate: 3p − 1 for ∫∇φ dV, 5p − 1 for ∫φφ dV; tetrahedra, in all: 3p − 3 and 5p − 3.
-# Wedges: 3p − 2 and 5p − 2 in the triangle; pyramids, in x/(1-z) and y/(1-z): 3p and 5p.
+# Polynomial degrees to be integrated on elements of order p with curved sides, where the Jacobian
+# is a polynomial too, for ∫∇φ dV and ∫φφ dV. Hexahedra: 3p − 1 and 5p − 1 in each coordinate;
+# tetrahedra: 3p − 3 and 5p − 3 in total; wedges: 3p − 2 and 5p − 2 in the triangle; pyramids: 3p
+# and 5p in x/(1-z) and y/(1-z).
 _ALL: dict[str, tuple[Cell, str, tuple[_Powers, ...], int, int]] = {
     "tetra": (_TETRAHEDRON, "", _TETRAHEDRON_4, 1, 2),
     "tetra10": (_TETRAHEDRON, "01 12 02 03 13 23", _TETRAHEDRON_10, 3, 4),
@@ -359,9 +364,9 @@ _ALL: dict[str, tuple[Cell, str, tuple[_Powers, ...], int, int]] = {
     "pyramid13": (_PYRAMID, "01 12 23 03 04 14 24 34", _PYRAMID_13, 4, 6),
 }
 
-# Functions of the next degree of elements of second order, for `enriched_element`: the trunk space
-# of degree 3 (B. Szabó and I. Babuška, Finite Element Analysis, 1991, section 6.1),
-# the triangles on which it has a function, and the points of quadrature.
+# Cubic spaces of elements of second order, for `enriched_element`: the trunk space of degree 3
+# (B. Szabó and I. Babuška, Finite Element Analysis, 1991, section 6.1); the triangular sides that
+# have a bubble function; and the numbers of quadrature points for stiffness and mass.
 _TRUNK = _space(3, lambda *powers: sum(n > 1 for n in powers) <= 1)
 _CUBIC: dict[str, tuple[tuple[_Powers, ...], str, int, int]] = {
     "tetra10": (_space(3, lambda i, j, k: i + j + k <= 3), "012 013 023 123", 4, 4),
@@ -370,10 +375,10 @@ _CUBIC: dict[str, tuple[tuple[_Powers, ...], str, int, int]] = {
     "wedge15": (_space(3, lambda i, j, k: i + j <= (3 if k < 2 else 1)), "012 345", 4, 5),
 }
 
-# Solids, and beside them what shells, beams and the sides of solids are made of, without quadrature
-# of their own.
+# Kinds of solid elements. The elements of shells, beams and sides of solids, added below, have no
+# quadrature of their own; their functions are those of a solid on a side or edge in z = 0.
 KINDS = tuple(_ALL)
-_ALL |= {  # whose functions are those of solids on a side or edge in the plane z = 0
+_ALL |= {
     kind: (cell, middles, tuple(of for of in space if not any(of[n_axes:])), 1, 1)
     for kind, n_axes, cell, middles, space in (
         ("line", 1, _LINE, "", _HEXAHEDRON_8),
@@ -396,7 +401,7 @@ SURFACES = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
 
 @cache
 def reference_element(kind: str) -> ReferenceElement:
-    """Return the element of meshio's name `kind`, one of `KINDS` or `THIN`; see `enriched`."""
+    """Return the element of meshio's name `kind`; a final "+" asks for `enriched_element`."""
     if kind[-1] == "+" and (found := enriched_element(kind[:-1])) is not None:
         return found[0]
     cell, middles, space, *points = _ALL[kind]
@@ -412,20 +417,21 @@ SOLIDS = {reference_element(kind).n_nodes: kind for kind in KINDS}
 
 @cache
 def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | None:
-    """Return an element with the functions of the next degree after its own.
+    """Return an element with added functions of the next degree, and the corners of each of these.
 
-    These are zero at its nodes: the next polynomial on each edge, which is odd where the edge has a
-    node in its middle, and the bubbles on triangles of second order.
+    The added functions are zero at the element's own nodes. There is one on each edge, of the next
+    degree (odd about the middle of the edge if that is a node), and a bubble on each triangular
+    side of second order.
 
     Returns
     -------
     element : ReferenceElement
-        The node of an added function is where it is 1, and no other added one differs from zero.
+        Each added function has a node, where it is 1 and the other added functions are 0.
     corners : list of lists of int
-        The corners of the edge or side of each function. An odd one changes its sign with their
-        order.
+        Corners of the edge or side of each added function. An odd function changes its sign if
+        these are swapped.
     None
-        For a pyramid of second order, and for shells and beams.
+        For pyramids of second order, shells and beams.
     """
     own = reference_element(kind)
     if own.thin or (own.quadratic and kind not in _CUBIC):
@@ -439,7 +445,8 @@ def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | No
     first, last = corners[edges].swapaxes(0, 1)
     on_edges = first + (last - first) / (3.0 if own.quadratic else 2.0)
     middles = [corners[of].mean(axis=0) for of in added[len(edges) :]]
-    # A cubic that is zero at both ends and in the middle of an edge is odd.
+    # Second order: a cubic that is zero at both ends and in the middle of an edge is odd, so that
+    # any point in between will do as its node.
     known = own.nodes[: len(corners) + own.quadratic * len(edges)]
     places = np.vstack([known, on_edges, *middles])
     nodal, basis = _Basis.of(space, places, own._basis.middle), own._basis
@@ -457,8 +464,8 @@ def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | No
 def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
     """Return the sides of the element of meshio's name `kind`.
 
-    The shape functions of an element are, on a side, those of the side's nodes alone, whatever the
-    kind. A surface element is its own side.
+    On a side, the shape functions of every kind of element are those of the surface element on the
+    side's nodes. A surface element is its own side.
     """
     element, found = reference_element(kind), []
     sides = element.cell.normals
@@ -470,7 +477,7 @@ def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
         corner = on < element.n_corners
         arms = element.nodes[on] - element.nodes[on[corner]].mean(axis=0)
         turn = np.arctan2(arms @ np.cross(normal, arms[0]), arms @ arms[0] * np.linalg.norm(normal))
-        first = 0.0 if element.thin else turn[corner].min()  # a surface element begins as it does
+        first = 0.0 if element.thin else turn[corner].min()  # keep a surface element's first corner
         turn = np.round(turn - first, 9) % (2.0 * np.pi)
         middle = np.linalg.norm(arms, axis=1) < ROUNDING
         nodes = on[np.lexsort((turn, middle, ~corner))]
@@ -486,27 +493,27 @@ def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:
     corners : ndarray, shape (n_elements, n_nodes, 3)
         Coordinates of all nodes of the elements, m.
     gradient : ndarray, shape (n_points, n_nodes, 3)
-        From `ReferenceElement.gradient`.
+        ∂φ_a/∂ξ_α from `ReferenceElement.gradient`.
     """
     n_points, n_nodes, _ = gradient.shape
     x = corners.transpose(2, 0, 1).reshape(-1, n_nodes)
     slopes = gradient.transpose(1, 2, 0).reshape(n_nodes, 3 * n_points)
-    j = np.einsum("xn,nq->xq", x, slopes)  # the threads of BLAS change the last bits
+    j = np.einsum("xn,nq->xq", x, slopes)  # BLAS: last bits vary with threads
     found: FloatArray = j.reshape(3, len(corners), 3, n_points).transpose(0, 2, 1, 3)
     return found
 
 
 def cofactors(j: FloatArray) -> ArrayPair:
-    """Return det J and the cofactors C, J⁻ᵀ = C / det J, of `jacobians`."""
+    """Return det J and the cofactors C of J from `jacobians`: J⁻ᵀ = C / det J."""
     cof = np.empty(j.shape)
-    for i, a in product(range(3), repeat=2):  # negative indices go on around
+    for i, a in product(range(3), repeat=2):  # negative indices wrap around
         cof[i, a] = j[i - 2, a - 2] * j[i - 1, a - 1] - j[i - 2, a - 1] * j[i - 1, a - 2]
     det = j[0, 0] * cof[0, 0] + j[0, 1] * cof[0, 1] + j[0, 2] * cof[0, 2]
     return det, cof
 
 
 def meshio_of_all_kinds() -> Any:
-    """Return meshio, taught the kinds of cells that its readers know and its meshes do not."""
+    """Return meshio, made to accept meshes of all `KINDS`: it reads some that it then refuses."""
     import meshio  # slow to import
     from meshio._mesh import topological_dimension
 

@@ -1,4 +1,4 @@
-"""Meshes whose elements have the functions of the next degree as well."""
+"""Enrichment of a mesh: shape functions of the next degree are added to its elements."""
 
 from __future__ import annotations
 
@@ -13,23 +13,24 @@ from .mesh import Block, Mesh
 
 
 def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
-    """Return a mesh whose elements have the functions of the next degree after their own.
+    """Return the mesh with the functions of `enriched_element` added to its elements.
 
-    A function of an edge or side is a node after those of the mesh. Its place is the origin, so
-    that it has no part in the shape of its elements.
+    Each added function of an edge or side is one more node, after the nodes of the given mesh. Its
+    coordinates are zero, so that the function does not change the shape of the elements.
 
     Returns
     -------
     mesh : Mesh
-        Not checked, since the added nodes are no places. Its `cells` are still those of the given
-        mesh: the nodes that are places.
-    members : ndarray of int, shape (n_added, width)
-        The nodes of the mesh on the edge or side of each function; short rows repeat the first.
+        The enriched mesh, not checked, as its added nodes are no points of the body. Its `cells`
+        are those of the given mesh, without the added nodes.
+    members : ndarray of int, shape (n_added, 4)
+        Nodes of the given mesh on the edge or side of each added function; fewer than four are
+        repeated.
     shared : ndarray of bool, shape (n_added,)
-        Whether an element has that edge or side, too, that is not enriched. The function is zero
-        then, so that displacements are continuous.
+        True if the edge or side also belongs to an element that cannot be enriched. The added
+        function is then set to zero, so that displacements are continuous.
     None
-        Where no element is enriched.
+        If no element can be enriched.
     """
     keys = []
     members = []
@@ -81,7 +82,7 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
 
 
 def _keys(cells: IntArray, corners: Any) -> IntArray:
-    """The sorted corners of an edge or side of each element, (n, 3); -1 is the third of an edge."""
+    """Return the sorted corners of an edge or side of each element, (n, 3); edges end in -1."""
     found = np.full((len(cells), 3), -1)
     found[:, : len(corners)] = np.sort(cells[:, corners], axis=1)
     return found

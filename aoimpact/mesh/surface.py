@@ -23,38 +23,38 @@ from .elements import ReferenceFace, reference_faces
 from .mesh import Mesh, twins
 from .vectors import unit
 
-# Radius of a ball that holds a curved side, over that of the ball around its nodes.
+# Radius of a ball that encloses a curved side, over the radius of the ball around its nodes.
 _BULGE = 1.2
 
-# Largest number of Newton's steps, enough wherever there is a solution, and the longest step, in a
-# side's own coordinates from 0 to 1. A longer one leaves the side for good or oscillates.
+# Maximum number of Newton steps, enough wherever a solution exists, and the longest step in u and v
+# (0 to 1 on a side). Longer steps leave the side for good or oscillate.
 _ITERATIONS, _LONGEST = 25, 0.5
 
-# Sine below which tangents are parallel, as at a corner where an element was collapsed, and the
-# distance from there, in the side's own coordinates, at which the normal is taken.
+# Sine of the angle below which the tangents ∂x/∂u and ∂x/∂v count as parallel, as at the collapsed
+# corner of an element, and the distance in (u, v) from that corner at which the normal is taken.
 _PARALLEL, _BESIDE_CORNER = 1e-9, 1e-3
 
-# Size of a step after which the next one is below rounding: Newton's steps are squared.
+# Largest final Newton step: convergence is quadratic, so that the next step is below rounding.
 _CONVERGED = 1e-10
 
-# Distance from a side's middle from which an iteration does not come back to it.
+# Distance of u or v from 0.5 beyond which an iteration is given up: it does not come back.
 _LOST = 1.5
 
-# Cosine of the angle between faces, 45°, above which their edge is sharp. Between the faces of a
-# round body of few linear elements there are up to 40°.
+# Cosine of 45°. An edge is sharp if the normals of its faces differ by more; on round bodies of few
+# linear elements they differ by up to 40°.
 SHARP = np.sqrt(0.5)
 
-# Largest sum of the magnitudes of the shape functions between the corners, reached in the middle of
-# sides of eight nodes. It is 4/3 on sides of six nodes, and 1.39 on those of nine.
+# Largest sum of abs(φ_a) over the nodes between the corners of a side: 2 in the middle of sides of
+# eight nodes, 4/3 on sides of six nodes, 1.39 on sides of nine.
 _BETWEEN = 2.0
 
-# Margin as a share of the side's size: far more than rounding and `PRINTED`.
+# Margin of a side's bounding box, over the side's size: more than rounding and `PRINTED`.
 _BESIDE = 1e-6
 
-# Points of which the nearest ones on the surface are kept: of a few contacts.
+# Number of points whose nearest points on the surface are cached: enough for a few contacts.
 _REMEMBERED = 16
 
-# Pairs of a point and a side that are worked on at a time: some 100 MB for 27 nodes.
+# Number of pairs of a point and a side per pass, some 100 MB for elements of 27 nodes.
 _CHUNK = 50_000
 
 
@@ -65,13 +65,13 @@ class Place:
     Attributes
     ----------
     face : ndarray of int, shape (n,)
-        Number of the side in `Surface`; -1 where there is no point.
+        Number of the face in `Surface` that holds each point; -1 if no point was found.
     uv : ndarray, shape (n, 2)
-        Its coordinates on that side.
+        Coordinates u, v of the points on their faces.
     x : ndarray, shape (n, 3)
-        m.
+        Coordinates of the points, m.
     distance : ndarray, shape (n,)
-        Distance from the given point, m.
+        Distances from the points they were searched from, m.
     """
 
     face: IntArray
@@ -87,13 +87,14 @@ class Surface:
     Attributes
     ----------
     mesh : Mesh
-    cell, side : ndarrays of int, shape (n_faces,)
-        The element that each face belongs to, and which of the `reference_faces` of the mesh's
-        kinds, taken one after the other, it is.
+    cell : ndarray of int, shape (n_faces,)
+        Number of the element that each face belongs to.
+    side : ndarray of int, shape (n_faces,)
+        Index in `sides` of each face.
     joined : ndarray of int, shape (any, 2)
-        Pairs of elements that share a side; of surface and line elements, an edge or a node.
+        Pairs of elements that share a side.
     sides : list of (int, ReferenceFace)
-        The sides of each kind of element in the mesh, with the number of its block.
+        All sides of all kinds of elements in the mesh: the number of the block, and the side.
     """
 
     mesh: Mesh
@@ -104,7 +105,7 @@ class Surface:
 
     @cached_property
     def part(self) -> IntArray:
-        """For each element, the number of its part; elements of one part share whole sides."""
+        """For each element, the number of its connected part; elements are connected by sides."""
         n = self.mesh.n_cells
         links = sp.coo_array((np.ones(len(self.joined), bool), tuple(self.joined.T)), shape=(n, n))
         part: IntArray = sp.csgraph.connected_components(links, directed=False)[1].astype(np.int64)
@@ -118,12 +119,12 @@ class Surface:
         return np.take_along_axis(self.mesh.cells[self.cell], np.array(rows)[self.side], axis=1)
 
     def thin(self, face: IntArray) -> BoolArray:
-        """Return which faces are surface elements themselves, which have two sides."""
+        """Return which faces are surface elements of shells, which have two sides."""
         return np.array([self.mesh.blocks[i].element.thin for i, _ in self.sides])[self.side[face]]
 
     @cached_property
     def balls(self) -> ArrayPair:
-        """Centres, shape (n_faces, 3), and radii of balls that hold each face."""
+        """Centres, shape (n_faces, 3), and radii of balls that enclose each face."""
         x = self.mesh.nodes[self.nodes]
         centre = x.mean(axis=1)
         return centre, _BULGE * np.linalg.norm(x - centre[:, None], axis=2).max(axis=1)
@@ -134,14 +135,14 @@ class Surface:
         return np.array([len(face.nodes) for _, face in self.sides])
 
     def of_count(self, face: IntArray) -> Iterator[tuple[ReferenceFace, IntArray]]:
-        """Yield a side of each number of nodes, and which of the faces have that number."""
+        """Yield, for each number of nodes, a side and the positions in `face` of such faces."""
         counts = self._counts[self.side[face]]
         for count in np.unique(counts):
             side = self.sides[int((self._counts == count).argmax())][1]
             yield side, np.flatnonzero(counts == count)
 
     def shape(self, face: IntArray, uv: FloatArray) -> FloatArray:
-        """Return the shape functions of the faces' `nodes`, shape (n, as many)."""
+        """Return the values of the shape functions of the faces' `nodes`, shape (n, width)."""
         return self._evaluate(face, uv)[0]
 
     def at(self, face: IntArray, uv: FloatArray) -> ArrayPair:
@@ -151,7 +152,7 @@ class Surface:
         return np.einsum("na,nai->ni", shape, nodes), gradient.swapaxes(1, 2) @ nodes
 
     def _evaluate(self, face: IntArray, uv: FloatArray) -> ArrayPair:
-        """Return shape functions and gradients; zeros fill up those of small faces."""
+        """Return shape functions and gradients, padded with zeros like the rows of `nodes`."""
         width = self.nodes.shape[1]
         shape, gradient = np.zeros((len(face), width)), np.zeros((len(face), width, 2))
         for side, on in self.of_count(face):
@@ -160,7 +161,7 @@ class Surface:
         return shape, gradient
 
     def normal(self, face: IntArray, uv: FloatArray) -> FloatArray:
-        """Return outward unit normals, shape (n, 3); of a collapsed corner, from beside it.
+        """Return outward unit normals, shape (n, 3); at a collapsed corner, those close to it.
 
         Raises
         ------
@@ -178,7 +179,7 @@ class Surface:
         return unit(normal)
 
     def _crossed(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, BoolArray]:
-        """Return the product of the tangents, and where they are parallel or zero."""
+        """Return ∂x/∂u × ∂x/∂v, and where this is zero but for rounding."""
         tangents = self.at(face, uv)[1]
         normal = np.cross(tangents[:, 0], tangents[:, 1])
         longest = (tangents**2).sum(axis=2).max(axis=1)
@@ -195,27 +196,27 @@ class Surface:
         return np.where(self._triangles[face], 1.0 / 3.0, 0.5)[:, None] * np.ones(2)
 
     def corners(self, face: IntArray) -> IntArray:
-        """Return the faces' corners in turn, shape (n, 4); a triangle's last is its first."""
+        """Return the corners around each face, shape (n, 4); triangles repeat their first."""
         corners = self.nodes[face, :4]
         triangle = self._triangles[face]
         corners[triangle, 3] = corners[triangle, 0]
         return corners
 
     def ends(self, face: IntArray) -> IntArray:
-        """Return the nodes at both ends of edges from each of `corners`, sorted, (n, 4, 2)."""
+        """Return the two nodes, sorted, of the edge after each of `corners`, shape (n, 4, 2)."""
         corners = self.corners(face)
         return np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
 
     def nearest(self, point: FloatArray) -> Place:
-        """Return the nearest point of the surface, on each of the faces that share it.
+        """Return the nearest point of the surface, once for each face that it lies on.
 
-        Where a web of shells ends on a skin, on those of the skin.
+        Where a web of shells ends on a skin, only the faces of the skin are returned.
         """
         return self._places.get(point.tobytes(), lambda: self._nearest(point))
 
     @cached_property
     def _places(self) -> Kept:
-        """The last results of `nearest`: one contact asks for its own many times."""
+        """Cache of `nearest`: a contact asks for the same point many times."""
         return Kept(_REMEMBERED)
 
     def _nearest(self, point: FloatArray) -> Place:
@@ -228,7 +229,7 @@ class Surface:
             gap = np.einsum("nui,ni->nu", tangents, point - x)
             before = uv
             step = _solved(tangents @ tangents.swapaxes(1, 2), gap)
-            u, v = np.clip(uv + step, 0.0, 1.0).T  # then the nearest place on a triangle
+            u, v = np.clip(uv + step, 0.0, 1.0).T  # triangles: u + v ≤ 1 follows
             excess = np.where(self._triangles[face], np.maximum(u + v - 1.0, 0.0), 0.0)
             u = np.clip(u - 0.5 * excess, 0.0, 1.0)
             uv = np.stack([u, np.minimum(v, np.where(excess > 0.0, 1.0 - u, 1.0))], axis=1)
@@ -250,10 +251,11 @@ class Surface:
         return mean / np.linalg.norm(mean)
 
     def _continuing(self, face: IntArray, x: FloatArray, size: float) -> BoolArray:
-        """Return which faces at a place are of the skin that goes on there, where a web ends on it.
+        """Return which of the faces at a point belong to the skin on which a web ends there.
 
-        Surface elements within 45° of each other are one skin. It goes on if two of its elements
-        have each edge through the place. All faces, if there is no such skin, or several.
+        Surface elements whose normals differ by less than 45° form one skin. A skin is continuous
+        at the point if two of its elements share each of its edges through the point. All faces
+        are returned unless exactly one skin is continuous.
         """
         every = np.ones(len(face), dtype=bool)
         if len(face) < 3 or not self.thin(face).all():
@@ -275,16 +277,20 @@ class Surface:
     def pierced(
         self, points: FloatArray, axis: FloatArray, *, reach: float, outward: bool = True
     ) -> Place:
-        """Return where lines along `axis` through `points` cross the surface, the nearest place.
+        """Return the point where the line along `axis` through each of `points` meets the surface.
+
+        Of several, the nearest is returned.
 
         Parameters
         ----------
         points : ndarray, shape (n, 3)
+            Coordinates, m.
         axis : ndarray, shape (3,)
-            Unit vector; only faces whose normal points that way count (the other way, if not
-            `outward`).
+            Unit vector, in both directions of which crossings are searched.
         reach : float
-            How far from the points, m, along the axis and against it.
+            Largest distance between a point and its crossing, m.
+        outward : bool
+            True: only faces with a normal along `axis` are crossed; False: only those against it.
         """
         across = plane_of(axis)
         middle, spread = points.mean(axis=0), np.ptp(points, axis=0)
@@ -305,7 +311,7 @@ class Surface:
         for start in range(0, len(face), _CHUNK):
             to, on = point[start : start + _CHUNK], face[start : start + _CHUNK]
             uv, active = self.middle(on), np.arange(len(on))
-            for _ in range(_ITERATIONS):  # Newton's method, straight above or below the point
+            for _ in range(_ITERATIONS):  # Newton's method for the components across the axis
                 x, tangents = self.at(on[active], uv[active])
                 gap = (points[to[active]] - x) @ across.T
                 step = _solved((tangents @ across.T).swapaxes(1, 2), gap)
@@ -332,7 +338,7 @@ class Surface:
         return best
 
     def bulges(self, face: IntArray) -> FloatArray:
-        """Return how far the nodes between corners lie from a straight side, m, shape (n, 5, 3)."""
+        """Return offsets of the nodes between corners from a straight side, m, (n, 5, 3)."""
         found = np.zeros((len(face), 5, 3))
         for side, on in self.of_count(face):
             n, count, of = side.n_corners, len(side.nodes), side.element
@@ -341,7 +347,7 @@ class Surface:
         return found
 
     def bounds(self, face: IntArray, frame: FloatArray) -> ArrayPair:
-        """Return between which coordinates along three axes the faces lie, shapes (3, n)."""
+        """Return lower and upper bounds of the faces along three axes, shapes (3, n), m."""
         corners = self.mesh.nodes[self.corners(face)] @ frame.T
         room = _BETWEEN * np.abs(self.bulges(face) @ frame.T).max(axis=1)
         return (corners.min(axis=1) - room).T, (corners.max(axis=1) + room).T
@@ -354,7 +360,7 @@ class Surface:
 def boundary(mesh: Mesh) -> Surface:
     """Return the surface of a mesh: the sides whose corners belong to no other element.
 
-    A surface element is a side, whose normal is that of its nodes' order; a line has none.
+    A surface element is a side, with the normal given by the order of its nodes; lines have none.
 
     Raises
     ------
@@ -370,7 +376,7 @@ def boundary(mesh: Mesh) -> Surface:
     for number, face in sides:
         block = mesh.blocks[number]
         key = np.full((len(block.cells), 4), -1)
-        if block.element.thin:  # a side of its own, also on the side of a solid
+        if block.element.thin:  # kept even on the side of a solid
             key[:] = -2 - np.arange(block.first, block.numbers.stop)[:, None]
         else:
             key[:, : face.n_corners] = np.sort(block.cells[:, face.nodes[: face.n_corners]], axis=1)
@@ -389,7 +395,7 @@ def boundary(mesh: Mesh) -> Surface:
 
 
 def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArray) -> None:
-    """Refuse kinds that meet in sides with other nodes: displacements would gape there."""
+    """Refuse elements that meet in sides of unequal nodes, where displacements would gape."""
     apart = surface._counts[one] != surface._counts[other]
     if apart.any():
         cells = surface.joined[np.flatnonzero(apart)[0]].tolist()
@@ -406,7 +412,7 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
 
 
 def plane_of(axis: FloatArray, near: FloatArray | None = None) -> FloatArray:
-    """Return two unit vectors across `axis`, shape (2, 3); the first is the nearest to `near`."""
+    """Return two unit vectors normal to `axis`, shape (2, 3), the first closest to `near`."""
     if near is None:
         first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     else:
@@ -416,7 +422,7 @@ def plane_of(axis: FloatArray, near: FloatArray | None = None) -> FloatArray:
 
 
 def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve 2 x 2 systems; a singular one gives no step, a long step is cut."""
+    """Return the Newton steps of 2 x 2 systems: zero if singular, limited to `_LONGEST`."""
     (a, b), (c, d) = matrix[:, 0].T, matrix[:, 1].T
     det = a * d - b * c
     size = np.abs(matrix).max(axis=(1, 2))
