@@ -9,7 +9,7 @@ from functools import cache, partial
 from typing import Any
 
 from ..base import ConvergenceError, InputError, positive, warn
-from ..integrate import TIGHTEST, Adaptive, Newmark
+from ..integrate import FRICTION, TIGHTEST, Adaptive, Newmark
 from ..linalg import Solver, checked_solver
 from ..reduction import Body
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors
@@ -167,8 +167,10 @@ def choose_models(
         if isinstance(rule, Newmark) and rule.dt is not None:
             finer = rule.dt * min(0.5, math.sqrt(in_time / in_steps))
             cure = f"take dt={finer:.1g} or less, or Newmark() without dt"
-        elif rule.rtol <= in_time:  # such as with friction, whose error has a lower bound
-            cure = f"give rtol={EASED * (in_steps + error):.1e} or more"
+        else:
+            least = in_time if plan.oblique is None else max(in_time, FRICTION)
+            if (reached := in_steps if rule.rtol <= in_time else least) + error > tolerance:
+                cure = f"give rtol={EASED * (reached + error):.1e} or more"
         raise ConvergenceError(
             f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about "
             f"{in_steps:.2g} of the peak force or the impulse, and that of the models, "

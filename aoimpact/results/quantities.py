@@ -22,7 +22,7 @@ import numpy as np
 
 from ..base import FloatArray, Found, InputError, InputTypeError
 from ..integrate import Events, touch_alike
-from .errors import suggestion
+from .errors import ErrorEstimate, suggestion
 
 if TYPE_CHECKING:
     from .run import Run
@@ -203,8 +203,7 @@ class Quantity:
             mine, right = mine[there], right[there]
             size = np.abs(right)
         scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
-        before = np.array(exact.plan.velocities)
-        return _relative(mine - right, self.at_least(scales, before)).ravel()
+        return _relative(mine - right, self.at_least(scales, exact.velocities_before)).ravel()
 
     def span(self, run: Run) -> float:
         """Return the duration of the motion that affects this quantity, s.
@@ -297,6 +296,8 @@ def look_up(result: Run, name: str, argument: str) -> float:
         return largest
     for part in name.split("."):
         try:
+            if isinstance(found, ErrorEstimate) and part in found.parts:
+                found = found.parts
             if isinstance(found, Mapping):
                 found = found[part]
             else:
@@ -342,7 +343,6 @@ def number_errors(
         have the same integral by chance. These errors are infinite if one run touches more often
         than the other: the true motion may touch more often than both.
     """
-    before = np.array(run.plan.velocities)
 
     def find(name: str) -> float:
         if name == "force":
@@ -356,7 +356,7 @@ def number_errors(
             if on_the_way and quantity.by_momentum is not None:
                 change = quantity.by_momentum(run, _momentum_apart(run, other))
                 apart = np.maximum(apart, change[: len(apart)])
-            scales = quantity.at_least(np.abs(theirs), before)
+            scales = quantity.at_least(np.abs(theirs), run.velocities_before)
             absent = math.isnan(quantity.values(other)[at])
             found.append(math.inf if absent else times * float(_relative(apart, scales)[at]))
         return math.inf if math.isnan(values[at]) else max(found)

@@ -148,7 +148,7 @@ def _bound(
     run: Run, interest: Quantity, value: float, error: ErrorParts, *, listed: bool = False
 ) -> str:
     """Text of an error: absolute if the number is below the least scale of relative errors."""
-    least = 0.0 if interest.least is None else interest.least(np.array(run.plan.velocities))
+    least = 0.0 if interest.least is None else interest.least(run.velocities_before)
     if math.isinf(error.least):
         return " not bounded"
     if not abs(value) < least or error.least < ROUNDING:

@@ -305,10 +305,11 @@ def fit_law(
         raise InputError("give one measurement: signal=, or indentation= and force=, or dent=")
     bodies = [projectile is not None, target is not None]
     wanted = not all(bodies) or (isinstance(law, type) and "mass" in _needed(law))
-    if bodies[0] != bodies[1] or (mass is not None and any(bodies) and not wanted):
+    apart = bodies[0] != bodies[1] or (any(bodies) and signal is None)
+    if apart or (mass is not None and any(bodies) and not wanted):
         raise InputError(
-            f"give both projectile= and target=, or mass={'' if mass is None else mass} alone, of "
-            "a rigid body that meets a wall"
+            f"give both projectile= and target= with a signal, or mass={mass or ''} alone, of a "
+            "rigid body that meets a wall"
         )
     if signal is not None:
         data = _history(signal, mass, velocity, projectile, target)
