@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base import FloatArray, InputError, InputTypeError, choice, nearest, sequence
 from ..contact import ContactPoint
-from ..reduction import BodyModel, FullModel
+from ..reduction import BodyModel
 from ..results import (
     IMPACT_CHOICES,
     QUANTITIES,
@@ -57,7 +57,7 @@ def quantity_of(quantity: Any, bodies: Sequence[BodyModel], *, pair: bool) -> Qu
     if not isinstance(quantity, ContactPoint | Sensor):
         choices = IMPACT_CHOICES if pair else SCENE_CHOICES
         return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, choices)]
-    meshed = {i: body.body for i, body in enumerate(bodies) if isinstance(body, FullModel)}
+    meshed = {i: body.body for i, body in enumerate(bodies) if body.tips}
     if pair and quantity.body is None and 1 in meshed:
         meshed.pop(0, None)  # a point without a body is on the target
     on = [i for i, body in meshed.items() if quantity.body is None or body is quantity.body]

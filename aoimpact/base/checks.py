@@ -511,6 +511,10 @@ class Kept:
         self._found: dict[Hashable, Any] = {}
         self._lock = RLock()
 
+    def __reduce__(self) -> Any:
+        """Copy and pickle it without its results."""
+        return Kept, (self._most,)
+
     def get(self, key: Hashable, make: Callable[[], T]) -> T:
         """Return the result kept under a key; if there is none, make and keep it."""
         with self._lock:

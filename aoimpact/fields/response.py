@@ -142,8 +142,8 @@ class Response:
     def others(self) -> list[Response]:
         """Responses of the body in the runs with other elements; none for a full model."""
         others = self.run.others if self.recovery is not None else []
-        found = (response_of(of, self.number) for of in others)
-        return [of for of in found if of is not None]
+        found = [response_of(of, self.number) for of in others]
+        return [of for of in found if of is not None] if all(found) else []
 
     def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
         """Return the work of the ground's forces along its m motions, N or N m, shape (times, m).

@@ -133,7 +133,10 @@ class History:
     def doubt(self) -> FloatArray:
         """Signed bound of the error of the values, shape (n, ...); NaN where it is not known."""
         apart = [self.seen(of, self.t) - self.values for of in self.source.others]
-        return _DIFFERENCES * sum(apart, np.full_like(self.values, 0.0 if apart else np.nan))
+        if not apart:
+            return np.full_like(self.values, np.nan)
+        # Runs on both sides of this one: their differences must not cancel.
+        return _DIFFERENCES * len(apart) * max(apart, key=lambda of: float(np.abs(of).max()))
 
     def told(self) -> FloatArray:
         """Return the values, and warn if they may be badly wrong."""

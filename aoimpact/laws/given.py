@@ -91,7 +91,7 @@ class Tabulated(ContactLaw, kind="table"):
     def _table(self) -> FloatArray:
         """The core's table, shape (4, n): indentations, forces, slopes, energies."""
         depth, push = np.array(self.indentation), np.array(self.force_values)
-        with np.errstate(over="ignore", invalid="ignore"):  # of extreme slopes, which are refused
+        with np.errstate(all="ignore"):  # of extreme slopes, which are refused
             try:
                 through = scipy.interpolate.PchipInterpolator(depth, push)
             except ValueError:  # slopes overflow

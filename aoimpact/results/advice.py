@@ -177,8 +177,9 @@ def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]
         if limit.rows is not None:
             yield from limit.rows(run)
             continue
-        told = f"a {limit.of} of {with_unit(value, _UNITS[limit.of], 4)} exceeds "
-        text = f"{told}{with_unit(most, _UNITS[limit.of], 4)}: {limit.text}"
+        reached_most = (with_unit(of, _UNITS[limit.of], 4) for of in (value, most))
+        told = f"a {limit.of} of {' exceeds '.join(reached_most)}: " if most else ""
+        text = told + limit.text
         meaning = limit.meanings[value > limit.scale * limit.limit]
         yield Advice(name, value / limit.scale, limit.limit, meaning, text)
 
@@ -548,14 +549,19 @@ def warn_of_mesh(run: Run, quantity: str, error: ErrorParts) -> None:
             cure = "take ao.Shell or ao.Laminate"
         elif linear and not any(tip.thin for _, tip, _ in meshed):
             cure = "elements of first order: add midside nodes with FEModel.from_mesh(..., order=2)"
-        size = f"of {percent(error.mesh)} %" if math.isfinite(error.mesh) else "without bound"
         worst = " at its worst time" if quantity == "force" else ""
-        warn(f"{names}: the mesh makes an error {size} in the {quantity}{worst}; {cure}")
+        warn(
+            f"{names}: the mesh makes an error {_size(error.mesh)} in the {quantity}{worst}; {cure}"
+        )
     if error.contact is not None and error.contact > MESH_LIMIT:
         warn(
-            f"the contact makes an error of {percent(error.contact)} % in the {quantity}: move it "
+            f"the contact makes an error {_size(error.contact)} in the {quantity}: move it "
             "from the edge, give a smaller radius, the law= or more modes"
         )
+
+
+def _size(error: float) -> str:
+    return f"of {percent(error)} %" if math.isfinite(error) else "without bound"
 
 
 def _as_a_shell(tip: ContactPoint) -> str:
