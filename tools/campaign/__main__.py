@@ -3,14 +3,14 @@
     python -m campaign scene --count 3000 --workers 2 --out failures
     python -m campaign mesh --count 50000 --seed 1
 
-`scene` and `oblique` are impacts that SciPy, Newmark's rule or a march of fixed springs solve as
-well. `abaqus` and `nastran` are decks of a body, written in any way that the format allows, and
-compared with the body. The others are malformed inputs: each is refused by name, or read without
-a word.
+`scene` and `oblique` are impacts whose results are compared with those of independent solutions by
+SciPy, Newmark's rule or fixed springs. `abaqus` and `nastran` are decks of a body, written in any
+way that the format allows; the mesh read is compared with the body. The other kinds are malformed
+inputs, which must be refused by a message that names the file or argument, or be read in silence.
 
-Number i of a seed is the same in every run. They are tried in child processes that hold at most
-2 GiB beyond what they import; one that crashes, or computes for too long, is replaced. The first
-of each failure is saved.
+Number i of a seed is the same in every run. The numbers are tried in child processes that hold at
+most 2 GiB beyond what they import; one that crashes, or computes for too long, is replaced. The
+first of each failure is saved.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from pathlib import Path
 
 from .pool import KINDS, each
 
-# Share of the scenes that may be refused, each with a cure that works; lines for each kind.
+# Largest share of scenes that may be refused, each with a cure that works; and maximum number of
+# printed verdicts of each kind.
 MOST_REFUSED, MOST_SHOWN = 0.01, 20
 
 

@@ -1,7 +1,6 @@
-"""A scene as plain data: it can be printed as a script, built, and taken apart.
+"""A scene as plain data in SI units, which can be printed as a script and built.
 
-Quantities in SI units. The expressions that the script shows are those that `build` evaluates, so
-that what is printed is what was run.
+The script has the expressions that `build` evaluates, so that it runs the same scene.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ import aoimpact as ao
 class Law:
     """A contact law by its public name and its arguments.
 
-    removed: None, or the compliance that is taken out of it, m/N.
+    `removed`: compliance removed from it, m/N, or None.
     """
 
     kind: str
@@ -28,7 +27,7 @@ class Law:
 
     @property
     def deepest(self) -> float:
-        """Hertz's own indentation where c dF/dδ is 0.95, m: up to there the rest is a law."""
+        """Indentation of Hertz's law at c dF/dδ = 0.95, m: up to there c can be removed."""
         if self.removed is None:
             return math.inf
         return float((0.95 / (1.5 * self.arguments["k"] * self.removed)) ** 2)
@@ -46,9 +45,9 @@ class Law:
 
 @dataclass(frozen=True)
 class Body:
-    """A star, a rigid mass (no oscillators, no k0) or a wall (m0 infinite).
+    """An AO model, a rigid mass (no oscillators, no k0) or a wall (m0 infinite).
 
-    damping: None, ("Rayleigh", alpha, beta) or ("ModalDamping", ratio).
+    `damping`: None, ("Rayleigh", alpha, beta) or ("ModalDamping", ratio).
     """
 
     ports = 1
@@ -78,12 +77,12 @@ class Body:
 
     @property
     def masses(self) -> tuple[float, ...]:
-        """Of its coordinates, that of the contact first."""
+        """Masses of its coordinates, the contact's first."""
         return self.m0, *self.m
 
     @property
     def springs(self) -> list[tuple[int, int, float]]:
-        """Ends, which are one coordinate where the other is the ground, and stiffnesses."""
+        """Coordinates at both ends and stiffness of each spring; equal ends mean the ground."""
         return [(0, 0, self.k0), *((0, j, k) for j, k in enumerate(self.k, start=1))]
 
     @property
@@ -108,9 +107,9 @@ def _damping_text(damping: tuple[Any, ...]) -> str:
 
 @dataclass(frozen=True)
 class Frame:
-    """Masses in a row on springs k between them and k0 to the ground, touched at any of them.
+    """Masses in a row with springs k between them and k0 to the ground, touched at any mass.
 
-    It is a finite-element body by its matrices and nodes. Across the row nothing moves.
+    It is a finite-element body given by matrices and nodes, which moves only along the row.
     """
 
     m: tuple[float, ...]
@@ -149,7 +148,7 @@ class Frame:
         return f"frame({list(self.m)!r}, {list(self.k)!r}, {list(self.k0)!r}{damped})"
 
 
-# What a script with such a body begins with.
+# Beginning of a script with a Frame.
 FRAME = """
 def frame(m, k, k0, damping=None):
     n = len(m)
@@ -169,7 +168,7 @@ def frame(m, k, k0, damping=None):
 
 @dataclass(frozen=True)
 class Contact:
-    """Indentation = u of a - u of b - gap; at: the ports, by which a body of several is touched."""
+    """Contact of bodies `a` and `b` at ports `at`: indentation = u of a - u of b - gap."""
 
     a: int
     b: int
@@ -180,7 +179,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class Load:
-    """Straight between times, constant outside them."""
+    """Force on a body, linear between the times and constant outside them."""
 
     body: int
     times: tuple[float, ...]
@@ -196,7 +195,7 @@ class Load:
 
 @dataclass(frozen=True)
 class Case:
-    """A whole scene, its record and the tolerance asked for."""
+    """A whole scene, the length of its record and the tolerance."""
 
     bodies: tuple[Body | Frame, ...]
     contacts: tuple[Contact, ...]
@@ -211,7 +210,7 @@ class Case:
         return replace(self, rtol=rtol)
 
     def lines(self) -> list[str]:
-        """The script, up to the run."""
+        """Return the lines of the script that make the scene."""
         lines = [f"scene = ao.Scene(gravity={self.gravity!r})"]
         for i, body in enumerate(self.bodies):
             moving = f", velocity={body.velocity!r}" if body.velocity else ""
@@ -229,7 +228,7 @@ class Case:
         return f"b{body}.port({port})" if self.bodies[body].ports > 1 else f"b{body}"
 
     def script(self) -> str:
-        """A script of public API that runs the scene and prints what was compared."""
+        """Return a script of public API that runs the scene and prints the compared results."""
         frames = any(isinstance(body, Frame) for body in self.bodies)
         head = ["import math", *(["", "import numpy as np"] * frames), "", "import aoimpact as ao"]
         head += [FRAME] if frames else [""]

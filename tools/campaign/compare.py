@@ -1,11 +1,11 @@
-"""How far two outcomes are apart in what a tolerance promises, as `Adaptive` documents it.
+"""Differences of two outcomes in the quantities to which a tolerance applies; see `Adaptive`.
 
-Peak force and impulse are those of each contact over the record, of one that has less than a
-hundredth of the largest contact's relative to that hundredth; a peak that no run resolves (NaN) is
-left out. Touches start and end at times that are right relative to the end's own time; those that
-have less than a hundredth of their contact's largest impulse do not count, nor do starts at no
-certain time, of bodies side by side that are hardly pressed, nor a parting of less than the
-tolerance. Velocities are those of the centres of mass, relative to the largest.
+Errors of peak force and impulse are relative to the contact's own, but at least to a hundredth of
+the largest contact's; a peak that no run resolves (NaN) is left out. Errors of the start and end of
+a touch are relative to the time of its end. Touches of less than a hundredth of their contact's
+largest impulse do not count, nor do partings of less than the tolerance, nor starts whose time is
+uncertain, as of adjacent bodies that are hardly pressed together. Velocities are those of the
+centres of mass, relative to the largest.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ _LESSER = 0.01
 _SUDDEN = 0.01
 _AT_REST = 1e-3
 
-# A parting of less than so many tolerances of the depth counts as none.
+# Smallest parting that counts, over the tolerance times the depth.
 _HARDLY = 100.0
 
 
 @dataclass(frozen=True)
 class Apart:
-    """One quantity: by how much it is off, relative, and the two values."""
+    """Relative difference of one quantity, and its two values."""
 
     what: str
     off: float
@@ -40,12 +40,12 @@ class Apart:
 
 
 def largest_apart(apart: list[Apart]) -> Apart:
-    """The worst of them."""
+    """Return the largest of the differences."""
     return max(apart, key=lambda one: one.off if one.off == one.off else math.inf)
 
 
 def apart(case: Case, found: Outcome, true: Outcome, limit: float) -> list[Apart]:
-    """Return all quantities of two outcomes; `limit` is what is looked for."""
+    """Return the differences of all quantities of two outcomes; `limit`: relative tolerance."""
     return [
         *_lesser("peak force", found.peaks, true.peaks),
         *_lesser("impulse", found.impulses, true.impulses),
@@ -56,7 +56,7 @@ def apart(case: Case, found: Outcome, true: Outcome, limit: float) -> list[Apart
 
 
 def from_newmark(case: Case, found: Outcome, true: Outcome) -> float:
-    """How far peaks, impulses and velocities are apart, of two ways of which one is Newmark's."""
+    """Return the largest difference in peaks, impulses and velocities from Newmark's rule."""
     every = [
         *_lesser("peak force", found.peaks, true.peaks),
         *_lesser("impulse", found.impulses, true.impulses),
@@ -76,12 +76,12 @@ def _lesser(what: str, found: FloatArray, true: FloatArray) -> list[Apart]:
 
 
 def _velocities(case: Case, found: FloatArray, true: Outcome) -> list[Apart]:
-    """Relative to the largest; of bodies that rest, to a share of what contacts would give them."""
+    """Return differences of velocities, over the largest or a share of largest impulse/mass."""
     mass = min(body.mass for body in case.bodies if not body.wall)
     rest = _AT_REST * np.abs(true.impulses).max(initial=0.0) / mass
     starts = np.array([body.velocity for body in case.bodies])
     speed = max(rest, np.abs([starts, true.velocities]).max())
-    # At a given time velocities suffer from the error of when the last touch was as well.
+    # Velocities at a given time also suffer from the error of the time of the last touch.
     last = max((touch.end for touches in true.touches for touch in touches), default=0.0)
     moved = np.abs(true.accelerations) * last if len(true.accelerations) else 0.0 * starts
     return [
@@ -91,7 +91,7 @@ def _velocities(case: Case, found: FloatArray, true: Outcome) -> list[Apart]:
 
 
 def _peak_times(case: Case, found: Outcome, true: Outcome, limit: float) -> list[Apart]:
-    """A peak may be flat: what counts is that the force at that time is the peak."""
+    """Return differences of peak times; a flat peak is judged by the true force at the time."""
     if true.force_at is None:
         return []
     result = []
@@ -108,7 +108,7 @@ def _peak_times(case: Case, found: Outcome, true: Outcome, limit: float) -> list
 
 
 def _times(case: Case, found: Outcome, true: Outcome, c: int, limit: float) -> list[Apart]:
-    """Starts and ends of the touches of a contact that count."""
+    """Return differences of the start and end of each touch of a contact that counts."""
     touches = true.touches[c]
     largest = max((t.impulse for of in true.touches for t in of), default=0.0)
     own = max((t.impulse for t in touches), default=0.0)
@@ -129,7 +129,7 @@ def _times(case: Case, found: Outcome, true: Outcome, c: int, limit: float) -> l
 
 
 def _joined(touches: tuple[Touch, ...], before: int, limit: float) -> bool:
-    """Whether a touch and the next are parted by less than the tolerance."""
+    """Return whether a touch and the next are parted by less than the tolerance."""
     if not 0 <= before < len(touches) - 1:
         return False
     one, other = touches[before], touches[before + 1]
@@ -138,9 +138,9 @@ def _joined(touches: tuple[Touch, ...], before: int, limit: float) -> bool:
 
 
 def _side_by_side(case: Case, c: int, first: Touch, limit: float) -> bool:
-    """Whether a contact that begins with no gap opens by less than the tolerance before it touches.
+    """Return whether a contact without a gap opens by less than the tolerance before it touches.
 
-    By at most its rate at the touch times the time until then, unless it was faster before.
+    The opening is estimated as the rate at the touch times the time until the touch.
     """
     share = first.pace * first.start / (first.end - first.start)
     return case.contacts[c].gap == 0.0 and share < _HARDLY * limit

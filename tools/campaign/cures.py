@@ -1,4 +1,4 @@
-"""What a message says would help, tried: a refusal is honest if one of its cures works."""
+"""Trials of the cures that an error message names: a refusal is honest if one of them works."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from .compare import apart, from_newmark, largest_apart
 from .outcome import Outcome
 from .package import in_time, run
 
-# Tolerances to try where a larger one is named, and Newmark's steps over the record.
+# Tolerances to try if a message names a larger rtol, and numbers of Newmark's steps to try.
 _LARGER, _STEPS = (1e-6, 1e-4, 1e-2), (20_000, 200_000)
 
-# s for one run.
+# Maximum time of a run, s.
 _LONGEST = 6.0
 
-# A small m0 as a share of the body's other masses, and how far off it may put an answer; so may a
-# step of Newmark's that somebody chose.
+# Small m0 over the body's other masses, and the largest error of an answer with this m0 or with a
+# chosen step of Newmark's rule.
 _SMALL, _ABOUT = 1e-6, 1e-2
 
-# How many times its tolerance an answer may be off.
+# Largest error of an answer over its tolerance.
 TIMES = 10.0
 
 
 @dataclass(frozen=True)
 class Cure:
-    """Another run: what is done, the scene and the solver, and how far off its answer may be.
+    """Another run: its name, scene and solver, and the largest error of its answer.
 
-    within: None where it is another scene, of which no answer is known.
+    `within`: that error; None for a different scene, whose answer is not known.
     """
 
     name: str
@@ -81,12 +81,12 @@ def _softer(case: Case) -> Case:
 
 
 def tried(case: Case, message: str, true: Outcome | None) -> dict[str, str]:
-    """Return of each cure that a message names how it works: empty if it does.
+    """Return the failure of each cure that a message names, or an empty text if it works.
 
     Parameters
     ----------
     true : Outcome or None
-        Of the scene, if it is known.
+        True outcome of the scene, if it is known.
     """
     found = {}
     for name, ways in named(case, message).items():

@@ -1,4 +1,4 @@
-"""Bodies that are written as decks in many ways, and their comparison with the meshes read."""
+"""Random bodies to be written as decks, and their comparison with the meshes read."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ class Body:
     ----------
     mesh : Mesh
     nodes, cells : list of int
-        Labels, in the mesh's order.
+        Labels of nodes and elements, in the mesh's order.
     parts : list of list of int
-        Labels of elements, each of them in one part.
+        Labels of the elements of each part; each element is in one part.
     node_sets, element_sets : list of list of int
-        Labels, any.
+        Labels of random sets.
     """
 
     mesh: ao.Mesh
@@ -50,7 +50,7 @@ class Body:
 
     @cached_property
     def members(self) -> Groups:
-        """Kinds and nodes of the elements, by their labels."""
+        """Labels of the nodes of each element, by its label."""
         return {label: set(nodes) for label, (_, nodes) in _elements(self.mesh).items()}
 
     def nodes_of(self, elements: Iterable[int]) -> set[int]:
@@ -61,7 +61,7 @@ class Body:
 def draw(rng: random.Random) -> Body:
     """Return a distorted box of a few elements, of one kind or of four, with labels at random.
 
-    Coordinates have three decimals, so any way to write them gives the same number.
+    Coordinates have three decimals, so that all ways to write them give the same number.
     """
     lengths, counts = (2.0, 1.5, 1.0), (rng.randint(1, 3), rng.randint(1, 2), rng.randint(1, 2))
     kind = rng.choice([*(kind for kind in KINDS if kind != "hexahedron27"), "mixed", "mixed"])
@@ -72,7 +72,7 @@ def draw(rng: random.Random) -> Body:
         mesh = ao.box_mesh(lengths, counts, kind=kind)
     pushed = [rng.uniform(-0.01, 0.01) for _ in range(mesh.nodes.size)]
     places = np.round(mesh.nodes + np.reshape(pushed, mesh.nodes.shape), 3)
-    most = rng.choice((200, 10_000, 99_990_000))  # eight digits are all that a field has
+    most = rng.choice((200, 10_000, 99_990_000))  # a field holds eight digits
     nodes = rng.sample(range(1, most + 10 * mesh.n_nodes), mesh.n_nodes)
     cells = rng.sample(range(1, most + 10 * mesh.n_cells), mesh.n_cells)
     if rng.random() < 0.5:
@@ -100,7 +100,10 @@ def draw(rng: random.Random) -> Body:
 
 @dataclass(frozen=True)
 class System:
-    """A coordinate system: its kind, "R", "C" or "S", origin, and axes in rows."""
+    """Coordinate system: kind ("R", "C" or "S": Cartesian, cylindrical, spherical), origin, axes.
+
+    The axes are rows.
+    """
 
     kind: str = "R"
     origin: FloatArray = field(default_factory=lambda: np.zeros(3))
@@ -113,7 +116,7 @@ class System:
         return cls(kind, origin, turn.as_matrix())
 
     def local(self, places: FloatArray) -> FloatArray:
-        """Return the coordinates of places, angles in degrees: of "S" that from the pole second."""
+        """Return the coordinates of places, angles in degrees; in "S" the polar angle is second."""
         x, y, z = self.axes @ (places - self.origin).T
         across, turn = np.hypot(x, y), np.degrees(np.arctan2(y, x))
         if self.kind == "S":
@@ -122,7 +125,7 @@ class System:
 
 
 class Drawn:
-    """A deck drawn at random, and the groups that a reader should find in it, by labels."""
+    """Base of a random deck, and the groups, as labels, that a reader should find in it."""
 
     def __init__(self, rng: random.Random) -> None:
         self.rng, self.pick = rng, rng.choice
@@ -133,7 +136,7 @@ class Drawn:
 
 
 def shared_out(rng: random.Random, numbers: Iterable[int]) -> list[list[int]]:
-    """Return numbers in some parts, each in any order."""
+    """Return numbers shuffled and divided into one to three parts."""
     shuffled = list(numbers)
     rng.shuffle(shuffled)
     cuts = sorted(rng.randint(0, len(shuffled)) for _ in range(rng.randint(0, 2)))
@@ -141,7 +144,7 @@ def shared_out(rng: random.Random, numbers: Iterable[int]) -> list[list[int]]:
 
 
 def runs(wanted: Iterable[int], every: Iterable[int]) -> list[list[int]]:
-    """Return labels in runs that follow each other; what nothing has is passed over."""
+    """Return the wanted labels in runs without other labels of `every` between them."""
     members, found = set(wanted), list[list[int]]([[]])
     for label in sorted(every):
         found += [[]] * (label not in members)
@@ -152,9 +155,9 @@ def runs(wanted: Iterable[int], every: Iterable[int]) -> list[list[int]]:
 
 @dataclass(frozen=True)
 class Dialect:
-    """How text is stored: lines that are comments, and how a file is included, on some lines.
+    """Syntax of a format: its comment lines, and the function that returns an include statement.
 
-    nested: whether a file is named from the folder of the one that includes it.
+    `nested`: whether an included file's path is relative to the file that includes it.
     """
 
     comments: tuple[str, ...]
@@ -164,7 +167,7 @@ class Dialect:
     def stored(
         self, rng: random.Random, folder: Path, name: str, lines: list[str], depth: int = 0
     ) -> Path:
-        """Write lines, with comments between, some of them into files that are included."""
+        """Write lines with comments between them, and some of them to included files."""
         names = ["part", "a part", *["sub/part"] * (depth == 0 or not self.nested)]
         while depth < 3 and len(lines) > 3 and rng.random() < 0.3:
             first, last = sorted(rng.sample(range(len(lines)), 2))
@@ -174,7 +177,7 @@ class Dialect:
             file = other if inner == folder else Path(other).name
             self.stored(rng, inner, file, lines[first:last], depth + 1)
             lines = [*lines[:first], self.include(rng, other), *lines[last:]]
-            names = names[:2] if self.nested else names  # what is included stays in its folder
+            names = names[:2] if self.nested else names  # nested files stay in their folder
         text = list[str]()
         for line in lines:
             text += [rng.choice(self.comments)] * (rng.random() < 0.04) + [line]
@@ -192,7 +195,7 @@ class Dialect:
 
 @dataclass(frozen=True)
 class Expected:
-    """What should be read of a part, or of the whole: the places of nodes, and groups of labels."""
+    """Expected result of reading a part or the whole: places of nodes, and groups of labels."""
 
     places: FloatArray
     node_sets: Groups
@@ -208,7 +211,7 @@ def trials(
 ) -> Callable[[Namespace, Path], Trial]:
     """Return the `trial` of a format, whose decks are written into an empty folder.
 
-    `called_for` has words of the warnings that decks call for.
+    `called_for`: words in the warnings that are expected.
     """
 
     def trial(options: Namespace, folder: Path) -> Trial:
@@ -229,7 +232,7 @@ def trials(
 
 
 def _wrong(body: Body, file: Path, expected: Expected, called_for: tuple[str, ...]) -> str:
-    """Return how a mesh that is read differs from what is expected, or why there is none."""
+    """Return how the mesh read differs from the expected one, or why it was not read."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         try:

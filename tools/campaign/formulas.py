@@ -1,7 +1,7 @@
 """Contact laws from their published equations: F = elastic(d) + damper(d) * rate.
 
-Every law that the campaign uses is straight in the rate. A branch goes on smoothly as far as it can
-beyond where it holds: whoever integrates stops there.
+Every law of the campaign is linear in the rate. Each branch of a law continues smoothly beyond its
+validity, where the integrator stops.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ class Formula:
     Attributes
     ----------
     viscous : bool
-        Whether the rate matters.
+        Whether the force depends on the rate.
     pulls : bool
-        Whether negative forces are meant, up to where the indentation ends.
+        Whether negative forces are meant, until the indentation ends.
     rest : float
         Indentation at which the contact begins, m.
     """
@@ -35,16 +35,16 @@ class Formula:
         raise NotImplementedError
 
     def statically(self, d: float) -> tuple[float, float]:
-        """Force and slope on the way in at no rate."""
+        """Return force and slope on loading at zero rate."""
         return self.at(d)[:2] if d > 0.0 else (0.0, 0.0)
 
     def taken(self, d: float) -> float:
-        """Work of that force up to d > 0, J."""
+        """Return the work of loading at zero rate up to d > 0, J."""
         raise NotImplementedError
 
 
 class Power(Formula):
-    """k d^n + g d^q rate; straight on below the touch where that has no kink."""
+    """k d^n + g d^q rate; if linear, it continues below d = 0 without a kink."""
 
     def __init__(
         self, k: float, n: float = 1.5, g: float = 0.0, q: float = 0.0, *, pulls: bool = False
@@ -65,7 +65,7 @@ class Power(Formula):
 
 
 class Thornton(Formula):
-    """Hertz up to the yield force, straight on from there, and Hertz on a flatter radius back."""
+    """Hertz up to the yield force, a line beyond; unloading as Hertz on a flattened radius."""
 
     def __init__(self, k: float, yield_force: float) -> None:
         self.elastic, self.k, self.yield_force = Power(k), k, yield_force
@@ -74,7 +74,7 @@ class Thornton(Formula):
 
     @property
     def limit(self) -> float:
-        """Indentation up to which it is elastic."""
+        """Indentation up to which the law is elastic, m."""
         return max(self.deepest, self.start)
 
     def _plastic(self, d: float) -> Value:
@@ -101,14 +101,14 @@ class Thornton(Formula):
         return self.elastic.taken(before) + 0.5 * (self.yield_force + self._plastic(d)[0]) * past
 
     def remember(self, d: float) -> None:
-        """The contact turns back at `d`."""
+        """Store the deepest indentation `d`, at which the contact turns back."""
         if d > self.limit:
             self.deepest = d
             self.rest = d - self._plastic(d)[0] / (self.k * math.sqrt(d))
 
 
 class Table(Formula):
-    """SciPy's PCHIP through points."""
+    """Law through points by SciPy's PCHIP."""
 
     def __init__(self, indentation: list[float], force: list[float]) -> None:
         knots, values = list(indentation), list(force)
@@ -130,9 +130,9 @@ class Table(Formula):
 
 @dataclass
 class Patched(Formula):
-    """F = k D^1.5 with D = d + c F: Hertz's law without what a patch shows.
+    """F = k D^1.5 with D = d + c F: Hertz's law without the compliance c of a patch.
 
-    Beyond where it holds, it goes on straight.
+    Beyond `deepest` it continues as a line.
     """
 
     k: float
@@ -144,7 +144,7 @@ class Patched(Formula):
         return self.deepest - self.compliance * self.k * self.deepest**1.5
 
     def _own(self, d: float) -> float:
-        """The law's own indentation at d > 0: d = D - c k D^1.5, by Newton's method from below."""
+        """Return D at d > 0 from d = D - c k D^1.5, by Newton's method from below."""
         own = d
         for _ in range(60):
             root = math.sqrt(own)
@@ -185,8 +185,8 @@ _FORMULAS = {
 
 
 def formula(law: Law) -> Formula:
-    """Return the law as the oracle takes it; new for every contact, since some remember."""
+    """Return the law in the form of the oracle, anew for each contact: some laws have memory."""
     if law.removed is not None:
-        # A little beyond the limit it is still the law: a peak there is found as it is.
+        # Valid slightly beyond the limit, so that peaks there are exact.
         return Patched(law.arguments["k"], law.removed, 1.05 * law.deepest)
     return _FORMULAS[law.kind](**law.arguments)

@@ -1,8 +1,8 @@
-"""Random scenes from a seed: hard, but such as an engineer might ask for.
+"""Random scenes from a seed: difficult, but ones that an engineer might ask for.
 
 Masses, speeds and contact times are drawn over decades; stiffnesses follow from them, so that
-contacts are neither rigid nor without effect. The fastest motion times the record is bounded,
-since the oracle resolves every period.
+contacts are neither rigid nor without effect. The number of periods of the fastest motion in the
+record is bounded, since the oracle resolves every period.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from .case import Body, Case, Contact, Frame, Law, Load
 
-# Of the fastest frequency times the record: some 500 periods.
+# Maximum angular frequency times the record, rad: some 500 periods.
 MOST_RADIANS = 3000.0
 
 FAMILIES = {
@@ -35,7 +35,7 @@ WALL = Body(math.inf)
 
 
 def springs_of(mass: float, omega: float) -> float:
-    """k/m of the first oscillator as it is after rounding: for one of exactly its frequency."""
+    """Return k/m of an oscillator after rounding, so that another can have the same frequency."""
     return _rounded(mass * omega**2) / mass
 
 
@@ -44,7 +44,7 @@ def _rounded(value: float) -> float:
 
 
 class _Drawn:
-    """What a scene is made of, at random: kg, m/s, s; depth and force follow."""
+    """Random quantities of a scene: mass, kg, speed, m/s, time, s; depth and force follow."""
 
     def __init__(self, seed: int) -> None:
         self.rng = np.random.default_rng(seed)
@@ -59,7 +59,7 @@ class _Drawn:
         return float(10.0 ** self.between(low, high))
 
     def some(self, value: float, low: float, high: float) -> float:
-        """The value times a power of ten between these."""
+        """Return the value times a random power of ten with an exponent from `low` to `high`."""
         return _rounded(value * self.decades(low, high))
 
     def chance(self, share: float) -> bool:
@@ -75,7 +75,7 @@ class _Drawn:
         return replace(case, rtol=tolerance, family=family, duration=self.duration)
 
     def _law(self) -> Law:
-        """A law that has about the scene's force at its depth, to a decade, or three."""
+        """Return a law of about the scene's force at its depth, within one decade or three."""
         spread = 1.0 if self.chance(0.85) else 3.0
         k = self.some(self.force / self.depth**1.5, -spread, spread)
         linear = _rounded(k * math.sqrt(self.depth))
@@ -114,14 +114,14 @@ class _Drawn:
         return Law(kind, {"k": linear, "c": c, "end": end})
 
     def _in_patch(self, law: Law) -> Law:
-        """Hertz's law with part of it taken out, up to an indentation that is seldom exceeded."""
+        """Return Hertz's law with a compliance removed; its limit is seldom exceeded."""
         deepest = self.depth * self.decades(0.0, 2.0)
         return replace(
             law, removed=_rounded(0.95 / (1.5 * law.arguments["k"] * math.sqrt(deepest)))
         )
 
     def _star(self, *, massless: float = 0.3, held: float = 0.4) -> Body:
-        """Contact mass, ground spring and oscillators over decades of mass and frequency."""
+        """Return an AO model with oscillators over decades of mass and frequency."""
         top = math.log10(MOST_RADIANS / 3.0 * self.time / self.duration)
         count = int(self.rng.choice([1, 2, 3, 5, 8], p=[0.3, 0.25, 0.2, 0.15, 0.1]))
         mass = self.mass * 10.0 ** self.between(-2.0, 1.0, count)
@@ -131,7 +131,7 @@ class _Drawn:
         if self.rng.random() < massless:
             m0 = 0.0
         else:
-            # Lighter ones ring faster on the oscillators' springs than the oracle follows.
+            # A lighter m0 vibrates too fast on the oscillators' springs for the oracle.
             stiffness = float((mass * omega**2).sum())
             least = stiffness / (10.0**top / self.time) ** 2
             m0 = _rounded(max(self.mass * self.decades(-3.0, 0.5), least))
@@ -161,7 +161,7 @@ class _Drawn:
         return ("Rayleigh", alpha, beta)
 
     def _frame(self) -> Frame:
-        """A row of masses, free or held, that is touched at any of them."""
+        """Return a row of masses, free or held, that can be touched at any mass."""
         count = int(self.rng.integers(2, 5))
         top = MOST_RADIANS / 10.0 / self.duration
         m = tuple(_rounded(v) for v in self.mass * 10.0 ** self.between(-1.5, 0.5, count))
@@ -202,7 +202,7 @@ class _Drawn:
         return self._loaded(case, chance=0.3)
 
     def _crowd(self) -> Case:
-        """One body among two to eight others, on either side of it."""
+        """Return a scene of one body among two to eight others, on either side of it."""
         kind = self.rng.random()
         centre: Body | Frame = self._star(massless=0.45)
         if kind < 0.15:
@@ -245,8 +245,9 @@ class _Drawn:
         return self._loaded(Case(tuple(bodies), contacts), chance=0.25)
 
     def _pressed(self) -> Case:
-        """Bodies in a row on something that holds them, at rest under load; then that is let go, or
-        more is put on, or something strikes.
+        """Return a scene of bodies in a row, pressed on a wall or held body by a load.
+
+        Later the load is released or increased, or another body strikes.
         """
         count = int(self.rng.integers(1, 4))
         row = [self._star(held=0.0) if self.chance(0.4) else self._rigid() for _ in range(count)]
@@ -280,11 +281,10 @@ class _Drawn:
         return Case(tuple(bodies), tuple(contacts), tuple(loads), gravity, preload=preload)
 
     def _ringing(self) -> Case:
-        """Light ends that ring, one beside a wall, while the heavy middle is in a long contact.
+        """Return a scene of a heavy mass in a long contact between light ones that vibrate.
 
-        Something small and hard has struck them, from opposite sides: so the middle stays at rest
-        in what they do, and the contact there does not feel it. The wall is about as far as they
-        swing.
+        Small hard bodies strike the light masses from opposite sides, so that the heavy mass stays
+        at rest under their vibration. One light mass swings about as far as a wall.
         """
         heavy, light = _rounded(self.mass), self.some(self.mass, -3.0, -0.5)
         swings = 2.0 * math.pi / self.time * self.decades(0.7, 2.7)
@@ -294,7 +294,7 @@ class _Drawn:
         soft = Law("Hertz", {"k": _rounded(self.force / self.depth**1.5)})
         tap = _rounded(light * self.between(0.1, 1.0))
         quick = self.speed * self.decades(-1.0, 0.5)
-        # A contact of the tap as long as a part of a period of what it makes ring.
+        # The tap's contact lasts a fraction of a period of the vibration that it excites.
         short = self.between(0.1, 1.0) / omega
         hard = _rounded(tap * quick / short / (quick * short) ** 1.5)
         swing = 2.0 * tap / (tap + light) * quick / omega
@@ -317,10 +317,10 @@ class _Drawn:
         return Case(bodies, contacts)
 
     def _rung(self) -> Case:
-        """A body that rings, by any share of the depth, in the long contact at the very place.
+        """Return a scene of a long contact at a point that vibrates with any share of the depth.
 
-        A load has let go of it at once, or something small and hard strikes it, before the contact
-        or in it.
+        The vibration is excited by a load that is removed suddenly, or by a small hard body that
+        strikes before or during the contact.
         """
         m0 = self.some(self.mass, -2.0, 0.5)
         m = self.some(self.mass, 0.0, 1.0)
@@ -339,7 +339,7 @@ class _Drawn:
             return Case((star, ball), (long,), (pulse,))
         tap = self.some(m0, -2.0, -0.3)
         later = self.chance(0.4)
-        # A slower one would meet what the tolerance leaves of the long contact's velocities.
+        # A slower tap would depend on errors of the long contact's velocities within tolerance.
         least = 0.1 * self.speed if later else 0.0
         speed = _rounded(max(amplitude * omega * (m0 + tap) / (2.0 * tap), least))
         short = self.between(0.1, 1.0) / omega
@@ -349,7 +349,7 @@ class _Drawn:
         return Case(bodies, (long, Contact(2, 0, hard, wait)))
 
     def _pressing(self) -> Function:
-        """A load that presses at the start: constant, released, or rising further."""
+        """Return times and forces of a load that presses from the start: constant or changing."""
         force = self.some(self.force, -1.5, 0.3)
         kind = self.rng.random()
         if kind < 0.3:
@@ -360,11 +360,11 @@ class _Drawn:
         return (start, end), (force, last)
 
     def _ramp(self) -> Function:
-        """A load from nothing, that pulls or pushes, at times all but suddenly, and may end."""
+        """Return times and forces of a load that rises from 0, perhaps steeply, and may end."""
         force = self.some(self.force, -2.0, 0.0) * self.sign()
         rise = _rounded(self.duration * self.between(0.1, 0.9))
         begin, end = 0.0, rise
-        steep = self.rng.spawn(1)[0]  # which leaves all that is drawn from rng as it is
+        steep = self.rng.spawn(1)[0]  # does not change what is drawn from rng
         if steep.random() < 0.3:
             begin = _rounded(rise * steep.uniform(0.1, 0.9))
             end = begin + self.duration * 10.0 ** float(steep.uniform(-10.0, -2.0))
@@ -373,7 +373,7 @@ class _Drawn:
         return (begin, end, _rounded(1.5 * rise)), (0.0, force, 0.0)
 
     def _loaded(self, case: Case, *, chance: float) -> Case:
-        """The scene, perhaps under gravity and a load."""
+        """Return the scene, perhaps under gravity and a load."""
         loads: tuple[Load, ...] = ()
         free = [i for i, body in enumerate(case.bodies) if not body.wall]
         if self.chance(chance):

@@ -1,4 +1,4 @@
-"""Malformed inputs: what a user would do with one, and how it ends.
+"""Malformed inputs: the trial of an input, as a user would take it, and its verdict.
 
 A failure is a crash, an exception that is no AOImpactError, a MemoryError, a warning that is no
 AOImpactWarning, and a message that does not name the file or argument.
@@ -24,14 +24,14 @@ class Given(Protocol):
     """An input in a folder."""
 
     def run(self) -> None:
-        """Do with the input whatever a user would."""
+        """Read and use the input as a user would."""
 
     def named(self, message: str) -> bool:
-        """Whether a message names what is wrong."""
+        """Return whether a message names the file or argument that is wrong."""
 
 
 def _signature(error: BaseException) -> str:
-    """The exception's type and the package's innermost frames."""
+    """Return the exception's type and the package's innermost frames."""
     frames = [
         f"{Path(frame.filename).stem}.{frame.name}"
         for frame in traceback.extract_tb(error.__traceback__)
@@ -41,7 +41,7 @@ def _signature(error: BaseException) -> str:
 
 
 def judged(given: Given) -> Verdict:
-    """How an input ends: it passes, is refused by name, or fails with a signature."""
+    """Return the verdict on an input: it passes, is refused by name, or fails with a signature."""
     found = Verdict("ok")
     with warnings.catch_warnings(record=True) as seen:
         warnings.simplefilter("always")

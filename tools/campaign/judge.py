@@ -1,4 +1,4 @@
-"""The verdict on a scene: the package's answer against the plain formulation and Newmark's rule."""
+"""Verdict on a scene: the package's answer compared with the oracle and with Newmark's rule."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from .rest import NoRestError
 
 TIMES = cures.TIMES
 
-# A difference is the oracle's own, or the scene's, if a tighter or a nudged run of it moves by
-# that share.
+# Share of a difference by which a tighter or a nudged run of the oracle may move: if it moves by
+# more, the difference is due to the oracle's error or to a chaotic scene.
 _SHARE = 0.2
 
-# Of the oracle's own dashpot, where it runs tighter.
+# Relaxation of the oracle's own dashpot in the tighter run, over that of other runs.
 _LESS_LAG = 0.1
 
-# Relative nudge of all coordinates and velocities at the start.
+# Relative change of all initial coordinates and velocities in the nudged run.
 _NUDGE = 1e-12
 
-# s for Newmark's rule where answer and oracle agree, and the difference from the oracle that is
-# noted, of a run to a tolerance that many times smaller.
+# If answer and oracle agree: maximum time of a run by Newmark's rule, s, the difference from the
+# oracle that is reported, and this difference over the tolerance of the run.
 _CHEAP, _FAR, _SURE = 0.5, 1e-3, 30.0
 
 
 def oracle_tolerance(case: Case) -> float:
-    """Far enough below the tolerance of the scene."""
+    """Return the oracle's tolerance, far below that of the scene."""
     return float(np.clip(1e-3 * case.rtol, 1e-12, 1e-9))
 
 
@@ -68,25 +68,25 @@ def _judged(case: Case, answer: Answer, longest: float, way: str) -> Verdict:
         return Verdict("wrong", f"patch: the force exceeds it by {over:.2g}", over)
     found = _worst(case, answer.outcome, true, way)
     if found.off <= limit:
-        # Newmark's rule beside an answer and an oracle that agree, where it settles at once.
+        # Answer and oracle agree: compare with Newmark's rule, if that converges quickly.
         second = _newmark(case, _FAR / _SURE, _CHEAP)
         off = 0.0 if second is None else from_newmark(case, second, true)
         agree = Verdict("ok", str(found), found.off)
         return Verdict("apart", f"Newmark by {off:.2g}") if off > _FAR else agree
-    # What a warning says of the error has to be true: of first contacts it says nothing.
+    # With a warning the estimated error must hold, which it need not for first contacts.
     if answer.warned and not found.off > TIMES * max(answer.claimed, case.rtol):
         return Verdict("warned", f"{found}; {answer.warned[0]}", found.off)
     return _suspected(case, answer.outcome, true, longest, way)
 
 
 def _refused(case: Case, answer: Answer, longest: float) -> Verdict:
-    """Whether one of the cures that a refusal names works."""
+    """Return the verdict on a refusal: whether one of the cures that it names works."""
     try:
         true = Oracle(case, rtol=oracle_tolerance(case), longest=longest).run()
     except (GaveUpError, NoRestError):
         true = None
     said = answer.error
-    if said.startswith("LawLimitError"):  # of the scene: no other run of it helps
+    if said.startswith("LawLimitError"):  # due to the scene: no other run helps
         if true is None:
             return Verdict("undecided", f"the oracle gave up; {said}")
         over = _beyond_patch(case, true)
@@ -99,14 +99,14 @@ def _refused(case: Case, answer: Answer, longest: float) -> Verdict:
 
 
 def _beyond_patch(case: Case, true: Outcome) -> float:
-    """By how much the largest force exceeds that up to which the law holds, relative."""
+    """Return the largest force over that up to which the law holds, minus 1."""
     laws = [contact.law for contact in case.contacts]
     most = [law.arguments["k"] * law.deepest**1.5 if law.removed else np.inf for law in laws]
     return float(np.nanmax(true.peaks / np.array(most), initial=0.0)) - 1.0
 
 
 def _newmark(case: Case, wanted: float, longest: float = 2.0) -> Outcome | None:
-    """The scene by Newmark's rule to a tolerance, where it takes it in time."""
+    """Return the outcome by Newmark's rule to a tolerance; None if it takes too long or warns."""
     rule = ao.Newmark(rtol=min(max(wanted, 1e-9), 0.1))
     answer = in_time(partial(run, case, rule), longest)
     return None if answer is None or answer.warned else answer.outcome
@@ -114,13 +114,13 @@ def _newmark(case: Case, wanted: float, longest: float = 2.0) -> Outcome | None:
 
 def _worst(case: Case, outcome: Outcome, true: Outcome, way: str) -> Apart:
     every = apart(case, outcome, true, TIMES * case.rtol)
-    if way == "newmark":  # which promises these
+    if way == "newmark":  # its tolerance applies to these quantities only
         every = [one for one in every if one.what.startswith(("peak force", "impulse"))]
     return largest_apart(every)
 
 
 def _suspected(case: Case, outcome: Outcome, true: Outcome, longest: float, way: str) -> Verdict:
-    """Whether a difference is the package's fault."""
+    """Return the verdict on a difference: whether it is the package's error."""
     found = _worst(case, outcome, true, way)
     tolerance, longest = oracle_tolerance(case), 3.0 * longest
     nudge = _NUDGE * np.random.default_rng(1).uniform(-1.0, 1.0, 1000)
@@ -141,13 +141,13 @@ def _suspected(case: Case, outcome: Outcome, true: Outcome, longest: float, way:
         details["newmark"] = f"{ours:.2g} from the answer, {its:.2g} from the oracle"
     if moved > _SHARE * found.off:
         return Verdict("chaotic", str(found), found.off, details)
-    # Neither with an oracle that has not settled, nor one that Newmark's rule contradicts.
+    # The oracle counts only if it has converged and Newmark's rule does not contradict it.
     sure = own <= _SHARE * found.off and its <= 0.5 * found.off
     return Verdict("wrong" if sure else "undecided", str(found), found.off, details)
 
 
 def trial(options: Namespace, folder: Path) -> Trial:
-    """Return what judges the scene of a number, whose script it leaves in the folder."""
+    """Return the function that judges the scene of a number and leaves its script in the folder."""
 
     def one(number: int) -> Verdict:
         case = case_of(number)

@@ -1,8 +1,7 @@
-"""The right-hand side of a scene: where its contacts are, what forces they have, and what these
-do.
+"""Equations of motion of a scene: indentations, contact forces, and rates of the state.
 
-A contact coordinate without mass has a deflection w = u - u_free, what the forces of contacts bend
-the residual compliance by: w / R + the sum of the contact forces on the coordinate = 0.
+A massless contact coordinate has the deflection w = u - u_free of its residual compliance R under
+the contact forces: w / R + the sum of the contact forces on the coordinate = 0.
 """
 
 from __future__ import annotations
@@ -19,11 +18,12 @@ from .formulas import Formula, Thornton, formula
 from .outcome import FloatArray
 from .system import system_of
 
-# Relaxation of the dashpot that keeps the equation of a massless coordinate regular, as a share of
-# the record.
+# Relaxation time of the dashpot that keeps the equation of a massless coordinate regular, over the
+# record.
 LAG = 1e-12
 
-# Steps of Newton's method for a massless coordinate's balance, and the least share of one.
+# Maximum number of Newton's steps for a massless coordinate's balance, and smallest damping factor
+# of a step.
 _MOST, _SHORTEST = 200, 1e-6
 
 
@@ -32,18 +32,18 @@ Memory = tuple[bool, float, float]
 
 @dataclass(frozen=True)
 class Phase:
-    """Which equations hold.
+    """Set of equations that hold between two events.
 
     Attributes
     ----------
     closed : tuple of bool
-        Of each contact.
+        Whether each contact is closed.
     plastic : tuple of (flows, deepest, rest)
-        Of each contact, the memory of a plastic law.
+        Memory of the plastic law at each contact.
     own : tuple of int
-        Massless ports whose deflection is a variable: dashpots act on them.
+        Massless ports whose deflection is a state variable, since dashpots act on them.
     solved : tuple of int
-        Those whose deflection is in balance with elastic contacts.
+        Massless ports whose deflection follows from the balance with elastic contacts.
     """
 
     closed: tuple[bool, ...]
@@ -54,7 +54,7 @@ class Phase:
 
 @dataclass
 class At:
-    """The contacts and ports at an instant. flow: rates of the deflections of the phase's own."""
+    """Contacts and ports at an instant; `flow`: rates of the deflections that are variables."""
 
     depth: FloatArray
     rate: FloatArray
@@ -65,7 +65,7 @@ class At:
 
 
 class Motion:
-    """A scene's equations; the state is (q, q', impulses, deflections of the phase's own ports).
+    """A scene's equations; the state is (q, q', impulses, deflections of `Phase.own`).
 
     Attributes
     ----------
@@ -73,15 +73,15 @@ class Motion:
     laws : list of Formula
     system : System
     count : int
-        Of contacts.
+        Number of contacts.
     speed, length, push : float
-        What is usual in the scene, m/s, m and N: the scales of tolerances.
+        Typical speed, m/s, indentation, m, and force, N, of the scene: scales of tolerances.
     warm : ndarray
-        Deflections found last, by which the search for the next begins.
+        Last deflections, from which the next solution starts, m.
     piece : (float, float)
-        Times, s, between which no load bends.
+        Start and end of the current piece, in which loads are linear in time, s.
     lag : float
-        Of the dashpot on what has no mass, as a share of the record.
+        Relaxation time of the dashpot on massless coordinates, over the record.
     """
 
     def __init__(self, case: Case, lag: float = LAG) -> None:
@@ -118,7 +118,7 @@ class Motion:
         return force, rate
 
     def look(self, t: float, y: FloatArray, phase: Phase, *, rates: bool = True) -> At:
-        """Return contacts and ports at a state; without `rates` only what the motion needs."""
+        """Return contacts and ports at a state; without `rates`, some rates are left out."""
         system, ports = self.system, self.ports
         load, load_rate = self.loads(t)
         port = system.port @ y[: 2 * system.n]
@@ -154,7 +154,7 @@ class Motion:
         return At(depth, rate, force, load - force @ system.sides, flow, w)
 
     def _values(self, depth: FloatArray, contacts: list[int]) -> FloatArray:
-        """Return elastic forces, their slopes and dampers of contacts, in rows."""
+        """Return rows of elastic forces, their slopes, and damping coefficients of contacts."""
         return np.array([self.laws[c].at(float(depth[c])) for c in contacts]).reshape(-1, 3).T
 
     def balance(
@@ -165,12 +165,12 @@ class Motion:
         Parameters
         ----------
         place : ndarray
-            Of all ports without their deflections, m.
+            Positions of all ports without their deflections, m.
         w : ndarray
-            A guess, overwritten by the solution, m.
+            Guess of the deflections, overwritten by the solution, m.
         ports : list of int
         contacts : list of int
-            Those that may press on them.
+            Contacts that may press on the ports.
         """
         sides, spring = self.system.sides[contacts][:, ports], self.spring[ports]
 
@@ -209,7 +209,7 @@ class Motion:
         return slope
 
     def sizes(self, phase: Phase) -> FloatArray:
-        """Return what is usual of each entry of a state."""
+        """Return the typical size of each entry of a state."""
         n = self.system.n
         sizes = np.full(2 * n + self.count + len(phase.own), self.length)
         own = self.push / self.spring[list(phase.own)]
@@ -220,9 +220,10 @@ class Motion:
 
 
 def share(law: Formula, depth: float, rate: float) -> float:
-    """Force over what it would be if the dashpot pushed: of its sign, with a simple root.
+    """Return the force over elastic force plus magnitude of damping force.
 
-    The force itself has a double root where a contact ends at the touch.
+    It has the force's sign and a simple root, also where a contact ends at zero indentation and the
+    force has a double root.
     """
     if depth <= 0.0:
         return 1.0
@@ -232,7 +233,7 @@ def share(law: Formula, depth: float, rate: float) -> float:
 
 
 def _stroke(law: Formula, energy: float, load: float) -> float:
-    """About how deep an energy and a load on the way bring a contact."""
+    """Return the approximate indentation, m, by an energy, J, and a constant load, N."""
 
     def over(x: float) -> float:
         d = math.exp(x)

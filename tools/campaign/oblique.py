@@ -1,10 +1,10 @@
-"""Random oblique impacts with friction against fixed springs that are marched by themselves.
+"""Random oblique impacts with friction, compared with an independent oracle of fixed springs.
 
 Two rigid bodies of any inertia, touched at any arm, spin and slide, with a law k δ^n, over decades
-of mass, speed, friction and slide. The package runs by Newmark's rule with a step of its own.
-``tests/obliqueoracle.py`` shares nothing with it; its own error is the change to twice the steps
-and springs. An answer is wrong if it is farther from the oracle than twice what it claims and the
-oracle's error.
+of mass, speed, friction and slide. The package runs by Newmark's rule with its default step. The
+oracle, ``tests/obliqueoracle.py``, shares no code with the package; its own error is the change to
+twice the steps and springs. An answer is wrong if its difference from the oracle exceeds twice the
+sum of its estimated error and the oracle's error.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
 from obliqueoracle import Motion, Rigid, march
 
-# Steps and springs of the oracle, and how much deeper it reaches than bodies without spin go.
+# Steps and springs of the oracle, and depth of its row of springs over that of bodies without spin.
 _STEPS, _SPRINGS, _REACH = 1500, 150, 1.05
 
-# How many times the oracle's change, and its claim, an answer may be off.
+# Largest error of an answer over the sum of its estimate and the oracle's error.
 _TIMES = 2.0
 
 _DOWN = np.array([0.0, 0.0, -1.0])
-_LIKE = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)  # G*/E* where no material is known
+_LIKE = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)  # G*/E* of bodies without a material
 
 
 @dataclass(frozen=True)
 class Impact:
-    """Two bodies, their law, friction and time."""
+    """Two bodies, their law, coefficient of friction, and length of the record."""
 
     first: Rigid
     second: Rigid
@@ -55,7 +55,7 @@ def _decades(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def _side(rng: np.random.Generator, size: float, mass: float, outward: float) -> Rigid:
-    """A body at rest, that is touched on its outward side, mostly beside its centre."""
+    """Return a body at rest that is touched on its outward side, mostly beside its centre."""
     shape = rng.uniform(0.5, 1.0, 3)
     moments = 0.4 * mass * size**2 * np.array([*shape[:2], min(shape[2], 0.95 * sum(shape[:2]))])
     arm = size * np.array([*(rng.uniform(-0.7, 0.7, 2) * (rng.random() < 0.7)), outward])
@@ -69,7 +69,7 @@ def _side(rng: np.random.Generator, size: float, mass: float, outward: float) ->
 
 
 def _approach(first: Rigid) -> float:
-    """How fast a body's contact point goes down, m/s."""
+    """Return the downward velocity of a body's contact point, m/s."""
     return float(_DOWN @ (first.velocity + np.cross(first.spin, first.arm)))
 
 
@@ -82,7 +82,8 @@ def impact_of(seed: int) -> Impact:
     velocity = np.array([slide * np.cos(turn), slide * np.sin(turn), -speed])
     first = _side(rng, size, mass, -1.0)
     spin = slide / size * rng.normal(size=3) * (rng.random() < 0.5)
-    # A spin about axes in the surface moves the contact point of an arm aside up or down as well.
+    # With an arm beside the centre, spin about axes in the surface moves the contact point up or
+    # down as well.
     first = replace(first, velocity=velocity, spin=0.5 * spin)
     second = _side(rng, size, np.inf if rng.random() < 0.4 else mass * _decades(rng, -1, 1), 1.0)
     power = float(rng.choice([1.5, 1.5, 1.5, 1.25, 2.0]))
@@ -95,7 +96,7 @@ def impact_of(seed: int) -> Impact:
 
 
 def _numbers(of: Impact, found: Any, first: Any) -> dict[str, Any]:
-    """What is compared: peaks, and what the first body gained, with the scales of errors."""
+    """Return peaks, impulses and changes of the first body's motion, with scales of errors."""
     size = np.linalg.norm(found.friction, axis=1)
     pressed = np.trapezoid(found.force, found.t)
     dragged = np.trapezoid(found.friction, found.t, axis=0)
@@ -119,7 +120,7 @@ def _answer(of: Impact) -> tuple[dict[str, Any], float]:
         for side in (of.first, of.second)
     ]
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ao.AOImpactWarning)  # of records that end in contact
+        warnings.simplefilter("ignore", ao.AOImpactWarning)  # records may end in contact
         hit = ao.simulate(
             *bodies,
             of.first.velocity,
@@ -137,7 +138,7 @@ def _answer(of: Impact) -> tuple[dict[str, Any], float]:
 
 
 def _true(of: Impact, finer: int) -> dict[str, Any]:
-    first, second = replace(of.first), replace(of.second)  # which the march moves
+    first, second = replace(of.first), replace(of.second)  # copies, which `march` changes
     found = march(
         first,
         second,
@@ -155,7 +156,7 @@ def _true(of: Impact, finer: int) -> dict[str, Any]:
 
 
 def judged(seed: int) -> Verdict:
-    """Return the verdict on a seed: off is the largest error over what it may be."""
+    """Return the verdict on a seed; its `off` is the largest error over the allowed one."""
     of = impact_of(seed)
     if _approach(of.first) <= 0.0:
         return Verdict("none", "the contact points do not approach")
@@ -183,5 +184,5 @@ def judged(seed: int) -> Verdict:
 
 
 def trial(options: Namespace, folder: Path) -> Trial:
-    """Return what judges the impact of a number."""
+    """Return the function that judges the impact of a number."""
     return judged

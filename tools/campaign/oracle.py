@@ -1,16 +1,16 @@
-"""The plain formulation: SciPy's integrators on the equations of motion, piece by piece.
+"""The oracle: SciPy's integrators on the plain equations of motion, piece by piece.
 
-What it assumes. A massless contact coordinate is at each instant in balance with its springs, its
-load and the contact forces on it: an algebraic equation, solved whenever the right-hand side is
-asked for. Where a closed contact with a dashpot acts on it, the balance gives its velocity instead,
-and its deflection w = u - u_free is a variable; a dashpot that relaxes w in a millionth of a
-millionth of the record keeps that equation regular where the contact's own vanishes. A contact
-closes at the deflection that the coordinate has; where a load sets in, at the touch. So nothing is
-lost when a contact closes on it, or when it lets go at no force. A law that pulls lets go at a
-force: then the coordinate springs back at once, and what its springs had stored is lost.
+Assumptions: a massless contact coordinate is at each instant in balance with its springs, its load
+and the contact forces on it. This algebraic equation is solved at each evaluation of the right-hand
+side. If a closed contact with a dashpot acts on the coordinate, the balance gives its velocity, and
+its deflection w = u - u_free is a state variable; another dashpot, with a relaxation time of 1e-12
+of the record, keeps this equation regular where the contact's dashpot vanishes. A contact closes at
+the current deflection of the coordinate, or at the touch when a load sets in, so that no energy is
+lost when it closes, or opens at zero force. A law that pulls opens at a force: the coordinate then
+springs back at once, and the energy of its springs is lost.
 
-Pieces end where a contact closes, lets go, yields or turns back, and where a load bends. An event
-is found on the dense output of a step.
+Pieces end where a contact closes, opens, yields or turns back, and where the slope of a load
+changes. An event is found on the dense output of a step.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ from .outcome import FloatArray, Outcome
 from .readout import Mark, Readout, Step
 from .rest import rest
 
-# The longest step, as a share of the record: events are looked for at the ends of steps.
+# Longest step over the record: events are looked for at the ends of steps.
 _LONGEST = 0.01
 
-# Contacts close, and open, by this share of the depth that is usual after the touch: no rounding
-# does it for them.
+# Distance past the touch, over the typical depth, at which contacts close or open, so that rounding
+# does not switch them.
 _HYSTERESIS = 1e-13
 
-# The implicit integrator's order leaves it no tighter tolerance.
+# Tightest tolerance of the implicit integrator, whose order is low.
 _TIGHTEST_IMPLICIT = 1e-10
 
-# Of its first step: its estimate does not show what relaxes within one, such as the coordinate
-# after a touch where the law's dashpot has no force yet.
+# Factor on the first step of the implicit integrator: its error estimate misses what relaxes within
+# a step, such as the coordinate after a touch, where the law's dashpot has no force yet.
 _RELAXING = 1e-4
 
-# Flips of a contact at one instant after which it is left alone for a moment, as a share of the
-# record.
+# Number of flips of a contact at one instant after which it may not flip, and the time for which it
+# may not, over the record.
 _MOST_FLIPS, _MOMENT = 3, 1e-11
 
 
@@ -55,19 +55,19 @@ class GaveUpError(Exception):
 
 
 class Oracle:
-    """One scene.
+    """Independent solution of one scene.
 
     Parameters
     ----------
     case : Case
     rtol : float, optional
-        Of the integrators, relative to what is usual in the scene.
+        Tolerance of the integrators, relative to the typical sizes of the scene.
     longest : float, optional
-        s of the processor.
+        Maximum processor time, s.
     nudge : ndarray, optional
-        Relative change of coordinates and velocities at the start.
+        Relative change of the initial coordinates and velocities.
     lag : float, optional
-        Of the dashpot on what has no mass, as a share of the record.
+        Relaxation time of the dashpot on massless coordinates, over the record.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class Oracle:
         self.marks = list[Mark]()
         self._quiet_until = np.full(len(case.contacts), -1.0)
         self._flips = {}
-        self._held = np.zeros(len(case.contacts))  # by dashpots when a load sets in
+        self._held = np.zeros(len(case.contacts))  # forces of dashpots when a load sets in
 
     def run(self) -> Outcome:
         """Integrate the record.
@@ -94,9 +94,9 @@ class Oracle:
         Raises
         ------
         GaveUpError
-            If it takes longer than `longest` s of the processor, or an integrator gives up.
+            If it takes more processor time than `longest`, or an integrator gives up.
         NoRestError
-            If a start from rest has none.
+            If there is no state of rest to start from.
         """
         self._deadline = clock.process_time() + self.longest
         case, motion = self.case, self.motion
@@ -111,7 +111,7 @@ class Oracle:
         more = self._held > found.peaks
         deep = motion.length
         vanish = [law.at(1e-30 * deep)[2] < 0.5 * law.at(deep)[2] for law in self.laws]
-        # A dashpot that has no force at the touch loses a load within no time that a run resolves.
+        # A dashpot without force at the touch loses a load faster than any run resolves: no peak.
         first = np.where(vanish, np.nan, self._held)
         return replace(
             found,
@@ -136,7 +136,7 @@ class Oracle:
         return y, closed
 
     def _rest(self, y: FloatArray, closed: list[bool]) -> None:
-        """Put the bodies where they rest under the loads of the start."""
+        """Set the state of rest under the initial loads, in place."""
         motion, case, system = self.motion, self.case, self.motion.system
         load = motion.loads(0.0)[0]
         places, depth = rest(case, self.laws, load)
@@ -157,7 +157,7 @@ class Oracle:
                 motion.warm[port] = places[i][0] - free[port]
 
     def _set_in(self, y: FloatArray, closed: list[bool]) -> None:
-        """Loads that set in move what has no mass at once, up to the first dashpot in its way."""
+        """Move massless coordinates at once under initial loads, up to the first dashpot."""
         motion, system = self.motion, self.motion.system
         load = motion.loads(0.0)[0]
         ports = np.flatnonzero(system.residual * load).tolist()
@@ -167,11 +167,11 @@ class Oracle:
         w, met = motion.warm, system.sides[:, ports].any(axis=1)
         elastic = [c for c, law in enumerate(self.laws) if met[c] and not law.viscous]
         motion.balance(place, w, ports, elastic)
-        hit = {}  # contacts by the ports that they take hold of, the last met
+        hit = {}  # the last contact that stops each port
         for c, law in enumerate(self.laws):
             over = float((system.sides @ (place + w) - system.gaps)[c])
             if law.viscous and met[c] and over > 0.0:
-                port = max(ports, key=lambda p: system.sides[c, p] or -2.0)  # of its first body
+                port = max(ports, key=lambda p: system.sides[c, p] or -2.0)  # the first body's
                 w[port] -= system.sides[c, port] * over
                 hit = {p: e for p, e in hit.items() if not system.sides[e, port]}
                 hit[int(port)] = c
@@ -201,7 +201,7 @@ class Oracle:
         return Phase(tuple(closed), plastic, tuple(sorted(own)), tuple(sorted(touched - own)))
 
     def _events(self, t: float, at: At, phase: Phase) -> FloatArray:
-        """Of each contact a number that turns negative where its phase ends."""
+        """Return a number for each contact, which turns negative where its phase ends."""
         left = np.ones(self.motion.count)
         for c in np.flatnonzero(self._quiet_until < t):
             law, closed, rate = self.laws[c], phase.closed[c], float(at.rate[c])
@@ -220,7 +220,7 @@ class Oracle:
         return left
 
     def _switch(self, c: int, at: At, closed: list[bool]) -> None:
-        """Contact c goes into its next phase."""
+        """Put contact `c` into its next phase."""
         law, depth = self.laws[c], float(at.depth[c])
         if isinstance(law, Thornton) and closed[c]:
             if law.plastic:
@@ -237,7 +237,7 @@ class Oracle:
     def _piece(
         self, t: float, y: FloatArray, closed: list[bool], end: float
     ) -> tuple[float, FloatArray]:
-        """Integrate with smooth loads up to `end`."""
+        """Integrate up to `end`, with loads that are linear in time."""
         motion = self.motion
         phase = self._phase(closed)
         y = self._widened(y, phase, motion.warm)
@@ -259,7 +259,7 @@ class Oracle:
         return t, y
 
     def _widened(self, y: FloatArray, phase: Phase, deflection: FloatArray) -> FloatArray:
-        """The state with the deflections that the phase has of its own."""
+        """Return the state with the deflections that are variables in the phase."""
         base = y[: 2 * self.motion.system.n + self.motion.count]
         return np.concatenate([base, deflection[list(phase.own)]])
 
@@ -273,7 +273,7 @@ class Oracle:
     def _advance(
         self, t: float, y: FloatArray, phase: Phase, end: float
     ) -> tuple[float, FloatArray, list[int]]:
-        """Go on to the next event, or to `end`."""
+        """Integrate to the next event, or to `end`; return time, state and switching contacts."""
         motion = self.motion
 
         def rhs(t: float, y: FloatArray) -> FloatArray:
@@ -286,7 +286,8 @@ class Oracle:
 
         if (before := left(t, y)).min() < 0.0:
             return t, y, np.flatnonzero(before < 0.0).tolist()
-        # A force that begins like t^1.5 is no polynomial: a long first step would not notice.
+        # A force that begins like t^1.5 is no polynomial, which the error estimate of a long first
+        # step would miss.
         fast = 1e-2 / (motion.system.fastest + 1e-99)
         first = min(end - t, 1e-4 * motion.length / motion.speed, fast)
         rtol = max(self.rtol, _TIGHTEST_IMPLICIT if phase.own else 3e-14)
@@ -305,7 +306,7 @@ class Oracle:
                 start, message = solver.t, solver.step()
                 if solver.status == "failed":
                     raise GaveUpError(f"integrator: {message}")
-                if phase.own:  # its differences by what moves nothing grow until they overflow
+                if phase.own:  # steps of differences in variables without effect grow to overflow
                     np.minimum(solver.jac_factor, 1.0, out=solver.jac_factor)
                 dense = solver.dense_output()
                 self.steps.append(Step(start, solver.t, dense, phase))

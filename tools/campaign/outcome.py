@@ -1,4 +1,4 @@
-"""What ways are compared by, and the verdict on what was drawn."""
+"""Outcomes by which solutions are compared, and verdicts on scenes, decks and inputs."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Touch:
-    """A contact from start to end, s. impulse, N s; pace: rate at the start times the length over
-    the depth.
+    """A contact from `start` to `end`, s, with its impulse, N s.
 
-    deep: its largest indentation, m. apart: by how far the bodies part after it, m.
+    `pace`: initial rate times duration over `deep`. `deep`: largest indentation, m. `apart`:
+    largest distance of the bodies after the contact, m.
     """
 
     start: float
@@ -29,8 +29,9 @@ class Touch:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of each contact its peak force and time, impulse and touches; of each body the velocity of
-    its centre of mass at the end of the record, and the acceleration then.
+    """Peak force, its time, impulse and touches of each contact; final motion of each body.
+
+    The motion is velocity and acceleration of the centre of mass at the end of the record.
     """
 
     peaks: FloatArray
@@ -44,12 +45,12 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of a scene, a deck or an input.
+    """Verdict on a scene, a deck or an input.
 
-    kind: "ok", "warned" or "named" (refused by name) pass. "refused" (with a cure that works),
-    "apart" (Newmark's rule is far from answer and oracle, which agree), "chaotic", "undecided" and
-    "none" are no failures. All others fail. why: what was off, or the message. off: the largest
-    relative error.
+    `kind`: "ok", "warned", "named" (refused by name) and "none" pass. "refused" (with a cure that
+    works), "apart" (Newmark's rule is far from answer and oracle, which agree), "chaotic" and
+    "undecided" are no failures. All others fail. `why`: the worst quantity, or the message. `off`:
+    the largest relative error.
     """
 
     kind: str
@@ -70,4 +71,4 @@ class Verdict:
         return "\n".join(told + [f"{'':18}{name}: {of}" for name, of in self.details.items()])
 
 
-Trial = Callable[[int], Verdict]  # of a number
+Trial = Callable[[int], Verdict]  # number ↦ verdict

@@ -1,4 +1,4 @@
-"""The package's own ways through a scene."""
+"""Runs of a scene by the package, and checks of a run without a reference."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from .outcome import FloatArray, Outcome, Touch
 
 T = TypeVar("T")
 
-# A warning that says nothing of how right an answer is.
+# Words of a warning that does not concern the accuracy of an answer.
 _NEUTRAL = "gravity has no effect"
 
-# How far beside its time a peak's force is looked for, as a share of the record.
+# Distance from a peak's time, over the record, within which the peak force must be on the curve.
 _BESIDE = 1e-12
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A run of the package, or why there is none.
+    """Outcome of a run of the package, or its error.
 
-    error: the class name and the message of what it raised; bare: whether that is not one of the
-    package's own. faults: what is wrong with the run by itself.
+    `error`: class name and message of the exception. `bare`: whether that is no AOImpactError.
+    `faults`: see `faults_of`. `claimed`: estimated error of time integration.
     """
 
     outcome: Outcome | None
@@ -42,7 +42,7 @@ class Answer:
 
 
 def run(case: Case, solver: Any = None) -> Answer:
-    """Run a scene by public API."""
+    """Run a scene by the public API."""
     solver = solver or ao.Adaptive(rtol=case.rtol)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -70,7 +70,7 @@ def _outcome(case: Case, done: Any) -> Outcome:
 
 
 def faults_of(case: Case, done: Any) -> tuple[str, ...]:
-    """What a run shows to be wrong by itself: its ledger, momentum, signs and order."""
+    """Return errors of a run in its own energy balance, momentum, signs, peaks and order."""
     faults = []
     limit = 10.0 * max(case.rtol, 1e-12)
     energy = done.error.energy
@@ -100,18 +100,18 @@ def faults_of(case: Case, done: Any) -> tuple[str, ...]:
 
 
 def _force_about(case: Case, done: Any, c: int) -> float:
-    """Largest force of the curve at a contact's peak, or just beside it where it jumps."""
+    """Return the largest force of a contact's curve at its peak, or just beside it at a jump."""
     try:
         when = done.contacts[c].peak_time
         beside = when + _BESIDE * case.duration * np.array([-1.0, 0.0, 1.0])
         times = np.unique(np.clip(beside, 0.0, case.duration))
         return float(done.at(times).contacts[c].force.max())
-    except ao.InputError:  # fixed steps are known at their times only
+    except ao.InputError:  # a run of fixed steps has forces at its times only
         return math.inf
 
 
 def _momentum(case: Case, done: Any, i: int, impulses: FloatArray) -> float | None:
-    """By how much a free body's momentum has changed otherwise than by its forces, relative."""
+    """Return the relative error of a free body's momentum balance; None for other bodies."""
     body = case.bodies[i]
     if body.held or (body.damping and body.damping[0] == "Rayleigh" and body.damping[1] > 0.0):
         return None
@@ -135,7 +135,7 @@ def _momentum(case: Case, done: Any, i: int, impulses: FloatArray) -> float | No
 
 
 def in_time(work: Callable[[], T], longest: float) -> T | None:
-    """What work returns, unless it takes longer than so many s."""
+    """Return the result of `work`, or None if it takes longer than `longest`, s."""
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
     signal.setitimer(signal.ITIMER_REAL, longest)
     try:

@@ -1,4 +1,4 @@
-"""Numbers tried in child processes: one that crashes, or takes too long, is replaced."""
+"""Trials of numbers in child processes; one that crashes, or takes too long, is replaced."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ import aoimpact
 
 from .outcome import Trial, Verdict
 
-# Modules with a function `trial(options, folder)`, which returns what tries a number.
+# Module of each kind; its `trial(options, folder)` returns the function that tries a number.
 KINDS = {
     "scene": "judge",
     "oblique": "oblique",
@@ -35,14 +35,14 @@ KINDS = {
     "scenefile": "scenefiles",
 }
 
-# s of the processor for one, and how many times as long it may take on the clock; bytes.
+# Limits of a trial: processor time, s, wall time over that, and memory beyond the imports, bytes.
 LIMIT, PATIENCE, MEMORY = 60.0, 10.0, 2**31
 
 _trial: Trial
 
 
 def _begin(options: argparse.Namespace, folder: Path) -> None:
-    """Prepare a child process: what it imports counts neither as time nor as memory."""
+    """Prepare a child process: import all modules, whose time and memory do not count."""
     global _trial
     faulthandler.enable()
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # readers may print
@@ -54,8 +54,8 @@ def _begin(options: argparse.Namespace, folder: Path) -> None:
 
 
 def _tried(number: int) -> tuple[Verdict, float]:
-    """The verdict on a number, and the s that it took."""
-    signal.setitimer(signal.ITIMER_PROF, LIMIT)  # either ends the process, whatever it is at
+    """Return the verdict on a number, and the processor time that it took, s."""
+    signal.setitimer(signal.ITIMER_PROF, LIMIT)  # this and the next line may end the process
     faulthandler.dump_traceback_later(PATIENCE * LIMIT, exit=True)
     begin = time.process_time()
     verdict = _trial(number)
@@ -65,7 +65,7 @@ def _tried(number: int) -> tuple[Verdict, float]:
 
 
 def each(options: argparse.Namespace, root: str) -> Iterator[tuple[int, Verdict, float]]:
-    """Yield each number with its verdict and the s that it took."""
+    """Yield each number with its verdict and the processor time that it took, s."""
     mine = threading.local()
     numbers = range(options.first, options.first + options.count)
 

@@ -1,6 +1,4 @@
-"""Peaks, impulses and touches of a run of the oracle, from its steps and what happened between
-them.
-"""
+"""Peaks, impulses and touches of a run of the oracle, from its steps and its events."""
 
 from __future__ import annotations
 
@@ -13,22 +11,22 @@ from numpy.polynomial import Chebyshev
 from .motion import At, Dense, Motion, Phase
 from .outcome import FloatArray, Outcome, Touch
 
-# A step is looked into if its start, middle or end has this share of the largest force.
+# Share of the largest force at its start, middle or end, from which a step is searched for a peak.
 _LOOKED_INTO = 0.5
 
-# Within a step nothing begins or ends, so the force is smooth: its polynomial of this degree is it
-# but for this share, or that of a part of the step of at least that share.
+# Degree of the polynomial of the force within a step, in which no event happens; its largest
+# relative error, above which the step is halved; and the smallest part of a step.
 _DEGREE, _EXACT, _SHORTEST = 12, 1e-9, 1.0 / 64.0
 
 
-# When a touch's rate is looked at again, as a share of its length: at its start the rate of a
-# massless coordinate jumps.
+# Time after the start of a touch, over its duration, at which its rate is taken a second time: at
+# the start the rate of a massless coordinate jumps.
 _SOON = 1e-3
 
 
 @dataclass
 class Step:
-    """A step that was accepted: dense output from start to end in one phase."""
+    """An accepted step: its dense output from `start` to `end`, in one phase."""
 
     start: float
     end: float
@@ -38,7 +36,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Mark:
-    """A contact closes, or opens again: when, which, the impulse so far and the rate."""
+    """Closing or opening of a contact: time, contact, impulse so far and rate."""
 
     time: float
     contact: int
@@ -47,7 +45,7 @@ class Mark:
 
 
 class Readout:
-    """What a run gives."""
+    """Results of a run of the oracle."""
 
     def __init__(self, motion: Motion, steps: Sequence[Step], marks: Sequence[Mark]) -> None:
         self.motion, self.steps, self.marks = motion, steps, marks
@@ -57,19 +55,19 @@ class Readout:
         self.middles = [self.look(step, 0.5 * (step.start + step.end)) for step in steps]
 
     def look(self, step: Step, t: float) -> At:
-        """The contacts at a time within a step."""
+        """Return the contacts at a time within a step."""
         i = min(np.searchsorted(self.bends, step.start, side="right"), len(self.bends) - 1)
         self.motion.piece = self.bends[i - 1], self.bends[i]
         return self.motion.look(t, step.dense(t), step.phase)
 
     def force_at(self, c: int, t: float) -> float:
-        """Force of a contact at a time, N."""
+        """Return the force of a contact at a time, N."""
         t = min(max(t, 0.0), self.motion.case.duration)
         i = max(int(np.searchsorted(self.starts, t, side="right")) - 1, 0)
         return float(self.look(self.steps[i], t).force[c])
 
     def outcome(self, y: FloatArray) -> Outcome:
-        """All of it; y: the state at the end of the record."""
+        """Return the outcome of the run; `y`: the state at the end of the record."""
         motion, system = self.motion, self.motion.system
         n, last = system.n, self.steps[-1]
         at = self.look(last, motion.case.duration)
@@ -93,7 +91,7 @@ class Readout:
         )
 
     def _peaks(self) -> tuple[FloatArray, FloatArray]:
-        """Largest force of each contact, and when: of every step's ends and tops within it."""
+        """Return the peak force and its time of each contact, by ends and maxima of all steps."""
         count = self.motion.count
         rough = np.array([self._rough(i) for i in range(len(self.steps))]).reshape(-1, count)
         least = _LOOKED_INTO * rough.max(axis=0, initial=0.0)
@@ -116,7 +114,7 @@ class Readout:
         return np.maximum(self.middles[i].force, np.maximum(*ends))
 
     def _tops(self, step: Step, looked: list[int]) -> list[float]:
-        """Times of the ends of a step, and of where a force is largest within it."""
+        """Return the times of the ends of a step, and of extrema of forces within it."""
         times, parts = [step.start, step.end], [(step.start, step.end)]
         while parts:
             low, high = parts.pop()
@@ -136,17 +134,17 @@ class Readout:
         return times
 
     def _at_edge(self, i: int, c: int) -> bool:
-        """Whether a touch begins or ends beside a step."""
+        """Return whether a touch begins or ends at a step's start or end."""
         neighbours = [j for j in (i - 1, i + 1) if 0 <= j < len(self.steps)]
         return len(neighbours) < 2 or any(not self.steps[j].phase.closed[c] for j in neighbours)
 
     def _touches(self, c: int, end: Mark) -> tuple[Touch, ...]:
-        """Of a contact, whose marks close and open it by turns; `end`: of the record."""
+        """Return the touches of a contact, whose marks alternate; `end`: that of the record."""
         marks = [*(mark for mark in self.marks if mark.contact == c), end, end]
         return tuple(self._touch(*marks[i : i + 3]) for i in range(0, len(marks) - 2, 2))
 
     def _touch(self, start: Mark, end: Mark, following: Mark) -> Touch:
-        """A touch, with how far the bodies part after it."""
+        """Return a touch, by its marks and the next one, up to which the bodies are apart."""
         c, length = start.contact, end.time - start.time
         deep = max(self._depths(c, start.time, end.time), default=0.0)
         apart = -min(self._depths(c, end.time, following.time), default=0.0)
@@ -157,7 +155,7 @@ class Readout:
         return Touch(start.time, end.time, end.impulse - start.impulse, pace, deep, apart)
 
     def _depths(self, c: int, start: float, end: float) -> list[float]:
-        """Indentations in the middles of the steps between two times."""
+        """Return the indentations in the middles of the steps between two times."""
         first = int(np.searchsorted(self.starts, start, side="left"))
         last = max(int(np.searchsorted(self.starts, end, side="left")), first + 1)
         return [float(at.depth[c]) for at in self.middles[first:last]]

@@ -1,7 +1,6 @@
-"""Bodies at rest under gravity and loads, pressed on each other: Newton's method on the balance of
-forces.
+"""Bodies at rest under gravity and loads: Newton's method on the balance of forces.
 
-In the stars' full coordinates, the massless ones among them, the energy is convex: stars on
+In the full coordinates of the AO models, with the massless ones, the energy is convex: linear
 springs, and contacts that only push.
 """
 
@@ -32,7 +31,7 @@ def rest(case: Case, laws: list[Formula], loads: FloatArray) -> tuple[list[Float
         own = slice(first[i], first[i + 1])
         free[own] = not body.wall
         stiffness[own, own] = stiffness_of(body)
-        # What holds a star given by numbers is not known, nor what its weight does to it.
+        # A held AO model given by numbers has unknown supports, so that its weight does not act.
         if not body.wall and not (body.held and isinstance(body, Body)):
             force[own] = np.array(body.masses) * case.gravity
         force[first[i] : first[i] + body.ports] += loads[ports[i] : ports[i + 1]]
@@ -50,7 +49,7 @@ def _balance(
     laws: list[Formula],
     free: FloatArray,
 ) -> FloatArray:
-    """Newton's method, damped until the energy falls."""
+    """Return the coordinates in balance, by Newton's method, damped until the energy falls."""
 
     def look(x: FloatArray) -> tuple[FloatArray, FloatArray, float, float]:
         depth = sides @ x - gaps
@@ -88,7 +87,7 @@ def _balance(
 
 
 def _usual_slope(laws: list[Formula], force: FloatArray) -> float:
-    """Largest stiffness of the laws under all of the loads, N/m."""
+    """Return the largest stiffness of the laws under the sum of all loads, N/m."""
     load = float(np.abs(force).sum())
     found = 1e-300
     for law in laws:

@@ -1,9 +1,9 @@
 """The equations of motion of a scene in its own coordinates, from the stars' numbers alone.
 
-Every body is M q'' + C q' + K q = b f + g, u = b'q + R f with f the forces at its contact
-coordinates. With masses there the coordinates are all of the body's, and R = 0. A contact
-coordinate of no mass is where its springs hold it, u = (sum k_i q_i + f)/s with s = k0 + sum k_i:
-so b = k/s, R = 1/s and K = diag(k) - k k'/s. Damping is that of the natural modes of (K, M); R has
+Every body is M q'' + C q' + K q = b f + g, u = b'q + R f with the forces f at its contact
+coordinates. If these have masses, q has all coordinates of the body, and R = 0. A massless contact
+coordinate is in balance with its springs, u = (sum k_i q_i + f)/s with s = k0 + sum k_i: so
+b = k/s, R = 1/s and K = diag(k) - k k'/s. Damping is that of the natural modes of (K, M); R has
 none. A frame is a row of masses, with a contact coordinate at each.
 """
 
@@ -21,7 +21,7 @@ from .outcome import FloatArray
 
 
 def stiffness_of(body: Body | Frame) -> FloatArray:
-    """Return K of all coordinates of a body, the contact's among them whatever its mass."""
+    """Return K of all coordinates of a body, including a massless contact's."""
     stiffness = np.zeros((len(body.masses), len(body.masses)))
     for i, j, k in body.springs:
         stiffness[i, i] += k
@@ -32,12 +32,12 @@ def stiffness_of(body: Body | Frame) -> FloatArray:
 
 
 def starts(sizes: Iterable[int]) -> npt.NDArray[np.intp]:
-    """Return where parts of these sizes start, and the end of the last."""
+    """Return the first index of each of consecutive parts of these sizes, and the end."""
     return np.cumsum([0, *sizes])
 
 
 def sides_of(case: Case, first: npt.NDArray[np.intp], count: int) -> FloatArray:
-    """Return of each contact +1 for a and -1 for b, at the bodies' first coordinates and ports."""
+    """Return rows with +1 at the coordinate of body a and -1 at that of b, for each contact."""
     sides = np.zeros((len(case.contacts), count))
     for c, contact in enumerate(case.contacts):
         sides[c, first[contact.a] + contact.at[0]] = 1.0
@@ -61,8 +61,9 @@ def _damping(body: Body | Frame, mass: FloatArray, stiffness: FloatArray) -> Flo
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """All bodies: q'' = matrix (q, q') + pull + push f, and (u, u') = port (q, q') + residual (f,
-    f').
+    """Equations of all bodies: q'' = matrix (q, q') + pull + push f.
+
+    The contact coordinates and their rates are (u, u') = port (q, q') + residual (f, f').
 
     Attributes
     ----------
@@ -71,20 +72,26 @@ class System:
     matrix : ndarray, shape (n, 2n)
     push : ndarray, shape (n, ports)
     pull : ndarray, shape (n,)
-        Gravity.
+        Acceleration by gravity, m/s².
     port : ndarray, shape (2 ports, 2n)
     residual : ndarray, shape (ports,)
+        Residual compliance, m/N.
     centre : ndarray, shape (bodies, n)
+        Weights of the coordinates in the centres of mass.
     start : ndarray, shape (2n,)
+        Initial q and q'.
     sides : ndarray, shape (contacts, ports)
-        +1 for a, -1 for b.
+        +1 for body a of a contact, -1 for body b.
     gaps : ndarray, shape (contacts,)
+        Initial gaps, m.
     wall_speed : ndarray, shape (bodies,)
+        Velocities of walls, m/s; 0 for other bodies.
     port_speed : ndarray, shape (ports,)
-        Of walls.
+        Velocities of the ports of walls, m/s; 0 for other ports.
     first_port : ndarray, shape (bodies + 1,)
+        Number of each body's first port, and of all ports.
     fastest : float
-        Largest eigenvalue of the free motion, 1/s.
+        Largest magnitude of an eigenvalue of the free motion, 1/s.
     """
 
     n: int
@@ -125,7 +132,7 @@ def system_of(case: Case) -> System:
         matrix[own, own] = -stiffness / mass[:, None]
         matrix[own, rates] = -_damping(body, mass, stiffness) / mass[:, None]
         push[own, its] = (unit / mass).T
-        # What holds a star given by numbers is not known, nor what its weight does to it.
+        # A held AO model given by numbers has unknown supports, so that its weight does not act.
         pull[own] = 0.0 if body.held and isinstance(body, Body) else case.gravity
         port[its, own] = port[count + ports[i] : count + ports[i + 1], rates] = unit
         centre[i, own] = mass / mass.sum()
