@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from .deckbody import Body, Dialect, Drawn, Expected, Groups, System, runs, shared_out, trials
 from .outcome import FloatArray
 
-# Keywords and data lines that stay together, in this order; a keyword may take several lines.
+# Keywords and data lines that must stay together in this order; one entry may have several lines.
 Unit = list[str]
 
 _TYPES = {
@@ -27,7 +27,7 @@ _TYPES = {
     "hexahedron20": "C3D20 C3D20R C3D20RH",
 }
 
-# Keywords without influence on the mesh, each followed by what belongs to it.
+# Keywords without influence on the mesh, each with its data lines.
 _OTHERS = """
 *HEADING
 plate, 3 x 2 and a * in the text
@@ -74,13 +74,13 @@ S, E
 1., 0., 0., 0., 1., 0.
 """
 
-# Warnings that the decks call for.
+# Words of the warnings that the decks may cause.
 _CALLED_FOR = (
     *("belong to no element", "no solids", "share no nodes", "at the same place"),
     "connections between nodes",
 )
 
-# Labels from here on are of nodes and elements that are no part of the body.
+# First label of nodes and elements that are no part of the body.
 _SPARE = 200_000_000
 
 
@@ -93,14 +93,14 @@ _DIALECT = Dialect(("** Prüfkörper", "", "   ", "**", "  ** *NODE"), _include)
 
 
 class _Writer(Drawn):
-    """Lines of a deck. Names of groups are in capitals, as Abaqus compares them."""
+    """Writer of a random deck. Names of groups are in capitals, as Abaqus compares them."""
 
     names, exact = 0, True
 
-    # ------------------------------------------------------------------------ how it looks
+    # ------------------------------------------------------------------------ style
 
     def keyword(self, name: str, *options: str) -> str:
-        """Return a keyword with its options, in any order, case and number of lines."""
+        """Return a keyword line with its options, in random order, case and number of lines."""
         parts = [name, *self.rng.sample(options, len(options))]
         if self.chance(0.5):
             case = self.pick((str.lower, str.title, str.upper))
@@ -153,7 +153,7 @@ class _Writer(Drawn):
                 unit = [self.keyword("*SYSTEM"), *lines]
             self.exact = self.exact and kind == "R" and not unit
             local = System(kind, system.origin, system.axes).local(places[part])
-            if kind == "S":  # the angle about z second, and that from the plane of x and y
+            if kind == "S":  # Abaqus: the angle about z second, then that from the x-y plane
                 local = np.stack([local[:, 0], local[:, 2], 90.0 - local[:, 1]], 1)
             options = [f"SYSTEM={kind}"] if kind != "R" or self.chance(0.2) else []
             if self.chance(0.2):
@@ -171,7 +171,7 @@ class _Writer(Drawn):
         return units
 
     def elements(self, body: Body) -> list[Unit]:
-        """Return blocks of elements, and the groups of which they are parts."""
+        """Return blocks of elements, and the sets of the body's parts."""
         units, by_block = list[Unit](), self.chance(0.6)
         named = [(self.name(), set(part)) for part in body.parts]
         for block in body.mesh.blocks:
@@ -270,7 +270,7 @@ def _key(name: str) -> str:
 
 @dataclass(frozen=True)
 class _Placement:
-    """Translation of an instance, and the rotation after it, degrees about an axis by its ends."""
+    """Translation of an instance, then rotation, degrees, about the axis through two points."""
 
     shift: FloatArray
     axis: FloatArray
@@ -301,7 +301,7 @@ class _Placement:
 
 
 def _written(rng: random.Random, body: Body, folder: Path) -> tuple[Path, list[Expected]]:
-    """Write a deck, and return what should be read of it."""
+    """Write a deck, and return the file and the expected results of reading it."""
     writer = _Writer(rng)
     placed = [_Placement.drawn(rng) for _ in range(2)]
     style = rng.choice(("flat", "flat", "flat", "parts", "instance", "within", "two"))
@@ -323,7 +323,7 @@ def _written(rng: random.Random, body: Body, folder: Path) -> tuple[Path, list[E
                 units += writer.group(which, name, members, every)
     last: Unit = []
     name = rng.choice(sorted(set(writer.cell_sets) - outside))
-    if rng.random() < 0.3 and "," not in name:  # after all of its pieces
+    if rng.random() < 0.3 and "," not in name:  # placed after all pieces of the element set
         last = [writer.keyword("*NSET", "NSET=OF-ELEMENTS", f"ELSET={name}")]
         writer.node_sets["OF-ELEMENTS"] = body.nodes_of(writer.cell_sets[name])
     others = _OTHERS.strip().split("\n\n")
@@ -354,7 +354,7 @@ def _written(rng: random.Random, body: Body, folder: Path) -> tuple[Path, list[E
 
 
 def _of_instance(instance: str, sets: Groups, outside: set[str], *, alone: bool) -> Groups:
-    """Return sets by the names that a reader finds: those within an instance have its name."""
+    """Return sets by the names that a reader gives: sets within an instance have its prefix."""
     inner = {f"{instance}.{name}": of for name, of in sets.items() if name not in outside}
     return inner | {name: of for name, of in sets.items() if name in outside or alone}
 

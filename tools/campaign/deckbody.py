@@ -211,7 +211,7 @@ def trials(
 ) -> Callable[[Namespace, Path], Trial]:
     """Return the `trial` of a format, whose decks are written into an empty folder.
 
-    `called_for`: words in the warnings that are expected.
+    `called_for`: words of the warnings that decks may cause.
     """
 
     def trial(options: Namespace, folder: Path) -> Trial:

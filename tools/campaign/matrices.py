@@ -1,4 +1,4 @@
-"""Stiffness and mass matrices, damaged: structure, numbers, shapes and types."""
+"""Damaged stiffness and mass matrices: structure, numbers, shapes and types."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _of_star(star: ao.AOModel) -> list[float]:
     return [star.m0, star.k0, *star.m, *star.k]
 
 
-# What a body is reduced to, and the numbers of that.
+# Reduced models of a body, each with a function that returns the model's numbers.
 _MODELS = {
     "eigen": lambda tip: _of_star(ao.antioscillators(tip, n=1)),
     "krylov": lambda tip: _of_star(ao.antioscillators(tip, n=1, method="krylov")),
@@ -63,7 +63,7 @@ _MODELS = {
 
 @dataclass(frozen=True)
 class Given:
-    """K and M and what goes with them."""
+    """Arguments of `FEModel`, K and M among them, and the kind of reduced model to make."""
 
     arguments: dict[str, Any]
     reduced: str
@@ -81,14 +81,14 @@ class Given:
 
 
 def seeds(folder: Path) -> list[Any]:
-    """Return sound K, M and nodes or None."""
+    """Return sound triples of K, M, and nodes or None."""
     found = list[Any]()
     for n in (1, 2, 3, 8, 40):
         K = sp.diags_array([-1e6, 2e6, -1e6], offsets=[-1, 0, 1], shape=(n, n)).toarray()
         found.append((K, np.diag(np.linspace(1.0, 2.0, n)), None))
         if n > 1:
             K = K.copy()
-            K[0, 0] = K[-1, -1] = 1e6  # free
+            K[0, 0] = K[-1, -1] = 1e6  # a chain without supports
             found.append((K, np.eye(n), None))
     box = ao.box_mesh((0.1, 0.05, 0.05), (2, 1, 1))
     body = ao.FEModel.from_mesh(box, ao.Material(E=1e9, nu=0.3, rho=1e3))
@@ -99,7 +99,7 @@ def seeds(folder: Path) -> list[Any]:
 
 
 def make(rng: random.Random, sound: list[Any], folder: Path) -> Given:
-    """Return damaged matrices, in a file that pickles them."""
+    """Return damaged matrices, and pickle them to a file."""
     K, M, nodes = sound[-1] if rng.random() < 0.02 else rng.choice(sound[:-1])
     given = {"K": K.copy(), "M": M.copy()}
     if nodes is not None and rng.random() < 0.7:
@@ -110,7 +110,7 @@ def make(rng: random.Random, sound: list[Any], folder: Path) -> Given:
         given[name] = _values(rng, given[name])
     for name in names:
         given[name] = _stored(rng, given[name])
-    # Once each: SciPy itself does not survive what is done to a broken one.
+    # Each matrix is broken once at most: SciPy itself may crash on changes to a broken one.
     for name in rng.sample(names, rng.choice((0, 1, 1, 1, 2))):
         given[name] = _broken(rng, given[name])
     n = K.shape[0]
@@ -124,13 +124,13 @@ def make(rng: random.Random, sound: list[Any], folder: Path) -> Given:
     elif way <= 5:
         name = (rng.choice(names), "free", "nodes", "damping")[way - 2]
         given[name] = rng.choice([*_ODD, *(numbers if name == "free" else ())])
-    with suppress(Exception):  # not all that is odd can be pickled
+    with suppress(Exception):  # some odd values cannot be pickled
         (folder / "matrices.pickle").write_bytes(pickle.dumps(given))
     return Given(given, rng.choice(("eigen", *_MODELS)))
 
 
 def _values(rng: random.Random, dense: Any) -> Any:
-    """Numbers that are wrong, or out of range."""
+    """Return a dense matrix with numbers that are wrong, or out of range."""
     n = min(dense.shape)
     if n == 0 or n < max(dense.shape):
         return dense
@@ -192,7 +192,7 @@ _SHAPES += [(2**40, 2**40)]
 
 
 def _broken(rng: random.Random, matrix: Any) -> Any:
-    """A sparse matrix whose arrays do not fit together, as if a program had written to them."""
+    """Return a sparse matrix whose arrays do not fit together, as if overwritten by a program."""
     if not sp.issparse(matrix) or matrix.format not in _INDEX:
         return matrix
     matrix = matrix.copy()
@@ -220,7 +220,7 @@ def _broken(rng: random.Random, matrix: Any) -> Any:
 
 
 def _broken_array(rng: random.Random, way: int, array: Any, *, is_index: bool) -> Any:
-    """An array with one wrong entry, of another length, or of another kind."""
+    """Return an array with one wrong entry, of another length, or of another kind."""
     if way <= 2 and array.size:
         at = rng.randrange(array.size)
         number = rng.choice(_INDICES if is_index else _NUMBERS)

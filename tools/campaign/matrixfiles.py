@@ -1,4 +1,4 @@
-"""Matrix files of every format, damaged, and what says which rows they have and where nodes are."""
+"""Damaged matrix files of every format, with files of their rows' dofs and of nodes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NAMED = re.compile(
 
 _MATERIAL = ao.Material(E=70e9, nu=0.3, rho=2700.0)
 
-# The beginnings of other programs' files.
+# Beginnings of files of other programs.
 _OTHERS = [b"MATLAB 5.0 MAT-file, Platform: GLNXA64", b"\x89HDF\r\n\x1a\n", b"\x93NUMPY\x01\x00"]
 _OTHERS += [b"*MATRIX,TYPE=STIFFNESS\n", b"\x0c\x00\x00\x00NASTRAN FORT TAPE ID CODE - "]
 _OTHERS += [b"**\n** ELEMENT NUMBER 1\n", b""]
@@ -34,7 +34,7 @@ _OTHERS += [b"**\n** ELEMENT NUMBER 1\n", b""]
 
 @dataclass(frozen=True)
 class Seed:
-    """Sound files of one model by their names, and which of them say what the rows are."""
+    """Sound files of one model by name, and the name of the file for each keyword."""
 
     files: dict[str, bytes]
     keywords: dict[str, str]
@@ -42,7 +42,7 @@ class Seed:
 
 @dataclass(frozen=True)
 class Given:
-    """Files, some of them damaged, and the keywords that they are given for."""
+    """Files, some of them damaged, by the keywords of `read_matrices`."""
 
     keywords: dict[str, Path]
 
@@ -58,7 +58,7 @@ class Given:
 
 
 def seeds(folder: Path) -> list[Seed]:
-    """Return sound files of every format: a free block, and one that is held."""
+    """Return sound files of every format, of a free block and of a held one."""
     writers, rng = SimpleNamespace(**run_path(str(_WRITERS))), random.Random(1)
     found = []
     for fixed in (None, [("xmin", "xyz")]):

@@ -1,4 +1,4 @@
-"""Mesh files of every format that is read and that meshio writes, damaged."""
+"""Damaged mesh files of every format that the package reads and meshio writes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .mutate import damaged
 
 _TESTS = Path(__file__).parents[2] / "tests"
 
-# Formats, the end of their files' names, and what their writers are told: all of these.
+# Formats and suffixes of their files, and all sets of keywords for their writers.
 _BINARY = ({"binary": False}, {"binary": True})
 _PLAIN = """
     abaqus.inp nastran.bdf permas.dato
@@ -44,7 +44,7 @@ _FORMATS = {
 
 @dataclass(frozen=True)
 class Seed:
-    """A sound file: the end of its name, its bytes, and those of what lies beside it."""
+    """A sound file: its suffix, its bytes, and names and bytes of the files beside it."""
 
     end: str
     content: bytes
@@ -54,7 +54,7 @@ class Seed:
 _MATERIAL = ao.Material(E=1e9, nu=0.3, rho=1e3)
 _PLY = ao.Orthotropic(E=(3e9, 1e9, 1e9), G=(4e8, 4e8, 3e8), nu=(0.3, 0.3, 0.4), rho=1e3)
 
-# What a user says of a mesh by the names of its groups.
+# Keywords of `from_mesh` that name groups of the mesh.
 _OPTIONS = (
     {"part": "all"},
     {"part": ["low", "wedges"]},
@@ -72,7 +72,7 @@ _ARGUMENT = re.compile(r"\b(mesh|part|material|fixed|masses|springs|point|radius
 
 @dataclass(frozen=True)
 class Given:
-    """An input: its file, and what a user would do with it."""
+    """A mesh file, keywords of `from_mesh`, and whether to make a contact point."""
 
     file: Path
     options: dict[str, Any]
@@ -105,7 +105,7 @@ def _blocks(box: ao.Mesh) -> list[tuple[str, Any]]:
 
 
 def _with_sets(box: ao.Mesh) -> meshio.Mesh:
-    """With named groups: of nodes, of all elements and of the first one of each kind."""
+    """Return the box with named groups: of nodes, all elements, and the first of each kind."""
     counts = [len(block.cells) for block in box.blocks]
     ends = np.cumsum(counts)
     groups = {
@@ -123,7 +123,7 @@ def _with_sets(box: ao.Mesh) -> meshio.Mesh:
 
 
 def _with_tags(box: ao.Mesh) -> meshio.Mesh:
-    """With Gmsh's physical groups, and with numbers at the nodes."""
+    """Return the box with Gmsh's physical groups, and with data at the nodes."""
     tags = [np.full(len(block.cells), 1 + i) for i, block in enumerate(box.blocks)]
     names = ("low", "wedges", "middle", "high")
     return meshio.Mesh(
@@ -136,13 +136,13 @@ def _with_tags(box: ao.Mesh) -> meshio.Mesh:
 
 
 def _skin() -> meshio.Mesh:
-    """A surface, which is no solid."""
+    """Return a mesh of triangles, which is no solid."""
     skin = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
     return meshio.Mesh(np.eye(4)[:, :3], [("triangle", skin)])
 
 
 def grouped(name: str, end: str) -> bytes:
-    """Return a file in a format of meshio's, of several kinds of elements in groups."""
+    """Return a file of several kinds of elements in groups, in one of meshio's formats."""
     mixed = run_path(str(_TESTS / "bodies.py"))["mixed_box"]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / f"a{end}"
@@ -155,7 +155,7 @@ def seeds(folder: Path) -> list[Seed]:
     found = [Seed(path.suffix, path.read_bytes()) for path in sorted((_TESTS / "meshes").iterdir())]
     for (name, end), every in _FORMATS.items():
         for how, box in product(every, _boxes()):
-            # Formats differ in what they can hold, and some need packages that are not there.
+            # Some formats cannot hold all of a box, or need packages that are not installed.
             with (
                 tempfile.TemporaryDirectory() as place,
                 contextlib.redirect_stderr(io.StringIO()),
@@ -170,7 +170,7 @@ def seeds(folder: Path) -> list[Seed]:
 
 
 def _plain(content: bytes) -> bytes:
-    """Without NumPy's names, which some of meshio's writers print around numbers."""
+    """Return content without NumPy's type names, which some writers print around numbers."""
     return re.sub(rb"np\.\w+\(([-+.\w]*)\)", rb"\1", content)
 
 

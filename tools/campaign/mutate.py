@@ -1,4 +1,4 @@
-"""Damage to text and bytes, as files suffer it: by transfers, editors and programs that err."""
+"""Random damage to files, such as that by transfers, editors and faulty programs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import random
 import re
 import struct
 
-# What a number in a text may be replaced by.
+# Replacements of a number in a text.
 _WORDS = """
     0 1 -1 2
     99999999 1000000 1000000000 100000000000
@@ -23,7 +23,7 @@ NUMBERS = [*_WORDS.split(), "", "1 2", "1" + 400 * "0"]
 
 _NUMBER = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eEdD][-+]?\d+)?")
 
-# And a number in binary.
+# Replacements of an integer in binary data.
 _WHOLE = """
     0 1 2 255 65536
     1000000 100000000 1000000000 100000000000
@@ -35,7 +35,7 @@ _INTEGERS = [int(word, 0) for word in _WHOLE.split()]
 
 
 def damaged(rng: random.Random, content: bytes, other: bytes = b"") -> bytes:
-    """Return bytes with some damage, one to three kinds of it."""
+    """Return bytes with one to three random kinds of damage."""
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
         (way,) = rng.choices([*_WAYS], [*_WAYS.values()])
         content = way(rng, content) if way is not _splice else _splice(rng, content, other)
@@ -50,13 +50,13 @@ def _number(rng: random.Random, content: bytes) -> bytes:
     found = list(_NUMBER.finditer(content))
     if not found:
         return content
-    # Counts stand at the beginning of files and sections.
+    # The first numbers are chosen more often: counts stand at the beginning of files.
     one = rng.choice(found[:40] if rng.random() < 0.4 else found)
     return _replaced(content, one, rng.choice(NUMBERS))
 
 
 def _nudge(rng: random.Random, content: bytes) -> bytes:
-    """A whole number that is off by little, or by a digit."""
+    """Return content with an integer changed by one, in sign, or by a factor."""
     found = [one for one in _NUMBER.finditer(content) if re.fullmatch(rb"[-+]?\d{1,19}", one[0])]
     if not found:
         return content
@@ -91,7 +91,7 @@ def _cut(rng: random.Random, content: bytes) -> bytes:
 
 
 def _moved(rng: random.Random, content: bytes) -> bytes:
-    """Some bytes that are missing, there twice, or none of the file's."""
+    """Return content with some bytes missing, repeated, or inserted."""
     start, length = rng.randrange(len(content) + 1), rng.choice((1, 2, 4, 8, 50, 100, 1000))
     what = rng.choice([b"\xff\xfe", *(bytes([one]) for one in b'\x00\n\r \t,#*$"(]')])
     between = rng.choice((b"", content[start : start + length], what * rng.choice((1, 1, 3, 300))))
@@ -117,7 +117,7 @@ def _splice(rng: random.Random, content: bytes, other: bytes = b"") -> bytes:
     return _cut(rng, content) + other[rng.randrange(len(other) + 1) :]
 
 
-# How often each is chosen.
+# Relative frequency of each kind of damage.
 _WAYS = {
     **{_number: 3, _moved: 3, _nudge: 2, _binary: 2, _flip: 2, _lines: 2},
     **{_cut: 1, _splice: 1},

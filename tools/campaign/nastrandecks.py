@@ -14,15 +14,15 @@ from aoimpact.mesh import reference_element
 from .deckbody import Body, Dialect, Drawn, Expected, System, runs, trials
 from .outcome import FloatArray
 
-# A field: text or a whole number as it stands, a decimal number with all its digits, or one with as
-# many as fit.
+# A field: text or an integer, a Decimal to be written with all digits, or a float with the digits
+# that fit.
 Field = str | int | Decimal | float
 Entry = list[Field]
 
 _NAMES = {"tetra": "CTETRA", "hexahedron": "CHEXA", "wedge": "CPENTA", "pyramid": "CPYRAM"}
 
-# Edges by their corners from 1, in the order of the nodes in their middles; corners in the other
-# sense, from 0.
+# Edges by their corners, from 1, in Nastran's order of midside nodes; and the order of corners,
+# from 0, that numbers the element in the opposite sense.
 _ORDERS = {
     "CTETRA": ("12 23 31 14 24 34", "0213"),
     "CPYRAM": ("12 23 34 41 15 25 35 45", "03214"),
@@ -30,10 +30,10 @@ _ORDERS = {
     "CHEXA": ("12 23 34 41 15 26 37 48 56 67 78 85", "03214765"),
 }
 
-# Labels of nodes and elements that are no part of the body, and of the elements on its sides.
+# First labels of nodes and elements that are no part of the body, and of elements on its sides.
 _SPARE, _SIDES = 99_999_100, 99_999_000
 
-# Warnings that the decks call for.
+# Words of the warnings that the decks may cause.
 _CALLED_FOR = ("belong to no element", "left out", "share no nodes")
 
 # Entries without influence on the mesh.
@@ -57,7 +57,7 @@ TABLED1,1,,,,,,,,0.,0.,1.,1.,ENDT
 
 
 def _include(rng: random.Random, name: str) -> str:
-    """A statement that includes a file, its name quoted and perhaps cut in two."""
+    """Return a statement that includes a file, whose name may be quoted and cut in two."""
     quote = rng.choice("'\"")
     written = rng.choice((name, name.replace("/", "\\")))
     if " " not in name and rng.random() < 0.3:
@@ -73,14 +73,14 @@ _DIALECT = Dialect(
 
 
 class _Content(Drawn):
-    """Entries of a body."""
+    """Entries of a deck of a body, and the groups to be read."""
 
     def __init__(self, rng: random.Random, body: Body) -> None:
         super().__init__(rng)
         self.body, self.entries, self.control = body, list[Entry](), list[str]()
         self.systems = {}
-        self.mirrored = rng.choice((0.0, 0.0, 0.5, 1.0))  # share of elements
-        self.members = dict(self.body.members)  # nodes by the label of the element
+        self.mirrored = rng.choice((0.0, 0.0, 0.5, 1.0))  # share of elements of opposite sense
+        self.members = dict(self.body.members)  # labels of nodes by element
         if self.chance(0.6):
             for i in range(rng.randint(1, 4)):
                 self._add_system(7 + i)
@@ -92,7 +92,7 @@ class _Content(Drawn):
         self.entries += [one.split(",") for one in rng.sample(others, rng.randint(0, len(others)))]
 
     def _add_system(self, label: int) -> None:
-        """By three points in a system before it, or by three nodes."""
+        """Add a coordinate system by three points in an earlier system, or by three nodes."""
         rng = self.rng
         system = System.drawn(rng, rng.choice("RCS"))
         (x, _, z), origin, kind = system.axes, system.origin, system.kind
@@ -150,7 +150,7 @@ class _Content(Drawn):
             self.node_sets[f"property {number}"] = self.body.nodes_of(part)
 
     def _add_sides(self) -> None:
-        """A triangle and a line on corners: groups of nodes by their properties."""
+        """Add a triangle and a line on corners, whose properties are groups of nodes."""
         corners = [self.body.nodes[node] for node in self.body.mesh.blocks[0].cells[0][:3]]
         for i, (names, count) in enumerate(((("CTRIA3", "CTRIAR"), 3), (("CBAR", "CROD"), 2))):
             if self.chance(0.5):
@@ -190,7 +190,7 @@ class _Content(Drawn):
 def _nastran_order(kind: str, name: str, mirrored: bool) -> list[int]:
     """Return meshio's numbers of an element's nodes in Nastran's order.
 
-    Nastran goes round the sides of an element in either sense.
+    Nastran allows both senses of numbering around the sides; `mirrored` is the opposite one.
     """
     element = reference_element(kind)
     edges, other = _ORDERS[name]
@@ -204,7 +204,7 @@ def _nastran_order(kind: str, name: str, mirrored: bool) -> list[int]:
 
 
 def _meant(spans: list[tuple[int, int]], labels: Iterable[int]) -> set[int]:
-    """Return the labels that a set holds; none if one that it names is not there."""
+    """Return the labels that a set holds, or none if it names a single label that is missing."""
     there = set(labels)
     if any(first == last and first not in there for first, last in spans):
         return set()
@@ -212,7 +212,7 @@ def _meant(spans: list[tuple[int, int]], labels: Iterable[int]) -> set[int]:
 
 
 def _wrapped(rng: random.Random, head: str, words: list[Field]) -> list[str]:
-    """A line of the case control, which goes on after a comma."""
+    """Return a line of the case control, continued on further lines after commas."""
     text = ", ".join(map(str, words)).replace(", THRU, ", " THRU ")
     lines = [head]
     for part in text.split(", "):
@@ -226,7 +226,7 @@ def _wrapped(rng: random.Random, head: str, words: list[Field]) -> list[str]:
 
 
 class _Style(Drawn):
-    """Ways to write entries as lines."""
+    """Random style in which entries are written as lines."""
 
     def __init__(self, rng: random.Random) -> None:
         super().__init__(rng)
@@ -237,7 +237,7 @@ class _Style(Drawn):
         self.long = rng.choice((0.0, 0.0, 0.3))
 
     def pieces(self, entry: Entry) -> list[list[str]]:
-        """Return the lines of an entry, cut where a continuation has a mark of its own."""
+        """Return the lines of an entry in pieces, cut at continuations with named marks."""
         name, *fields = entry
         if "free" in self.forms and len(fields) > 9 and self.chance(self.long):
             texts = [self.text(one, "free") for one in fields]
@@ -272,7 +272,7 @@ class _Style(Drawn):
         return form
 
     def text(self, one: Field, form: str) -> str:
-        """Return a field as text; numbers in any way that fits."""
+        """Return a field as text, with numbers written in any way that fits."""
         rng = self.rng
         if isinstance(one, (str, int)):
             return str(one)
@@ -293,7 +293,7 @@ class _Style(Drawn):
         return rng.choice([way for way in ways if len(way) <= width])
 
     def _join(self, join: str) -> tuple[str, str]:
-        """Return the marks at the end of a line and at the beginning of the next."""
+        """Return the continuation marks at the end of a line and the beginning of the next."""
         self.marks += 1
         own = f"+{self.marks:X}"
         following = {"plus": "+", "named": own, "end": "+"}.get(join, "")
@@ -337,7 +337,7 @@ def _written(rng: random.Random, body: Body, folder: Path) -> tuple[Path, list[E
     if rng.random() < 0.2:
         lines = [line.lower() for line in lines]
     file = _DIALECT.stored(rng, folder, name, lines)
-    tolerance = 1e-7 if content.systems else 0.0  # of ten digits, one system in the other
+    tolerance = 1e-7 if content.systems else 0.0  # ten digits, in nested coordinate systems
     sets = content.node_sets, content.cell_sets
     return file, [Expected(body.mesh.nodes, *sets, tolerance)]
 

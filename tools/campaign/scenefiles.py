@@ -1,4 +1,4 @@
-"""Scene files, damaged: by their grammar, and byte by byte."""
+"""Damaged scene files: changed in their tree of values, or byte by byte."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .meshes import grouped
 from .mutate import NUMBERS, damaged
 from .package import in_time
 
-# s for a run.
+# Maximum time of a run, s.
 _LONGEST = 2.0
 
 _IN_A_RUN = re.compile(r" at t = |^preload: .* body \d")
@@ -29,7 +29,7 @@ _ROOT = Path(__file__).parents[2]
 
 
 def seeds(folder: Path) -> list[dict[str, Any]]:
-    """Return sound scene files, read."""
+    """Return the contents of sound scene files."""
     sound = tomllib.loads(Path(__file__).with_name("sound.toml").read_text())
     (star, bar, *_), examples = sound["files"], _ROOT / "examples"
     laws = [star | {"impact": star["impact"] | {"law": law}} for law in sound["laws"]]
@@ -41,7 +41,7 @@ def seeds(folder: Path) -> list[dict[str, Any]]:
 
 @cache
 def _beside() -> dict[str, bytes]:
-    """The files that scene files name."""
+    """Return the files that scene files refer to, by name."""
     box = ao.box_mesh((100.0, 20.0, 20.0), (2, 1, 1))
     body = ao.FEModel.from_mesh(box, ao.Material(E=210e3, nu=0.3, rho=7.8e-9))
     with tempfile.TemporaryDirectory() as folder:
@@ -53,7 +53,7 @@ def _beside() -> dict[str, bytes]:
     }
 
 
-# ------------------------------------------------------------------------- as text again
+# ------------------------------------------------------------------------- writing
 
 
 def text_of(data: dict[str, Any]) -> str:
@@ -65,7 +65,7 @@ def _key(name: str) -> str:
 
 
 class _Raw(str):
-    """What is written as it is."""
+    """Text that is written without quotes."""
 
 
 def _value(value: Any) -> str:
@@ -115,7 +115,7 @@ def _at(data: Any, place: tuple[Any, ...]) -> Any:
 
 
 def _regrown(rng: random.Random, data: dict[str, Any], other: dict[str, Any]) -> None:
-    """Damage to the tree, in place."""
+    """Damage the tree of values in place, perhaps with a part of another tree."""
     places = _places(data)
     if not places:
         return
@@ -152,11 +152,11 @@ class Given:
         if any(20 < x < 1e7 for x in _divisions(scene.data)):
             return  # a large mesh is not malformed
         scene.case()
-        # A run of extreme bodies that takes long is not malformed.
+        # Extreme bodies may take long without being malformed: the run is cut off.
         in_time(lambda: str(scene.simulate()), _LONGEST)
 
     def named(self, message: str) -> bool:
-        # What comes up in a run, such as a contact law that gives no number, is not of one line.
+        # An error of the run itself, such as a contact law without a number, has no line.
         return self.file.name in message or bool(_IN_A_RUN.search(message))
 
 
@@ -178,7 +178,7 @@ def make(rng: random.Random, sound: list[dict[str, Any]], folder: Path) -> Given
 
 
 def written(content: bytes, folder: Path) -> Given:
-    """Write a scene file, and what it names beside it."""
+    """Write a scene file, and the files that it may refer to."""
     for name, bytes_of in _beside().items():
         if not (folder / name).exists():
             (folder / name).write_bytes(bytes_of)
