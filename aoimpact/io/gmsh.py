@@ -1,4 +1,4 @@
-"""Gmsh's mesh files of versions 2.2 and 4.1, text and binary, with all of their groups.
+"""Reader of Gmsh's mesh files, versions 2.2 and 4.1, text and binary, with all groups.
 
 The formats are those of the chapter "Gmsh file formats" of Gmsh's reference manual.
 """
@@ -25,7 +25,7 @@ _NAMES = (
 )
 _KINDS = dict(enumerate(_NAMES.split(), start=1))
 
-# Gmsh's numbers of the nodes within an element, in VTK's order.
+# For each node in VTK's order, its number within Gmsh's element.
 _HEXAHEDRON20 = (*range(9), 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15)
 _ORDERS = {
     "tetra10": (*range(8), 9, 8),
@@ -37,27 +37,28 @@ _ORDERS = {
 
 _PART = "it holds one part of a partitioned mesh, or says so; save all of it, without partitions"
 
-# Types of binary numbers by their names in the manual; None for a text file.
+# Data types of the numbers "i", "P" and "d" of a binary file (see `_Numbers.rows`); None for text.
 _Types = dict[str, np.dtype[np.generic]] | None
 
-# Numbers of groups, or parts, by the dimension and tag of an entity.
+# Numbers of the physical groups, or of the partitions, of each entity (dimension, tag).
 _Tags = dict[tuple[int, int], set[int]]
 
 
-# Elements of one type in one entity: the type, a key of `_KINDS`; their tags; the tags of their
-# nodes in Gmsh's order, shape (n, nodes per element); and the rows of those in each physical group.
+# Elements of one type in one entity: the type, a key of `_KINDS`; element tags, shape (n,); node
+# tags in Gmsh's order, shape (n, nodes per element); row numbers of the members of each physical
+# group.
 _Elements = tuple[int, IntArray, IntArray, dict[int, IntArray]]
 
 
 class _Numbers:
-    """The numbers of a section, taken one after the other."""
+    """Reads the numbers of a section of the file from first to last."""
 
     def __init__(self, content: bytes, types: _Types) -> None:
         self.types, self.at = types, 0
         self.content: Any = raw.numbers_of(content) if types is None else content
 
     def rows(self, layout: str, count: int) -> FloatArray:
-        """Return the next `count` rows, of numbers "i" (int), "P" (size_t) and "d" (double)."""
+        """Return the next `count` rows; `layout` has "i" (int), "P" (size_t) or "d" (double)."""
         kind = np.dtype([("", self.types[name] if self.types else "f8") for name in layout])
         size = kind.itemsize if self.types else len(layout)
         start, left = self.at, (len(self.content) - self.at) // size
@@ -85,10 +86,10 @@ class _Numbers:
 
 
 def read(file: Path) -> RawMesh:
-    """Return the mesh in a file of Gmsh's.
+    """Return the mesh in a file of Gmsh.
 
-    Groups are its physical groups; one without a name is called after its dimension and tag, as in
-    "surface 3".
+    Its groups are the physical groups. A group without a name is called after its dimension and
+    tag, as in "surface 3".
 
     Raises
     ------
@@ -129,7 +130,7 @@ def read(file: Path) -> RawMesh:
 
 
 def _sections(content: bytes) -> dict[str, bytes]:
-    """Return the content between $Name and $EndName by name; any names, most are not used."""
+    """Return the text between $Name and $EndName of each section, by name."""
     found: dict[str, bytes] = {}
     header = re.compile(rb"\s*\$(\w+)[ \t\r]*\n")
     at = 0
@@ -138,7 +139,7 @@ def _sections(content: bytes) -> dict[str, bytes]:
         if match is None:
             raise ValueError(f"a section is expected at byte {at}, got {content[at : at + 20]!r}")
         name = match[1].decode()
-        if name in ("NOD", "ELM", "ParametricNodes"):  # of version 1 and of 2.2
+        if name in ("NOD", "ELM", "ParametricNodes"):  # versions 1 and 2.2
             raise ValueError(f"the section ${name} is not read; save it as version 4.1")
         if name in ("Nodes", "Elements", "Entities") and name in found:
             raise ValueError(f"the section ${name} is there twice")
@@ -169,7 +170,7 @@ def _format(text: bytes) -> tuple[float, _Types]:
 
 
 def _names(text: bytes) -> dict[tuple[int, int], str]:
-    """Return names by dimension and tag; version 2.0 gives no dimension: -1."""
+    """Return group names by dimension (-1 in version 2.0, which gives none) and tag."""
     count, *lines = (decoded(text) or "").strip().splitlines()
     found = {}
     for line in lines:
@@ -182,9 +183,9 @@ def _names(text: bytes) -> dict[tuple[int, int], str]:
 
 
 def _entities(numbers: _Numbers, name: str) -> tuple[_Tags, _Tags, int]:
-    """Return the physical groups and the parts of the mesh of each entity, and the parts' number.
+    """Return the physical groups and the partitions of each entity, and the number of partitions.
 
-    Entities are dimensions and tags. Parts are those of a partitioned mesh.
+    An entity is a pair of dimension and tag.
     """
     groups, parts, n_parts = _Tags(), _Tags(), 0
     whole = name == "Entities"
@@ -196,8 +197,8 @@ def _entities(numbers: _Numbers, name: str) -> tuple[_Tags, _Tags, int]:
             entity = dim, int(numbers.ints("i", 1 if whole else 3)[0])
             if not whole:
                 parts[entity] = set(numbers.ints("i", numbers.count()).tolist())
-            numbers.take("d", 6 if dim else 3)  # the box around it
-            # A negative tag means that the group takes the entity in reverse.
+            numbers.take("d", 6 if dim else 3)  # its bounding box
+            # A negative tag means that the group has the entity with reversed orientation.
             groups[entity] = set(np.abs(numbers.ints("i", numbers.count())).tolist())
             if dim:
                 numbers.take("i", numbers.count())  # the entities that bound it
@@ -228,7 +229,8 @@ def _width(type_: int) -> int:
 def _elements_4(numbers: _Numbers, groups: _Tags, parts: _Tags, n_parts: int) -> list[_Elements]:
     n_blocks, n_elements, _, _ = numbers.ints("P", 4)
     found = []
-    met: dict[int, set[int]] = {0: set()}  # parts by dimension: a boundary is of several
+    # Partitions met, by dimension: an element on a boundary may belong to several.
+    met: dict[int, set[int]] = {0: set()}
     for _ in range(n_blocks):
         dim, tag, type_ = (int(number) for number in numbers.ints("i", 3))
         count, width = numbers.count(), 1 + _width(type_)
@@ -244,13 +246,13 @@ def _elements_4(numbers: _Numbers, groups: _Tags, parts: _Tags, n_parts: int) ->
 
 
 def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
-    """Return the elements by type and entity.
+    """Return the elements by type and entity, each element once.
 
-    An element in several groups is in the file once for each of them, and in reverse for a group
-    that takes its entity in reverse; here it is there once.
+    The file repeats an element for each group that it is in, with reversed node order for a group
+    that has its entity reversed.
     """
     line, _, rest = content.partition(b"\n")
-    chunks: list[tuple[int, int, IntArray]] = []  # type, number of tags, and all but these
+    chunks: list[tuple[int, int, IntArray]] = []  # type, number of tags, other numbers
     if types is None:
         alike: dict[tuple[int, int, int], list[list[bytes]]] = {}
         for words in filter(None, map(bytes.split, rest.splitlines())):
@@ -270,7 +272,7 @@ def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
     for kind, n_tags, rows in chunks:
         if n_tags < 2 or rows.shape[1] != 1 + n_tags + _width(kind):
             raise ValueError("elements without physical and elementary tag, or with other nodes")
-        # The number, the physical and the elementary tag, and the nodes.
+        # Columns: element number, physical tag, elementary tag, nodes.
         table = rows[:, np.r_[0:3, 1 + n_tags : rows.shape[1]]]
         for entity in np.unique(rows[:, 2]).tolist():
             found.setdefault((kind, entity), []).append(table[rows[:, 2] == entity])
@@ -281,7 +283,7 @@ def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
 
 
 def _once(type_: int, rows: IntArray) -> _Elements:
-    """Join the copies of elements of an entity; rows are number, group, entity and nodes."""
+    """Merge repeated elements of an entity; columns are number, group, entity and nodes."""
     nodes, tags = rows[:, 3:], np.abs(rows[:, 1])
     if (tags == tags[0]).all():
         group = {int(tags[0]): np.arange(len(rows))} if tags[0] else {}
@@ -289,7 +291,7 @@ def _once(type_: int, rows: IntArray) -> _Elements:
     _, first, number = np.unique(
         np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True
     )
-    order = np.argsort(first)  # that of the file
+    order = np.argsort(first)  # the file's order
     number = np.argsort(order)[number.reshape(-1)]
     groups = {int(tag): np.unique(number[tags == tag]) for tag in np.unique(tags) if tag}
     return type_, rows[first[order], 0], nodes[first[order]], groups

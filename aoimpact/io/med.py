@@ -1,4 +1,4 @@
-"""MED files of Salome and code_aster: one unstructured mesh with its families of groups."""
+"""Reader of MED files of Salome and code_aster: one unstructured mesh and its groups."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _OURS = (
 )
 _KINDS = dict(zip(_NAMES.split(), _OURS.split(), strict=True))
 
-# MED's numbers of the nodes within an element, in VTK's order.
+# For each node in VTK's order, its number within MED's element.
 _ORDERS = {"hexahedron27": (*range(20), 24, 22, 21, 23, 20, 25, 26)}
 
 
@@ -28,7 +28,7 @@ def read(file: Path) -> RawMesh:
     Raises
     ------
     ValueError
-        If the file is damaged, has more than one mesh or time, or a structured one.
+        If the file is damaged, has several meshes or times, or a structured mesh.
     """
     with opened_hdf5(file) as tree:
         if "ENS_MAA" not in tree:
@@ -72,7 +72,7 @@ def _only(group: Any, what: str) -> tuple[str, Any]:
 
 
 def _families(families: Any) -> dict[int, list[str]]:
-    """Return the names of the groups that each family is in."""
+    """Return, by family number, the names of the groups that the family belongs to."""
     found = {}
     for family in families.values():
         if "GRO" in family:
@@ -85,7 +85,10 @@ def _families(families: Any) -> dict[int, list[str]]:
 def _groups(
     families: dict[int, list[str]], numbers: IntArray | None, first: int
 ) -> list[tuple[str, IntArray]]:
-    """Return groups by the numbers of their families, of nodes or cells from `first` on."""
+    """Return pairs of a group and its members, from the family number of each node or cell.
+
+    Members are numbered from `first`. A group occurs once for each of its families.
+    """
     of = np.zeros(0, np.int64) if numbers is None else numbers
     return [
         (name, first + np.flatnonzero(of == number))

@@ -1,10 +1,10 @@
-"""Nastran's OUTPUT4 files: text or binary of either byte order, dense or sparse.
+"""Reader of Nastran's OUTPUT4 files: text or binary of either byte order, dense or sparse.
 
-The format is that of the Nastran manuals: a header, then columns, each with its first row (0 where
-it is sparse) and its number of words; a column is one string of numbers, or, sparse, several. In
-BIGMAT files, of a negative number of rows, a string begins with length and row, else with both in
-one word, row + 65536 (length + 1). `_matrix` follows that; `_Binary` and `_Text` give the integers
-and numbers that it asks for.
+The format is that of the Nastran manuals. A matrix is a header and columns. Each column gives its
+first row (0 if sparse) and its number of words, then one string of numbers if dense, several if
+sparse. A sparse string begins with its length and row: in two words in BIGMAT files, which have a
+negative number of rows, else in one word, row + 65536 (length + 1). `_matrix` parses this
+structure; `_Binary` and `_Text` supply its integers and numbers.
 """
 
 from __future__ import annotations
@@ -18,29 +18,31 @@ import numpy as np
 from ..base import FloatArray, InputError, sp
 from .raw import RawMatrix, numbers, passed_over, spoilt
 
-# The length of a binary header, bytes, with words of 4 and of 8 bytes.
+# Bytes per word (4 or 8) of a binary file, by the length of its header in bytes.
 _HEADERS = {24: 4, 48: 8}
 
-# From so many rows on a sparse matrix has the strings of BIGMAT.
+# Number of rows from which a sparse matrix is written as BIGMAT.
 _BIG = 65536
 
-# Columns, rows, form and type, right-aligned in fields of 8 (the first two also of 16), and name.
+# Header in text: columns, rows, form and type, right-aligned in fields of 8 characters (columns and
+# rows also of 16), then the name.
 _TEXT = re.compile(
     rb"([ \d]{7}\d|[ \d]{15}\d)([ \d-]{7}\d|[ \d-]{15}\d)([ \d]{7}\d)([ \d]{7}\d)(.*)"
 )
 
-# A name, or the form of the numbers: no number, as other formats have it at this place.
+# What follows the type in OUTPUT4: a name, or the format of the numbers. Other formats have a
+# number there.
 _NAMED = re.compile(rb"\s*[A-Za-z]|.{8}\s*1P,")
 
 
 def is_op4(head: bytes) -> bool:
-    """True if a file begins with a header of OUTPUT4, in text or binary."""
+    """Return whether a file begins with an OUTPUT4 header, in text or binary."""
     text = _TEXT.match(head)
     return _binary(head) is not None or (text is not None and bool(_NAMED.match(text[5])))
 
 
 def read_op4(file: Path) -> list[RawMatrix]:
-    """Read all matrices of a file."""
+    """Return all matrices of a file."""
     content = file.read_bytes()
     kind = _binary(content)
     source = _Text(file, content) if kind is None else _Binary(file, content, *kind)
@@ -58,7 +60,7 @@ def read_op4(file: Path) -> list[RawMatrix]:
 
 
 def _binary(head: bytes) -> tuple[str, int] | None:
-    """The byte order and bytes of a word of a binary file; None if it is none."""
+    """Return byte order and bytes per word of a binary file; None for other files."""
     for order in "<>":
         length = int.from_bytes(head[:4], "little" if order == "<" else "big")
         word = _HEADERS.get(length)
@@ -68,7 +70,7 @@ def _binary(head: bytes) -> tuple[str, int] | None:
 
 
 def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
-    """Read the next matrix: strings of numbers, each from a row of a column downwards."""
+    """Return the next matrix, joined from its strings: numbers in consecutive rows of a column."""
     n_cols, n_rows, kind, name = source.header()
     if kind not in (1, 2, 3, 4):
         raise source.wrong(f"{name} is of type {kind}; known are 1 to 4")
@@ -109,11 +111,11 @@ def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
 
 
 class _Binary:
-    """A binary file, record by record: each has its length before and after it."""
+    """Reads a binary file record by record; each record has its length before and after it."""
 
     def __init__(self, file: Path, content: bytes, order: str, word: int) -> None:
         self._file, self._content, self._order, self._word = file, content, order, word
-        self._at = self._next = 0  # of the next record, and within this one
+        self._at = self._next = 0  # positions of the next record, and within the current one
 
     def more(self) -> bool:
         return self._at < len(self._content)
@@ -134,7 +136,7 @@ class _Binary:
         return end
 
     def header(self) -> tuple[int, int, int, str]:
-        """Columns, rows, type and name of the next matrix."""
+        """Return columns, rows, type and name of the next matrix."""
         end = self._record()
         if end - self._next != 6 * self._word:
             raise self.wrong("a header of a matrix should stand here")
@@ -145,7 +147,7 @@ class _Binary:
         return n_cols, n_rows, kind, name.replace(" ", "").upper()
 
     def column(self) -> tuple[int, ...]:
-        """Number, first row and words of the next column."""
+        """Return number, first row and count of words of the next column."""
         end = self._record()
         col, row, words = self.integers(3)
         if self._next + words * self._word > end:
@@ -159,18 +161,18 @@ class _Binary:
         return found
 
     def take(self, count: int) -> FloatArray:
-        """The next numbers."""
+        """Return the next `count` numbers."""
         kind = f"{self._order}f{self._width}"
         found = np.frombuffer(self._content, kind, count, self._next).astype(float)
         self._next += count * self._width
         return found
 
     def end(self) -> None:
-        """Nothing follows: the number after the last column is in its record."""
+        """Do nothing: the number after the last column is part of that column's record."""
 
 
 class _Text:
-    """A file in text, line by line; numbers stand in fields of fixed width."""
+    """Reads a text file line by line; numbers stand in fields of fixed width."""
 
     per_column = 1
 
@@ -184,7 +186,7 @@ class _Text:
         return spoilt(self._file, why, self._at)
 
     def header(self) -> tuple[int, int, int, str]:
-        """Columns, rows, type and name of the next matrix, and how its numbers are printed."""
+        """Return columns, rows, type and name of the next matrix; set the format of its numbers."""
         line = self._next()
         found = _TEXT.match(line)
         if found is None:
@@ -198,7 +200,7 @@ class _Text:
         return n_cols, n_rows, kind, found[5][:8].decode().replace(" ", "").upper()
 
     def column(self) -> tuple[int, ...]:
-        """Number, first row and words of the next column."""
+        """Return number, first row and count of words of the next column."""
         return self.integers(3)
 
     def integers(self, count: int) -> tuple[int, ...]:
@@ -208,7 +210,7 @@ class _Text:
         return tuple(map(int, words))
 
     def take(self, count: int) -> FloatArray:
-        """The next numbers."""
+        """Return the next `count` numbers."""
         n_lines, full = -(-count // self._per_line), self._per_line * self._width
         if n_lines > len(self._lines) - self._at:
             raise self.wrong(f"{count} numbers should follow: it is cut short")
@@ -223,7 +225,7 @@ class _Text:
         return found
 
     def end(self) -> None:
-        """Pass the number after the last column."""
+        """Skip the number after the last column."""
         self.take(1)
 
     def _next(self) -> bytes:

@@ -1,7 +1,7 @@
-"""VTK's XML files of unstructured grids (.vtu), with all pieces, compressed or appended data.
+"""Reader of VTK's XML files of unstructured grids (.vtu), with compressed or appended data.
 
-The format is that of "VTK File Formats" (docs.vtk.org). It has no groups and no numbers of nodes or
-elements.
+The format is that of "VTK File Formats" (docs.vtk.org). It has no groups, and nodes and elements
+have no numbers of their own. All pieces of a file are joined into one mesh.
 """
 
 from __future__ import annotations
@@ -27,13 +27,14 @@ _KINDS = {
     **dict(enumerate(_QUADRATIC.split(), start=21)),
 }
 
-# Points, lines and surfaces of any number of nodes or order.
+# VTK's types of points, lines and surfaces beyond `_KINDS`, which are left out.
 _WITHOUT_VOLUME = (0, 2, 4, 6, 7, 30, 34, 35, 36, 51, 60, 61, 62, 68, 69, 70, 75, 76, 77)
 
-# Pixels and voxels go along the axes, quadrilaterals and hexahedra around.
+# Nodes of pixels and voxels, which VTK numbers along x, y and z, in the order of quadrilaterals and
+# hexahedra.
 _ORDERS = {8: (0, 1, 3, 2), 11: (0, 1, 3, 2, 4, 5, 7, 6)}
 
-# Types of numbers, which are NumPy's but for capitals.
+# VTK's data types, named like NumPy's but capitalized.
 _TYPES = re.compile("U?Int(8|16|32|64)|Float(32|64)")
 
 _COMPRESSORS: dict[str, Any] = {
@@ -50,12 +51,12 @@ def _from_bytes(content: bytes, dtype: np.dtype[Any], count: int) -> npt.NDArray
 
 
 def read(file: Path) -> RawMesh:
-    """Return the mesh in an XML file of an unstructured grid, all of its pieces.
+    """Return the mesh in an XML file of an unstructured grid, with all pieces joined.
 
     Raises
     ------
     ValueError
-        If the file is damaged, of another kind of data set, or has ghost cells.
+        If the file is damaged, holds another kind of data set, or has ghost cells.
     """
     content = file.read_bytes()
     appended = re.search(rb"<AppendedData([^>]*)>\s*_", content)
@@ -117,7 +118,7 @@ def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
 
 
 class _Arrays:
-    """The arrays of a file, as text, in base64 or appended, compressed or not."""
+    """Decodes the data arrays of a file: text, base64 or appended, compressed or not."""
 
     def __init__(self, root: ElementTree.Element, appended: bytes, *, raw: bool) -> None:
         self.order = ">" if root.get("byte_order") == "BigEndian" else "<"
@@ -161,6 +162,6 @@ class _Arrays:
 
 
 def _base64(text: bytes) -> bytes:
-    """Return the bytes of a text in base64; the header and the data may each end with "="."""
+    """Decode base64 text, in which header and data may each be padded with "="."""
     parts = re.findall(rb"[A-Za-z0-9+/]+=*", b"".join(text.split()))
     return b"".join(map(base64.b64decode, parts))

@@ -1,8 +1,8 @@
-"""Meshes: elements and their sides, generators, surface, points.
+"""Meshes: elements and their sides, generators, surfaces, and the location of points.
 
-It knows shapes, but neither files, materials nor matrices. `io` reads meshes, `fem` makes bodies of
-them, `linalg` takes their nodes and corners for multigrid, `fields` their elements for stresses and
-pictures.
+This package handles geometry only, not files, materials or matrices. `io` reads meshes, `fem` makes
+bodies of them, `linalg` uses nodes and corners for multigrid, `fields` uses elements for stresses
+and pictures.
 """
 
 from .convert import Solids, collapse, of_second_order, open_edges

@@ -1,4 +1,4 @@
-"""Elements as elements of other kinds: of second order, or with their repeated nodes left out."""
+"""Conversion of elements: to second order, and of bricks with repeated nodes to other solids."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from .vectors import parted
 
 
 def of_second_order(mesh: Mesh) -> Mesh:
-    """Return the mesh with a node in the middle of each edge; one of second order as it is.
+    """Return the mesh with a node in the middle of each edge; second-order meshes as they are.
 
-    Edges stay straight. The new nodes come after the others. With `Mesh.node_labels`, they have the
-    numbers after the largest of these. A new node belongs to a set of nodes if both ends of its
-    edge do; in a set of nodes on the surface, only edges on the surface count. The set of a group
-    of elements is that of their nodes.
+    Edges stay straight. The new nodes come after the others; their `node_labels`, if any, follow
+    the largest label. A new node joins a set of nodes if both ends of its edge are in the set; if
+    all of the set is on the surface, the edge must be on the surface, too. A node set with the name
+    and the nodes of a group of elements gets all new nodes of the group.
 
     Raises
     ------
     MeshError
-        If it has elements of both orders.
+        If the mesh has elements of both orders, shells or beams.
     """
     if any(block.element.thin for block in mesh.blocks):
         raise MeshError(f"order: shells and beams are of first order, got {mesh.contents}")
@@ -76,13 +76,13 @@ def of_second_order(mesh: Mesh) -> Mesh:
 
 
 def open_edges(mesh: Mesh, ids: IntArray) -> int:
-    """Return how many edges on the surface have both ends among some corners, but no middle.
+    """Return the number of edges on the surface whose ends, but not middle nodes, are in a set.
 
     Parameters
     ----------
     mesh : Mesh
     ids : ndarray of int
-        Nodes. If a midside node is one of them, they are no corners alone, and the result is 0.
+        Nodes of the set. The result is 0 if any of them is a midside node.
     """
     middles = []
     for block in mesh.blocks:
@@ -99,23 +99,26 @@ def open_edges(mesh: Mesh, ids: IntArray) -> int:
 
 
 def collapse(kind: str, cells: IntArray, numbers: IntArray) -> tuple[list[Solids], IntArray]:
-    """Return elements that repeat corners as the wedges, pyramids and tetrahedra that they are.
+    """Convert elements with repeated corners to the wedges, pyramids or tetrahedra they represent.
 
-    Programs without elements of these shapes write them as bricks of which edges have no length.
-    Integrals on such a brick are right, but its sides are not those of the body.
+    Programs without elements of these shapes write them as bricks with edges of zero length.
+    Integrals over such a brick are right, but its sides are not those of the body.
 
     Parameters
     ----------
     kind : str
+        Kind of the given elements.
     cells : ndarray of int, shape (n, nodes per cell)
+        Their nodes.
     numbers : ndarray of int, shape (n,)
+        Their numbers among the cells of the file.
 
     Returns
     -------
     list of Solids
-        Those that repeat nothing first.
+        Elements without repeated nodes, then the converted ones, by kind and pattern.
     ndarray of int
-        Rows of the elements that are no solid of another kind.
+        Rows of elements with repeated nodes that are no valid solid.
     """
     element = reference_element(kind)
     corners = cells[:, : element.n_corners]
@@ -140,36 +143,38 @@ def collapse(kind: str, cells: IntArray, numbers: IntArray) -> tuple[list[Solids
 
 @cache
 def _plan(kind: str, pattern: tuple[int, ...]) -> tuple[str, list[int], IntArray] | None:
-    """Return the solid that an element with repeated corners is, or None if it is none.
+    """Return how to convert an element with repeated corners, or None if it is no valid solid.
 
     Parameters
     ----------
     kind : str
+        Kind of the given element.
     pattern : tuple of int
         For each corner of the element, the first corner with the same node.
 
     Returns
     -------
     kind : str
+        Kind of the converted element.
     order : list of int
-        Its nodes, by their numbers in the given element.
+        Nodes of the converted element, by their numbers within the given element.
     same : ndarray of int, shape (any, 2)
-        Pairs of nodes of the given element that must be the same.
+        Pairs of nodes of the given element that must coincide.
     """
     element = reference_element(kind)
     distinct = sorted(set(pattern))
-    if element.thin:  # a quadrilateral of which an edge has no length
+    if element.thin:  # a quadrilateral with an edge of zero length
         beside = len(distinct) == 3 and pattern not in ((0, 1, 0, 3), (0, 1, 2, 1))
         return ("triangle", distinct, np.zeros((0, 2), np.int64)) if beside else None
     target = SOLIDS.get(len(distinct))
-    # Nodes within collapsed sides have no place in other kinds.
+    # Other kinds than the hexahedron of 27 nodes have no nodes within sides.
     if len(element.nodes) == 27 or target is None:
         return None
-    # Its sides, without those that have lost their area; a folded one is no side of any solid.
+    # Sides that still have an area. A folded side matches no side of any solid below.
     around = [[pattern[n] for n in face.nodes] for face in reference_faces(element.cell.linear)]
     left = ([n for n, last in zip(of, [of[-1], *of], strict=False) if n != last] for of in around)
     sides = sorted(sorted(of) for of in left if len(of) > 2)
-    # The order of corners that makes an element of these sides, right-handed.
+    # Find the order of the corners that gives a right-handed element with these sides.
     places = np.stack(
         [element.cell.corners[np.array(pattern) == corner].mean(axis=0) for corner in distinct]
     )
@@ -188,7 +193,7 @@ def _plan(kind: str, pattern: tuple[int, ...]) -> tuple[str, list[int], IntArray
         middles: dict[frozenset[int], list[int]] = {}
         for i, ends in enumerate(element.edges.tolist(), element.n_corners):
             middles.setdefault(frozenset(pattern[end] for end in ends), []).append(i)
-        for ends, nodes in middles.items():  # on edges that fall together, or have no length
+        for ends, nodes in middles.items():  # coinciding or zero edges
             same += [(nodes[0], other) for other in (*nodes[1:], *(ends if len(ends) == 1 else ()))]
         target = RAISED[target]
         edges = reference_element(target).edges.tolist()

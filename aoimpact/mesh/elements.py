@@ -392,10 +392,10 @@ _ALL |= {
 }
 THIN = ("quad", "triangle", "line")
 
-# Kinds of second order on the corners of those of first order: hexahedron20 comes after 27 here.
+# The second-order kind for each kind of first order. In reverse, hexahedron20 replaces 27.
 RAISED = {_ALL[kind][0].linear: kind for kind in reversed(KINDS) if _ALL[kind][1]}
 
-# Surface elements by their numbers of nodes.
+# Kinds of surface elements by their numbers of nodes.
 SURFACES = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
 
 
@@ -411,7 +411,7 @@ def reference_element(kind: str) -> ReferenceElement:
     return ReferenceElement(kind, cell, nodes, points, basis)
 
 
-# Solids by their numbers of nodes.
+# Kinds of solid elements by their numbers of nodes.
 SOLIDS = {reference_element(kind).n_nodes: kind for kind in KINDS}
 
 

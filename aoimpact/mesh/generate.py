@@ -1,4 +1,4 @@
-"""Meshes of simple bodies, made here: balls, boxes and sheets."""
+"""Mesh generators for simple bodies: balls, boxes and sheets."""
 
 from __future__ import annotations
 
@@ -27,40 +27,40 @@ from .mesh import Mesh
 
 _GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
-# Angle between neighbouring vertices of the icosahedron, seen from its centre. Edges in the middle
-# of a face are longer than their share of it, by 1.161 in four parts and 1.176 in sixteen.
+# Angle between neighbouring vertices of the icosahedron, seen from its centre, and the ratio of the
+# longest element edge to this angle over n: 1.161 for n = 4 and 1.176 for n = 16.
 _ICOSAHEDRON_ANGLE = float(np.arctan(2.0))
 _STRETCH = 1.18
 
-# Largest number of nodes: 1e7 nodes are 40 GB of matrices, and a slip in `size` (m, not mm).
+# Largest number of nodes. 1e7 nodes need 40 GB for matrices; more are a slip of units (m, not mm).
 _MOST_NODES = 1e7
 
 
 def sphere_mesh(radius: float, size: float) -> Mesh:
     """Return a ball of tetra10 elements about the origin.
 
-    The ball is cut into the 20 cones of an icosahedron, each into n³ tetrahedra in n similar
-    layers, n even; the nodes of edges on the surface lie on the sphere. There is a corner node at
-    each of (±R, 0, 0), (0, ±R, 0), (0, 0, ±R), and one at the centre.
+    The ball is cut into the 20 cones of an icosahedron and each cone into n³ tetrahedra, in n
+    similar layers, n even. All nodes of the surface, midside ones too, lie on the sphere. There is
+    a corner node at the centre and at each of (±R, 0, 0), (0, ±R, 0), (0, 0, ±R).
 
     Parameters
     ----------
     radius : float
-        R, m.
+        Radius R of the ball, m.
     size : float
-        Length of the longest element edge on the surface, m; some edges inside are half as long
-        again. n is the first even number from 1.31 R/size upward.
+        Length of the longest element edge on the surface, m; some edges inside are 1.5 times as
+        long. n is the smallest even number ≥ 1.31 R/size.
 
     Returns
     -------
     Mesh
-        With the node set "surface".
+        The mesh, with the node set "surface".
 
     Raises
     ------
     InputError
-        If `radius` or `size` is not positive, `size` more than the diameter, or so small that the
-        mesh would fill the memory.
+        If `radius` or `size` is not positive, `size` exceeds the diameter, or is so small that
+        the mesh would exceed the memory.
 
     Examples
     --------
@@ -76,22 +76,23 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     _refuse_monster(80.0 / 3.0 * n_exact * n_exact * n_exact, "size", f"{h:g}, of radius={R:g} m,")
     n = 2 * max(1, int(np.ceil(n_exact / 2.0 - PRINTED)))
     directions, cones = _icosahedron()
-    # The tetrahedron of a cone, cut into n³ by Kuhn's scheme.
+    # Kuhn's subdivision of the tetrahedron of one cone into n³ tetrahedra.
     grid = np.array(np.meshgrid(*[np.arange(n)] * 3, indexing="ij")).reshape(3, -1).T
     every = grid[:, None, None] + reference_element("tetra").cell.of_brick.astype(np.int64)
     x, y, z = np.moveaxis(every, 3, 0)
     x, y, z = np.moveaxis(every[((x >= y) & (y >= z)).all(axis=2)], 2, 0)
     weights = np.stack([n - x, x - y, y - z, z], axis=-1).reshape(-1, 4)
     barycentric, tets = np.unique(weights, axis=0, return_inverse=True)
-    # The first coordinate belongs to the centre: the layer is the sum of the others. The direction
-    # comes from sines of their shares, which leaves the spacing on the sphere nearly even.
+    # The first barycentric coordinate belongs to the centre; the sum of the others is the layer.
+    # Sines of their shares give the direction, which makes the spacing on the sphere nearly even.
     share = barycentric[:, 1:]
     layer = share.sum(axis=1)
     angle = share / np.maximum(layer, 1)[:, None] * _ICOSAHEDRON_ANGLE
     places = np.einsum("pk,fkc->fpc", np.sin(angle), directions[cones])
     norm = np.linalg.norm(places, axis=2, keepdims=True)
     places *= (layer / n)[:, None] / np.where(norm > 0.0, norm, 1.0)
-    # A point is known by its vertices with a positive share, each as one number, in order.
+    # Points of two cones are the same if they have equal shares of the same vertices. Each vertex
+    # and its share make one number, and the sorted numbers of a point its key.
     label = np.where(share[None] > 0, cones[:, None, :] * (n + 1) + share[None] + 1, 0)
     label.sort(axis=2)
     keys = label @ np.array([(12 * (n + 1) + 1) ** 2, 12 * (n + 1) + 1, 1])
@@ -108,9 +109,9 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
 
 
 def _icosahedron() -> tuple[FloatArray, IntArray]:
-    """Unit vectors to the 12 vertices, and the vertices of the 20 faces.
+    """Return unit vectors to the 12 vertices, and the vertices of the 20 faces.
 
-    Two opposite edges are halved by each axis of coordinates.
+    Each coordinate axis passes through the middles of two opposite edges.
     """
     signs = [(a, b) for a in (1.0, -1.0) for b in (_GOLDEN, -_GOLDEN)]
     vertices = [np.roll([0.0, a, b], shift) for shift in range(3) for a, b in signs]
@@ -130,23 +131,23 @@ def box_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = "h
     Parameters
     ----------
     lengths : array_like, shape (3,)
-        Along x, y and z, m.
+        Lengths of the box along x, y and z, m.
     divisions : sequence of 3 int
-        Bricks along x, y and z.
+        Numbers of bricks along x, y and z.
     kind : str, optional
-        Any kind of element; each brick is one hexahedron, two wedges, six tetrahedra
-        or six pyramids.
+        Kind of element, any of solids. Each brick is one hexahedron, two wedges, six tetrahedra or
+        six pyramids.
 
     Returns
     -------
     Mesh
-        With the node sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax" of the six faces.
+        The mesh, with node sets "xmin", "xmax", "ymin", "ymax", "zmin", "zmax" of the six faces.
 
     Raises
     ------
     InputError
-        If a length is not positive, a division less than one, `kind` unknown, or the mesh so fine
-        that it would fill the memory.
+        If a length is not positive, a division is less than one, `kind` is unknown, or the mesh is
+        so fine that it would exceed the memory.
 
     Examples
     --------
@@ -164,23 +165,23 @@ def sheet_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = 
     Parameters
     ----------
     lengths : array_like, shape (2,)
-        Along x and y, m.
+        Lengths of the sheet along x and y, m.
     divisions : sequence of 2 int
-        Rectangles along x and y; an even number puts a node in the middle.
+        Numbers of rectangles along x and y; even numbers put a node in the middle.
     kind : str, optional
-        "quad", or "triangle": each rectangle is two of them.
+        Kind of element: "quad", or "triangle" with two elements per rectangle.
 
     Returns
     -------
     Mesh
-        With the node sets "xmin", "xmax", "ymin", "ymax" of the edges, and "rim" of all of them.
+        The mesh, with node sets "xmin", "xmax", "ymin", "ymax" of the edges and "rim" of all four.
         Normals point to +z.
 
     Raises
     ------
     InputError
-        If a length is not positive, a division less than one, `kind` unknown, or the mesh so fine
-        that it would fill the memory.
+        If a length is not positive, a division is less than one, `kind` is unknown, or the mesh is
+        so fine that it would exceed the memory.
 
     Examples
     --------
@@ -193,7 +194,7 @@ def sheet_mesh(lengths: npt.ArrayLike, divisions: Sequence[int], *, kind: str = 
 
 
 def _lattice(lengths: Any, divisions: Any, kind: str, kinds: Sequence[str], axes: int) -> Mesh:
-    """The mesh of a box or rectangle of equal bricks, each cut into elements of one kind."""
+    """Return the mesh of a box or rectangle: equal bricks, each cut into elements of one kind."""
     sides = finite_array("lengths", lengths, shape=(axes,), unit="m")
     for i, side in enumerate(sides):
         positive(f"lengths[{i}]", float(side), unit="m")
@@ -204,7 +205,7 @@ def _lattice(lengths: Any, divisions: Any, kind: str, kinds: Sequence[str], axes
     element = reference_element(choice("kind", kind, kinds))
     most = 8 * math.prod(counts) if axes == 3 else math.prod(count + 1 for count in counts)
     _refuse_monster(float(min(most, 10**30)), "divisions", counts)
-    # Nodes of all elements on the lattice of quarter bricks, shape (n_cells, n_nodes, axes).
+    # Integer coordinates of all elements' nodes in quarters of a brick, (n_cells, n_nodes, axes).
     local = 4.0 * (element.linear.shape(element.nodes) @ element.cell.of_brick)[..., :axes]
     bricks = 4 * np.array(list(product(*(range(count) for count in counts))))
     lattice = bricks[:, None, None, :] + np.rint(local).astype(np.int64)[None]

@@ -1,4 +1,4 @@
-"""Meshes of surface and line elements with edges half as long."""
+"""Uniform refinement of meshes of surface and line elements: edges are halved."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from .elements import reference_element
 from .mesh import Mesh
 from .vectors import parted
 
-# Elements of second order, and the parts into which their nodes cut them and those on their
-# corners.
+# For each kind of linear element, the second-order kind on the same corners, and the node numbers
+# within the latter of each part into which an element is cut.
 PARTS: dict[str, tuple[str, Any]] = {
     "line": ("line3", [(0, 2), (2, 1)]),
     "triangle": ("triangle6", [(0, 3, 5), (1, 4, 3), (2, 5, 4), (3, 4, 5)]),
@@ -21,15 +21,18 @@ PARTS: dict[str, tuple[str, Any]] = {
 
 
 def halved(mesh: Mesh) -> tuple[sp.csr_array, Mesh, IntArray]:
-    """Cut surface elements in four and line elements in two, parts one after another.
+    """Return the mesh with each surface element cut in four and each line element in two.
+
+    The parts of an element follow each other.
 
     Returns
     -------
     mean : scipy.sparse.csr_array, shape (new nodes, nodes)
-        The new nodes as means of the old ones, which come first.
+        Interpolation matrix: each new node is a mean of old nodes. The old nodes come first.
     mesh : Mesh
+        The refined mesh.
     parent : ndarray of int, shape (new elements,)
-        The element that each is a part of.
+        Number of the old element that each new element is a part of.
     """
     corners = []
     for block in mesh.blocks:

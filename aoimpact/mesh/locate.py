@@ -1,4 +1,4 @@
-"""Points of a body: the element that holds a point, and the weights of its nodes there."""
+"""Location of points of a body: the element at a point, and its shape functions there."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from ..base import ROUNDING, FloatArray, InputError, IntArray, plain
 from .mesh import Mesh
 from .vectors import dot
 
-# Distance from a node, as a fraction of the body's size, within which a point is that node.
+# Distance from a node, as a fraction of the body's size, up to which a point is taken for the node.
 AT_NODE = 1e-6
 
-# Distance off the mesh, as a share of the element's size, at which a point counts as on it: faceted
-# surfaces leave such slivers.
+# Distance from an element, as a fraction of its size, up to which a point counts as on it: points
+# of a curved surface lie off the facets of its mesh.
 _ON_SURFACE = 0.02
 
-# Newton's method for the reference coordinates: largest number of steps, and size of the last.
+# Newton's method for the reference coordinates: maximum number of steps, and tolerance of a step.
 _MOST_STEPS = 30
 _LAST_STEP = 1e-13
 
@@ -23,27 +23,30 @@ _LAST_STEP = 1e-13
 def weights_at(
     mesh: Mesh, point: FloatArray, shapes: Mesh | None = None
 ) -> tuple[IntArray, FloatArray]:
-    """Return the nodes of the element that holds a point, and their shape functions there.
+    """Return the nodes of the element at a point, and the values of their shape functions there.
 
     Parameters
     ----------
     mesh : Mesh
     point : ndarray, shape (3,)
-        m.
+        Coordinates, m.
     shapes : Mesh, optional
-        The mesh itself or what `enriched` made of it, whose functions are wanted.
+        Mesh whose shape functions are evaluated: `mesh` by default, or that from `enriched`.
 
     Returns
     -------
-    nodes, weights : ndarrays, shape (nodes per element,)
-        The weights sum to 1.
+    nodes : ndarray of int, shape (nodes per element,)
+        Nodes of the element.
+    weights : ndarray, shape (nodes per element,)
+        Their shape functions. Their sum is 1, without the functions added by `enriched`.
 
     Raises
     ------
     InputError
         If the point is off the body.
     """
-    # Boxes of elements are larger by half, for bulging sides; the nearest middle comes first.
+    # Candidates: bounding boxes of elements, enlarged by half for bulging sides. The element with
+    # the nearest middle is tried first.
     places = mesh.nodes[mesh.cells]
     low, high = places.min(axis=1), places.max(axis=1)
     room = 0.25 * (high - low).max(axis=1, keepdims=True)
@@ -55,7 +58,7 @@ def weights_at(
         element, members = block.element, block.cells[cell - block.first]
         corners = mesh.nodes[members]
         place = element.nodes[: element.n_corners].mean(axis=0)
-        for _ in range(_MOST_STEPS):  # Newton's method, not far outside the element
+        for _ in range(_MOST_STEPS):  # Newton's method, kept near the element
             miss = point - element.shape(place[None])[0] @ corners
             jacobian = corners.T @ element.gradient(place[None])[0]
             ahead = np.clip(place + np.linalg.lstsq(jacobian, miss)[0], -1.0, 2.0)
@@ -81,7 +84,7 @@ def weights_at(
 
 
 def nearest_line(mesh: Mesh, point: FloatArray) -> tuple[int, float, float]:
-    """Return the line element nearest to a point, where along it, 0 to 1, and the distance, m."""
+    """Return the line element nearest to a point, the place along it (0 to 1), the distance, m."""
     block = next(of for of in mesh.blocks if of.kind == "line")
     ends = mesh.nodes[block.cells]
     along = ends[:, 1] - ends[:, 0]
@@ -97,7 +100,7 @@ def node_at(nodes: FloatArray, point: FloatArray) -> int:
     Raises
     ------
     InputError
-        If there is none.
+        If there is no node at the point.
     """
     node, said = _nearest(nodes, point)
     size = np.linalg.norm(np.ptp(nodes, axis=0))
@@ -107,7 +110,7 @@ def node_at(nodes: FloatArray, point: FloatArray) -> int:
 
 
 def _nearest(nodes: FloatArray, point: FloatArray) -> tuple[int, str]:
-    """Return the number of the node nearest to a point, and the same in words."""
+    """Return the number of the node nearest to a point, and a phrase for messages that names it."""
     distance = np.linalg.norm(nodes - point, axis=1)
     node = int(np.argmin(distance))
     place = plain(nodes[node])

@@ -1,4 +1,4 @@
-"""Meshes of solid, surface and line elements, checked."""
+"""Meshes of solid, surface and line elements, and their validation."""
 
 from __future__ import annotations
 
@@ -32,14 +32,16 @@ from ..base import (
 )
 from .elements import KINDS, THIN, ReferenceElement, cofactors, jacobians, reference_element
 
-# Elements of one kind: the kind, their nodes, and their numbers among the cells of the file.
+# Elements of one kind: the kind, node numbers of each element, and its number among all cells of
+# the file.
 Solids = tuple[str, IntArray, IntArray]
 
-# Least det J of an element with a volume, as a fraction of the cube of its size.
+# Smallest det J of a valid element, as a fraction of the cube of its size.
 _FLAT = 1e-12
 
-# Least area of a surface element over the square of its longest edge; cosine between the normals at
-# two of its corners, 45° for quadrilaterals that are folded rather than warped.
+# Smallest area of a valid surface element over the square of its longest edge; and cosine of 45°,
+# the angle between the normal at a corner and the mean normal from which a quadrilateral counts as
+# folded, not just warped.
 _SLIVER, _FOLDED = 1e-6, np.sqrt(0.5)
 
 
@@ -50,12 +52,13 @@ class Block(Frozen):
     Attributes
     ----------
     kind : str
-        One of `KINDS` or `THIN`.
+        One of `KINDS` or `THIN`, with "+" if enriched.
     cells : ndarray of int, shape (n, nodes per cell)
+        Node numbers of each element.
     first : int
-        Number of the first among all elements of the mesh.
+        Number of the block's first element among all elements of the mesh.
     signs : ndarray, shape (n, nodes per cell), or None
-        By which the shape functions of each element are multiplied; None: by 1.
+        Factors (1, -1 or 0) on the shape functions of each element; None: all are 1.
     """
 
     kind: str
@@ -65,12 +68,12 @@ class Block(Frozen):
 
     @property
     def element(self) -> ReferenceElement:
-        """Shape functions and quadrature of its kind."""
+        """The reference element: shape functions and quadrature of the block's kind."""
         return reference_element(self.kind)
 
     @property
     def numbers(self) -> slice:
-        """Numbers of its elements among all of the mesh."""
+        """Numbers of the block's elements among all elements of the mesh."""
         return slice(self.first, self.first + len(self.cells))
 
 
@@ -83,26 +86,26 @@ class Mesh(Frozen):
     nodes : array_like, shape (n_nodes, 3)
         Coordinates, m.
     cells : array_like of int, shape (n_cells, nodes per cell)
-        Node numbers in meshio's (VTK's) order. Of several kinds of elements: a list of pairs of a
-        kind and its cells. As an attribute of such a mesh: an array as wide as the largest element,
-        in which short rows repeat their first node; see `blocks`.
+        Node numbers of each element in meshio's (VTK's) order; for several kinds of elements, a
+        list of pairs (kind, cells). The attribute of such a mesh is an array as wide as the largest
+        element, in which shorter rows repeat their first node; see `blocks`.
     kind : str, optional
-        meshio's name of the element, such as "tetra10", "hexahedron20", "quad" or "line"; "mixed"
-        for several kinds.
+        meshio's name of the kind of element, such as "tetra10", "hexahedron20", "quad" or "line";
+        "mixed" for several kinds.
     node_sets : mapping of str to array of int, optional
         Named sets of nodes, e.g. for supports.
     cell_sets : mapping of str to array of int, optional
-        Named groups of elements by their numbers, e.g. for materials. Kinds are numbered through,
-        one after the other.
+        Named groups of element numbers, e.g. for materials. Elements are numbered from 0 through
+        all kinds, one kind after the other.
     node_labels : array_like of int, shape (n_nodes,), optional
-        Numbers that the file gives to the nodes, by which supports, masses, springs, contacts and
-        probes name them. A number that occurs twice, as in two instances of an Abaqus part, names
-        no single node.
+        Numbers of the nodes in the file, by which supports, masses, springs, contacts and probes
+        refer to nodes. A number that occurs twice, as in two instances of an Abaqus part, cannot be
+        used for this.
     cell_labels : array_like of int, shape (n_cells,), optional
-        Numbers that the file gives to the elements.
+        Numbers of the elements in the file.
     left_out : mapping of str to str, optional
-        Groups of a file that hold more than solids, and the rest of their contents, as in "3 MASS".
-        They are refused as groups of elements.
+        Groups of a file that hold more than solids, with the rest of their contents, as in
+        "3 MASS". They are refused as groups of elements.
 
     Attributes
     ----------
@@ -112,8 +115,8 @@ class Mesh(Frozen):
     Raises
     ------
     MeshError
-        If elements are inverted, flat or there twice, or nodes belong to no element: these are
-        counted, and the first one is named.
+        If elements are inverted, flat or duplicate, or nodes belong to no element; the message says
+        how many, and which is the first.
     InputError, InputTypeError
         If the arrays have the wrong shape or type, or node numbers are out of range.
 
@@ -181,16 +184,16 @@ class Mesh(Frozen):
 
     @cached_property
     def size(self) -> float:
-        """The longest side of the box that holds the mesh, m."""
+        """The longest side of the bounding box of the mesh, m."""
         return float(np.ptp(self.nodes, axis=0).max())
 
     @property
     def thin(self) -> bool:
-        """True if there are surface or line elements, for shells and beams."""
+        """True if the mesh has surface or line elements, for shells and beams."""
         return any(block.element.thin for block in self.blocks)
 
     def of_elements(self, *, thin: bool) -> Mesh:
-        """Return the shells and beams of the mesh, or the rest of it, with all of its nodes.
+        """Return a mesh of the shells and beams, or of the solids, with all nodes of this mesh.
 
         :meta private:
         """
@@ -200,18 +203,18 @@ class Mesh(Frozen):
 
     @property
     def thin_nodes(self) -> IntArray:
-        """Nodes of surface and line elements, ascending: those that rotate."""
+        """Nodes of surface and line elements, which have rotational dofs, ascending."""
         cells = [block.cells.ravel() for block in self.blocks if block.element.thin]
         return np.unique(np.concatenate([np.zeros(0, np.int64), *cells]))
 
     @property
     def quadratic(self) -> bool:
-        """True if elements have nodes between their corners."""
+        """True if some elements have nodes between their corners."""
         return any(block.element.quadratic for block in self.blocks)
 
     @property
     def contents(self) -> str:
-        """The elements in words, as in "10 hexahedron, 4 wedge"."""
+        """Number of elements of each kind, as in "10 hexahedron, 4 wedge"."""
         return ", ".join(f"{len(block.cells)} {block.kind}" for block in self.blocks)
 
     def __repr__(self) -> str:
@@ -220,9 +223,9 @@ class Mesh(Frozen):
         return f"Mesh({self.n_nodes} nodes, {self.contents}{sets}{groups})"
 
     def part(self, names: str | Sequence[str]) -> Mesh:
-        """Return the mesh of some named groups of elements: one of several bodies in a file.
+        """Return the mesh of the named groups of elements, e.g. of one of several bodies in a file.
 
-        Sets and groups keep their members in it; nodes and elements are numbered anew.
+        Nodes and elements are renumbered. Sets and groups keep the members that are in the part.
 
         Parameters
         ----------
@@ -232,7 +235,7 @@ class Mesh(Frozen):
         Raises
         ------
         InputError, InputTypeError
-            If there is no group of that name.
+            If the mesh has no group of that name.
 
         Examples
         --------
@@ -245,7 +248,7 @@ class Mesh(Frozen):
 
 
 def select(mesh: Mesh, name: str, given: Any) -> Mesh:
-    """Return `mesh.part(given)`; `name` is the argument's."""
+    """Return `mesh.part(given)`; `name` is the name of the argument, for messages."""
     wanted = [given] if isinstance(given, str) else sequence(name, given)
     if not wanted:
         raise InputError(f"{name}: give the name of a group of elements")
@@ -253,7 +256,7 @@ def select(mesh: Mesh, name: str, given: Any) -> Mesh:
 
 
 def group(mesh: Mesh, name: str, wanted: Any) -> IntArray:
-    """Return the numbers of the elements of a named group; `name` is the argument's."""
+    """Return the element numbers of a group; `name` is the argument's name, for messages."""
     text(name, wanted)
     if other := called(wanted, mesh.left_out):
         why = f"{name}: the group {wanted!r} also holds {mesh.left_out[other]}"
@@ -270,7 +273,7 @@ def group(mesh: Mesh, name: str, wanted: Any) -> IntArray:
 
 
 def taken(mesh: Mesh, cells: IntArray) -> Mesh:
-    """Return the mesh of some elements, shape (n,), ascending, with their nodes alone."""
+    """Return the mesh of the elements numbered `cells`, ascending, with only their nodes."""
     parts = np.split(cells, np.searchsorted(cells, [block.first for block in mesh.blocks[1:]]))
     own = [
         (block.kind, block.cells[numbers - block.first], numbers)
@@ -281,9 +284,9 @@ def taken(mesh: Mesh, cells: IntArray) -> Mesh:
 
 
 def gathered(of: Any, parts: Sequence[Solids], n_cells: int) -> Mesh:
-    """Return the mesh of elements of a mesh, or of a file's `RawMesh`, with their nodes alone.
+    """Return the mesh of some elements of a `Mesh` or `RawMesh`, with only their nodes.
 
-    Sets and groups keep their members in it.
+    Sets and groups keep the members that are in the new mesh.
     """
     members = np.concatenate([cells.ravel() for _, cells, _ in parts])
     used = np.bincount(members, minlength=len(of.nodes)) > 0
@@ -304,13 +307,13 @@ def gathered(of: Any, parts: Sequence[Solids], n_cells: int) -> Mesh:
 
 
 def _renumbered(sets: Mapping[str, IntArray], number: IntArray) -> dict[str, IntArray]:
-    """Return sets by new numbers, -1 for members that are gone, without those that are empty."""
+    """Return sets with new numbers, without members numbered -1, and without empty sets."""
     new = {name: number[ids] for name, ids in sets.items()}
     return {name: ids[ids >= 0] for name, ids in new.items() if (ids >= 0).any()}
 
 
 def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
-    """Return kinds of elements and their cells from either form of the arguments."""
+    """Return pairs of a kind and its cells from either form of the arguments."""
     if not (isinstance(kind, str) and kind == "mixed"):
         return [(choice("kind", kind, KINDS + THIN), cells)]
     how = 'cells of a mixed mesh must be a list of pairs such as [("tetra", array), …]'
@@ -327,7 +330,7 @@ def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
 
 
 def _table(blocks: Sequence[Block]) -> IntArray:
-    """Return the cells of all blocks in one array; short rows repeat their first node."""
+    """Return the cells of all blocks in one array; shorter rows repeat their first node."""
     if len(blocks) == 1:
         return blocks[0].cells
     width = max(block.cells.shape[1] for block in blocks)
@@ -343,14 +346,14 @@ def _sets(name: str, given: Any, count: int, what: str) -> dict[str, IntArray]:
 
 
 def twins(table: IntArray) -> tuple[IntArray, IntArray]:
-    """Return which rows of a table are equal, in pairs; of two the first comes first."""
+    """Return pairs of equal rows of a table: the earlier rows, and the later ones."""
     order = np.lexsort(table.T)
     same = (table[order[1:]] == table[order[:-1]]).all(axis=1)
     return order[:-1][same], order[1:][same]
 
 
 def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArray:
-    """Return node numbers of elements, shape (n, nodes per element), in range."""
+    """Return `cells` as an array, shape (n, nodes per element), of node numbers in range."""
     array = integers("cells", cells, "integer node numbers")
     if array.ndim != 2 or array.shape[1] != element.n_nodes or not len(array):
         shape = f"(any, {element.n_nodes})"
@@ -366,9 +369,9 @@ def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArr
 def _check_elements(
     nodes: FloatArray, block: Block, node_labels: IntArray | None, cell_labels: IntArray | None
 ) -> None:
-    """Refuse elements that are there twice, have no volume, are inverted, or repeat a corner."""
+    """Refuse elements that are duplicate, flat or inverted, or that repeat a corner."""
     cells, number = block.cells, np.r_[block.numbers]
-    elements = number if cell_labels is None else cell_labels[number]  # as their user knows them
+    elements = number if cell_labels is None else cell_labels[number]  # the user's numbers
     names = np.arange(len(nodes)) if node_labels is None else node_labels
     corners = np.sort(cells[:, : block.element.n_corners], axis=1)
     both = np.stack(twins(corners), axis=1)
@@ -400,7 +403,7 @@ def _check_elements(
 
 
 def _misshapen(corners: FloatArray) -> tuple[BoolArray, BoolArray]:
-    """Return which surface or line elements have no area or length, and which are folded."""
+    """Return masks of surface or line elements of no area or length, and of folded elements."""
     ahead = np.roll(corners, -1, axis=1) - corners
     size = np.abs(ahead).max(axis=(1, 2))
     if corners.shape[1] == 2:
@@ -416,7 +419,7 @@ def _misshapen(corners: FloatArray) -> tuple[BoolArray, BoolArray]:
 
 
 def jacobian_range(nodes: FloatArray, cells: IntArray, element: ReferenceElement) -> ArrayPair:
-    """Return the smallest and largest det J of each element over its size³, at Gauss points."""
+    """Return the smallest and largest det J/size³ of each element over its Gauss points."""
     gradient = element.gradient(element.stiffness_rule.points)
     found = []
     for part in np.array_split(cells, len(cells) // 4096 + 1):
@@ -430,12 +433,12 @@ def jacobian_range(nodes: FloatArray, cells: IntArray, element: ReferenceElement
 
 
 def right_handed(kind: str, nodes: FloatArray, cells: IntArray) -> IntArray:
-    """Return elements renumbered if every one of them is the mirror image of a good one."""
+    """Return cells with nodes reordered if all elements are left-handed, else as they are."""
     if kind not in KINDS or not len(cells):
         return cells
     element = reference_element(kind)
-    for part in (cells[:1], cells):  # the first one tells of most meshes
+    for part in (cells[:1], cells):  # the first element settles most meshes
         _, highest = jacobian_range(nodes, part, element)
-        if not (highest < 0.0).all():  # also where one is not a number
+        if not (highest < 0.0).all():  # also if det J is NaN
             return cells
     return np.ascontiguousarray(cells[:, element.mirror])

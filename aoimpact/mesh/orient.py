@@ -1,4 +1,4 @@
-"""Normals of surface elements: the same side for all that are joined edge by edge."""
+"""Consistent orientation of surface elements that are joined edge by edge."""
 
 from __future__ import annotations
 
@@ -13,17 +13,23 @@ from .vectors import dot, unit
 
 
 def against_neighbours(nodes: FloatArray, groups: Sequence[IntArray]) -> list[BoolArray]:
-    """Return which elements lie the other way round than most of those they are joined with.
+    """Return which elements are oriented against the majority of the surface they belong to.
 
-    Elements are joined by edges that belong to two of them. At an edge of more, as of a stiffener
-    on a skin, two are joined that go on straight, by less than 45°; others keep their own side.
+    Elements are joined at an edge that two of them share. At an edge of three or more, as between
+    a skin and a stiffener, two elements are joined if they continue each other within 45°; all
+    others there are not joined.
 
     Parameters
     ----------
     nodes : ndarray, shape (n_nodes, 3)
-        m.
+        Coordinates, m.
     groups : sequence of ndarray of int, shape (n, 3) or (n, 4)
-        Nodes of elements in turn.
+        Corner nodes of the elements, around each.
+
+    Returns
+    -------
+    list of ndarray of bool
+        For each group, True for elements to be turned over.
     """
     if not groups:
         return []
@@ -35,22 +41,23 @@ def against_neighbours(nodes: FloatArray, groups: Sequence[IntArray]) -> list[Bo
     )
     n = int(owner[-1]) + 1
     one, other = np.hstack([np.stack(some) for some in pairs(number)])
-    # Collapsed elements go on nowhere.
+    # Collapsed elements, with `away` = 0, continue no other.
     straight = dot(away[one], away[other]) < -SHARP * size[one] * size[other]
     some = (np.bincount(number)[number[one]] == 2) | straight
     alone = np.bincount(one[some], minlength=len(number)) == 1
     some &= alone[one] & alone[other]
     one, other = one[some], other[some]
     alike = forward[one] != forward[other]
-    # Elements are nodes of a graph and every one is there twice, as it is and turned: components of
-    # this graph say which agree. A surface with one side only, as of Möbius, has a single one.
+    # Each element is two nodes of a graph: as it is, and turned over. Elements of consistent
+    # orientation form a connected component. A one-sided surface, such as a Möbius strip, has a
+    # single component.
     row = np.concatenate([owner[one], owner[one] + n])
     column = np.where(np.tile(alike, 2), 0, n) + np.tile(owner[other], 2)
     column[len(one) :] = np.where(alike, owner[other] + n, owner[other])
     links: Any = sp.coo_array((np.ones(len(row)), (row, column)), shape=(2 * n, 2 * n))
     part = sp.csgraph.connected_components(links, directed=False)[1]
     as_is, turned = part[:n], part[n:]
-    # A surface has two sides: take the one that turns fewer elements.
+    # Of the two orientations of a surface, take the one that turns fewer elements.
     low = np.minimum(as_is, turned)
     balance = np.bincount(low, np.sign(turned - as_is), minlength=len(part))
     flipped = np.where(balance[low] >= 0.0, as_is > turned, as_is < turned)
@@ -60,17 +67,18 @@ def against_neighbours(nodes: FloatArray, groups: Sequence[IntArray]) -> list[Bo
 def sides(
     nodes: FloatArray, groups: Sequence[IntArray]
 ) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
-    """Return the sides of surface elements in turn, n in all.
+    """Return the sides of all surface elements, one element after the other, n in all.
 
     Returns
     -------
     ends : ndarray of int, shape (n, 2)
+        End nodes of each side, in the order of the element.
     number : ndarray of int, shape (n,)
-        Of the edge: elements that are joined share it.
+        Number of the edge: sides of adjacent elements have the same number.
     inside : ndarray, shape (n, 3)
-        From the first end to the middle of the element, m.
+        Vector from the first end to the middle of the element, m.
     away : ndarray, shape (n, 3)
-        The part of it across the edge, m.
+        Component of `inside` normal to the side, m.
     """
     ends = np.concatenate(
         [np.stack([of, np.roll(of, -1, axis=1)], axis=2).reshape(-1, 2) for of in groups]
@@ -82,7 +90,10 @@ def sides(
 
 
 def pairs(key: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
-    """Yield all pairs of entries with the same key, in both orders, in arrays without repeats."""
+    """Yield index arrays of all pairs of entries with equal keys, in both orders.
+
+    No array repeats an index.
+    """
     order = np.argsort(key, kind="stable")
     for step in range(1, max(2, int(np.bincount(key).max()))):  # at least an empty one
         first = np.flatnonzero(key[order[step:]] == key[order[:-step]])

@@ -13,27 +13,27 @@ _TINY = float(np.finfo(float).tiny)
 
 
 def dot(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Return the products of vectors, rows of shape (n, 3)."""
+    """Return the scalar products, shape (n,), of vectors in rows, shape (n, 3)."""
     return np.asarray(np.einsum("ni,ni->n", one, other))
 
 
 def unit(vectors: FloatArray) -> FloatArray:
-    """Return vectors, shape (..., k), of length one; zero where they are zero."""
+    """Return vectors, shape (..., k), scaled to unit length; zero vectors stay zero."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.asarray(vectors / np.maximum(length, _TINY))
 
 
 def parted(values: Any, like: Sequence[Any]) -> list[Any]:
-    """Return values, (n, ...), in turn for each entry of some arrays, in the shapes of these."""
+    """Return consecutive parts of `values`, shape (n, ...), in the shapes of the arrays `like`."""
     parts = np.split(values, np.cumsum([of.size for of in like])[:-1])
     return [own.reshape(of.shape + own.shape[1:]) for own, of in zip(parts, like, strict=True)]
 
 
 def rigid_motions(nodes: FloatArray, *, rotations: bool = False) -> FloatArray:
-    """Return three translations and three rotations about the middle, shape (3 n_nodes, 6).
+    """Return three rigid translations and three rotations about the middle, shape (3 n_nodes, 6).
 
-    Rotations are scaled by the body's size, so that all columns are of the same magnitude. With
-    `rotations`, the nodes' own rotations follow the displacements of all: shape (6 n_nodes, 6).
+    Rotations are divided by the body's size, so that all columns have the same magnitude. With
+    `rotations`, rotational dofs follow the displacements of all nodes: shape (6 n_nodes, 6).
     """
     middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))
     size = float(np.ptp(nodes, axis=0).max()) or 1.0
@@ -43,9 +43,10 @@ def rigid_motions(nodes: FloatArray, *, rotations: bool = False) -> FloatArray:
 
 
 def motions_at(places: FloatArray, *, rotations: bool = False) -> FloatArray:
-    """Return x, y, z of unit translations and rotations about the origin, shape (n, 3, 6).
+    """Return displacements at points due to unit rigid motions, shape (n, 3, 6).
 
-    With `rotations`, the places' own rotations follow: shape (2 n, 3, 6).
+    The motions are translations along x, y, z, then rotations about these axes. With `rotations`,
+    the rotations of the points follow: shape (2 n, 3, 6).
     """
     motions = np.zeros((len(places), 3, 6))
     motions[:, :, :3] = np.eye(3)
