@@ -1,4 +1,4 @@
-"""Linear elasticity, isotropic and orthotropic: what a body is made of."""
+"""Linear elastic materials, isotropic and orthotropic."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from ..base import (
 )
 from ..mesh import plane_of
 
-# The components of strain and stress: VTK's order of a symmetric tensor.
+# Indices of the components of strain and stress, in VTK's order for symmetric tensors.
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
-# Six components make a tensor, `components[..., PLACES]`, and come of it, `tensor[..., *SIX]`.
+# Conversion: six components to a tensor, `components[..., PLACES]`, and back, `tensor[..., *SIX]`.
 PLACES = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 SIX = tuple(np.transpose(PAIRS))
 
 
-# Unit, and range among solids: from the softest rubbers to diamond, from foams to osmium. Then the
-# units in which a number below is likely to be: up to which number, its name, its size in SI.
+# Unit and plausible range of each property: from the softest rubbers to diamond, and from foams to
+# osmium. For smaller numbers follow the likely units: upper limit of the number, name, SI factor.
 _SOLIDS = {
     "E": ("Pa", 1e6, 1.22e12, ((1.22e3, "GPa", 1e9), (1e6, "MPa", 1e6))),
     "G": ("Pa", 3e5, 6e11, ((600.0, "GPa", 1e9), (3e5, "MPa", 1e6))),
@@ -52,17 +52,17 @@ _OPTIONAL = ("yield_strength", "hardness")
 
 _AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
-# Cosine of the angle between two axes that are to be at right angles: what printed digits leave.
+# Largest cosine between axes given as perpendicular, which allows for rounded digits.
 _SQUARE = 1e-4
 
-# Directions along the surface, and angles of the integral, over which its deflection is averaged:
-# both are periodic, so that this is exact to rounding up to E1/E3 of some hundreds.
+# Numbers of surface directions θ and of angles of the integral in the mean deflection of a
+# half-space. Both integrands are periodic, so that the sums are exact up to E1/E3 of some hundreds.
 _TURNS, _ANGLES = 48, 96
 
-# Least elastic energy of a strain as a share of the largest: below, it is rounding.
+# Smallest over largest eigenvalue of the compliance; below it, positivity is lost in rounding.
 _ROUNDED = 8.0 * np.finfo(np.float64).eps
 
-# ν of the isotropic stand-in of a half-space.
+# Range of ν of the isotropic material equivalent to an orthotropic half-space.
 _NU_LOW, _NU_HIGH = -0.99, 0.499
 
 Triple = tuple[float, float, float]
@@ -81,20 +81,21 @@ class Material:
     rho : float
         Density, kg/m³.
     yield_strength : float, optional
-        Uniaxial yield stress σ_y, Pa. A contact whose largest pressure is beyond 1.6 σ_y warns.
+        Uniaxial yield stress σ_y, Pa. A contact pressure above 1.6 σ_y causes a warning.
     hardness : float, optional
-        Mean pressure under an indenter, Pa, 10.6 MPa times a Vickers number: of `ElasticPlastic`.
+        Mean pressure under an indenter, Pa, for `ElasticPlastic`; 10.6 MPa times the Vickers
+        number.
 
     Raises
     ------
     InputError
         If E, rho, yield_strength or hardness is not positive and finite, or nu is outside
-        (-1, 1/2): there the elastic energy is no longer positive.
+        (-1, 1/2), where the elastic energy is not positive.
 
     Warns
     -----
     AOImpactWarning
-        If a value is that of no solid, and so probably in other units.
+        If a value is outside the range of solids, and so probably in other units.
 
     Examples
     --------
@@ -136,7 +137,7 @@ class Material:
 
     @property
     def stiffness(self) -> FloatArray:
-        """Hooke's matrix, Pa, shape (6, 6): stress of strain, both xx, yy, zz, xy, yz, xz.
+        """Elasticity matrix, Pa, shape (6, 6), in the order xx, yy, zz, xy, yz, xz.
 
         Shear strains are the angles γ = 2ε.
         """
@@ -151,12 +152,12 @@ class Material:
         return np.asarray(self.stiffness[PLACES][..., PLACES])
 
     def half_space(self, normal: npt.ArrayLike) -> Material:
-        """Return what a contact on a surface with that normal meets: the material itself.
+        """Return the isotropic half-space material for a contact: the material itself.
 
         Parameters
         ----------
         normal : array_like, shape (3,)
-            Any length but zero.
+            Normal of the surface, of any nonzero length.
 
         :meta private:
         """
@@ -186,7 +187,7 @@ class Material:
 
 
 def warn_of_units(name: str, value: float, what: str = "") -> None:
-    """Warn of a value that no solid has; `name` is that of a parameter, `what` is said of it."""
+    """Warn of a value outside the range of solids; `what` names it in the message, else `name`."""
     unit, low, high, likely = _SOLIDS[name]
     if low <= value <= high:
         return
@@ -212,30 +213,30 @@ class Orthotropic:
     G : (float, float, float)
         Shear moduli G12, G13, G23, Pa.
     nu : (float, float, float)
-        Poisson's ratios ν12, ν13, ν23: νij = -εj/εi under a stress along i. The others follow,
+        Poisson's ratios ν12, ν13, ν23: νij = -εj/εi under a stress along i. The other three are
         νji = νij Ej/Ei.
     rho : float
         Density, kg/m³.
     axes : array_like, shape (2, 3) or (3, 3), optional
-        Directions of axes 1 and 2, and of 3 if given, in the body's coordinates: of any length, at
-        right angles. By default x, y and z. See `turned` for the plies of a laminate.
+        Directions of axes 1, 2 and optionally 3 in the body's coordinates, perpendicular and of any
+        length. By default x, y and z. See `turned` for the plies of a laminate.
 
     Raises
     ------
     InputError, InputTypeError
-        If a modulus is not positive, the elastic energy of some strain is not, or axes are not at
-        right angles.
+        If a modulus is not positive, some strain has no positive elastic energy, or axes are not
+        perpendicular.
 
     Warns
     -----
     AOImpactWarning
-        If a value is that of no solid, and so probably in other units.
+        If a value is outside the range of solids, and so probably in other units.
 
     Notes
     -----
     The order of the constants is Abaqus' (``TYPE=ENGINEERING CONSTANTS``: E1, E2, E3, ν12, ν13,
-    ν23, G12, G13, G23). A contact law takes for E* what a half-space of the material gives under a
-    round contact; see `half_space`.
+    ν23, G12, G13, G23). Contact laws use the contact modulus E* of a half-space of the material
+    under a round contact; see `half_space`.
 
     Examples
     --------
@@ -272,7 +273,7 @@ class Orthotropic:
 
     @property
     def _compliance(self) -> FloatArray:
-        """Strains 11, 22, 33, γ12, γ23, γ13 of stresses, in the material's axes, shape (6, 6)."""
+        """Compliance in the material's axes, 1/Pa, shape (6, 6), order 11, 22, 33, 12, 23, 13."""
         (e1, e2, e3), (g12, g13, g23), (n12, n13, n23) = self.E, self.G, self.nu
         compliance = np.diag([1 / e1, 1 / e2, 1 / e3, 1 / g12, 1 / g23, 1 / g13])
         for i, j, value in ((0, 1, n12 / e1), (0, 2, n13 / e1), (1, 2, n23 / e2)):
@@ -288,7 +289,7 @@ class Orthotropic:
 
     @property
     def stiffness(self) -> FloatArray:
-        """Hooke's matrix as `Material.stiffness`, in the body's coordinates, Pa, shape (6, 6)."""
+        """Elasticity matrix in the body's coordinates, Pa, (6, 6); see `Material.stiffness`."""
         matrix = self.tensor[*SIX][..., *SIX]
         return np.asarray(0.5 * (matrix + matrix.T))
 
@@ -298,9 +299,9 @@ class Orthotropic:
         Parameters
         ----------
         angle : float
-            rad.
+            Angle, rad.
         about : array_like, shape (3,), optional
-            In the body's coordinates, any length but zero; z if left out.
+            Axis of the turn in the body's coordinates, of any nonzero length; by default z.
 
         Examples
         --------
@@ -312,29 +313,28 @@ class Orthotropic:
         old, along = np.array(self.axes), np.array(self.axes) @ axis
         new = math.cos(turn) * old + math.sin(turn) * np.cross(axis, old)
         new += (1.0 - math.cos(turn)) * np.outer(along, axis)
-        with held_warnings():  # of its values, which were said
+        with held_warnings():  # the same values were checked before
             return replace(self, axes=_axes("axes", new))
 
     def half_space(self, normal: npt.ArrayLike) -> Material:
-        """Return the isotropic material whose half-space deflects as this one's, on average.
+        """Return the isotropic material of a half-space with the same mean deflection.
 
-        A point force on the surface moves it by u(r, θ) = L⁻¹(θ)/(2πr) with L Barnett and Lothe's
-        tensor. Under a pressure that is the same all around, the force-weighted mean deflection
-        depends on the mean over θ alone: 1/E* = ⟨nᵀL⁻¹n⟩/2. For a sphere this is Hertz's law but
-        for the contact's being slightly elliptic. ν is such that forces along the surface do the
-        same.
+        A unit point force displaces the surface by u(r, θ) = L⁻¹(θ)/(2πr), with the Barnett-Lothe
+        tensor L. Under an axisymmetric pressure, the force-weighted mean deflection depends only on
+        the mean over θ: 1/E* = ⟨nᵀL⁻¹n⟩/2. For a sphere this gives Hertz's law, except that the
+        true contact is slightly elliptic. ν is chosen to match the mean deflection under tangential
+        forces.
 
         Parameters
         ----------
         normal : array_like, shape (3,)
-            Of the surface, any length but zero.
+            Normal of the surface, of any nonzero length.
 
         References
         ----------
         J. R. Willis, J. Mech. Phys. Solids 14, 163 (1966); J. J. Vlassak and W. D. Nix, ibid. 42,
-        1223 (1994); S. R. Swanson, Int. J. Solids Struct. 42, 1945 (2005), who finds the modulus
-        E3 through the thickness in its place, as T. M. Tan and C. T. Sun take it, to be a fair
-        estimate.
+        1223 (1994). S. R. Swanson, Int. J. Solids Struct. 42, 1945 (2005), finds the modulus E3
+        through the thickness, used instead by T. M. Tan and C. T. Sun, to be a fair estimate.
 
         Examples
         --------
@@ -346,7 +346,7 @@ class Orthotropic:
         return _half_space(self, (x, y, z))
 
 
-# Materials of solids and plies.
+# Material of a solid element or of a ply.
 Solid = Material | Orthotropic
 
 
@@ -366,9 +366,10 @@ def _half_space(material: Orthotropic, normal: Triple) -> Material:
 
 
 def _barnett_lothe(tensor: FloatArray, one: FloatArray, other: FloatArray) -> FloatArray:
-    """L = ⟨(mm) - (mn)(nn)⁻¹(nm)⟩ over m, n turning in the plane of two unit vectors, (3, 3).
+    """Barnett-Lothe tensor L = ⟨(mm) - (mn)(nn)⁻¹(nm)⟩, shape (3, 3).
 
-    T. C. T. Ting, Anisotropic Elasticity (1996), section 7.2; (ab)_jk = a_i C_ijkl b_l.
+    Mean over perpendicular unit vectors m, n turning in the plane of `one` and `other`, with
+    (ab)_jk = a_i C_ijkl b_l (T. C. T. Ting, Anisotropic Elasticity, 1996, section 7.2).
     """
     total, angles = np.zeros((3, 3)), np.pi / _ANGLES * np.arange(_ANGLES)
     for c, s in zip(np.cos(angles), np.sin(angles), strict=True):

@@ -1,10 +1,10 @@
 """Mechanisms: parts of a mesh that move against each other without elastic force.
 
-Elements that share a whole side cannot move against each other without strain. So what hangs
-together by whole sides has six rigid motions, of which shared edges, shared nodes and supports take
-some away. Those that are left, beside the rigid motions of the body as a whole, are a mechanism: a
-piece that swings about an edge or a node. An edge of second order may hold where it is curved,
-several edges together may, and so may pieces around a ring: that is a question of rank.
+Elements that share a whole face cannot move against each other without strain. So each part, a set
+of elements connected by whole faces, has six rigid motions. Shared edges, shared nodes and supports
+constrain these. The remaining motions, apart from the rigid motions of the whole body, are
+mechanisms: a part swings about an edge or a node. Curved edges of second order, several edges
+together, or parts in a ring may prevent this, so that a rank is computed.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from ..base import ROUNDING, FloatArray, IntArray, plain, record, sp
 from ..linalg import m_orthonormal, null_space
 from ..mesh import Surface, motions_at
 
-# bᵀφ of a motion that b moves, over ‖b‖‖φ‖.
+# A force along b excites a motion φ if |bᵀφ| exceeds this share of ‖b‖‖φ‖.
 _MOVED = 1e-10
 
-# Square of the share of the parts' motions that joints and supports do not resist: nodes off a line
-# by less than 1e-4 of the parts' size count as on it, as mesh files round to six digits or so. Such
-# an offset holds like a spring of 1e-8 of the body's stiffness.
+# Motions of parts count as free if the square of their normalised misfit at joints and supports is
+# below this: nodes off a line by less than 1e-4 of a part's size count as on the line, since mesh
+# files are rounded to about six digits. Such an offset resists only as a spring with 1e-8 of the
+# body's stiffness would.
 _UNRESISTED = 1e-8
 
 
@@ -33,22 +34,22 @@ class Mechanism:
     Attributes
     ----------
     motions : ndarray, shape (n_dofs, m)
-        M-orthonormal, and M-orthogonal to the rigid motions. Without a mesh one of them, with a
-        part of every one.
+        Basis, M-orthonormal and M-orthogonal to the rigid motions. Without a mesh a single motion,
+        which combines all of them.
     """
 
     motions: FloatArray
-    # Of a mesh: its nodes, the part of each element, the nodes in more than one part and two parts
-    # that each is in, (3, n_links), and how the parts turn, (n_parts, 3, m).
+    # With a mesh: its nodes; the part of each element; the links, (3, n_links), each a shared node
+    # and two of its parts; the rotation of each part in each motion, (n_parts, 3, m).
     _known: tuple[FloatArray, IntArray, IntArray, FloatArray] | None = None
 
     def moved_by(self, b: FloatArray) -> bool:
-        """True if a force along b, shape (n_dofs,), moves the parts against each other."""
+        """Return whether a force along b, shape (n_dofs,), moves the parts against each other."""
         size = np.linalg.norm(b) * np.linalg.norm(self.motions)
         return float(np.linalg.norm(b @ self.motions)) > _MOVED * float(size)
 
     def where(self, b: FloatArray) -> str:
-        """Name the joint that a force along b turns most, and what hangs on it, if it is known."""
+        """Describe the joint that turns most under a force along b, and its smaller part."""
         if self._known is None:
             return "see body.mechanism.motions"
         places, part, (joint, *sides), turns = self._known
@@ -72,19 +73,20 @@ def mechanism_of(
     Parameters
     ----------
     surface : Surface
+        Surface of the mesh, with the part of each element.
     free : ndarray of int, shape (n_dofs,)
-        The dofs 3·node + component that no support holds.
+        Dofs 3·node + component that no support holds.
     M : scipy.sparse.csr_array, shape (n_dofs, n_dofs)
     rigid : ndarray, shape (n_dofs, r)
         M-orthonormal rigid motions that the supports leave free.
     springs : ndarray, shape (n_dofs,), optional
-        To the ground, which hold as supports do.
+        Stiffness of springs to the ground, N/m; here they count as supports.
     """
     if not surface.part.any():
         return None
     mesh, part, parts = surface.mesh, surface.part, int(surface.part.max()) + 1
     node, of = np.divmod(np.unique(mesh.cells * parts + part[:, None]), parts)
-    link = np.flatnonzero(node[1:] == node[:-1])  # a chain through all parts of a node
+    link = np.flatnonzero(node[1:] == node[:-1])  # consecutive parts of a shared node
     if not len(link):
         return None
     members, corners, centre = np.bincount(part), mesh.nodes[mesh.cells], np.zeros((parts, 3))
@@ -92,7 +94,7 @@ def mechanism_of(
     centre /= members[:, None]
     spread = ((corners - centre[part][:, None]) ** 2).mean(axis=1).sum(axis=1)
     size = np.sqrt(np.bincount(part, spread) / members)
-    # How nodes of parts move by the translations of these and rotations about their own middles.
+    # Displacement of each part's nodes per translation of the part and rotation about its centre.
     blocks = motions_at((mesh.nodes[node] - centre[of]) / size[of][:, None])
     shape = 3 * len(node), 6 * parts
     moved = sp.bsr_array((blocks, of, np.arange(len(node) + 1)), shape=shape).tocsr()
@@ -118,14 +120,15 @@ def mechanism_of(
 
 
 def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mechanism | None:
-    """Return what a motion from `check_stiffness` has beside the rigid ones, if anything.
+    """Return the part of a motion without elastic force that is not rigid; None if there is none.
 
     Parameters
     ----------
     motion : ndarray, shape (n_dofs,)
+        Motion from `check_stiffness`.
     K, M : scipy.sparse.csr_array, shape (n_dofs, n_dofs)
     rigid : ndarray, shape (n_dofs, r)
-        M-orthonormal.
+        M-orthonormal rigid motions.
     """
     found = m_orthonormal(rigid, motion[:, None], M)
     if not found.size or np.linalg.norm(K @ found) > ROUNDING * np.linalg.norm(

@@ -1,4 +1,4 @@
-"""Finite-element models: the matrices of a linear elastic body, from a mesh or from anywhere."""
+"""Finite-element models of linear elastic bodies, from a mesh or from given matrices."""
 
 from __future__ import annotations
 
@@ -73,20 +73,20 @@ if TYPE_CHECKING:
     from .statics import Grounding
 
 
-# Heavier or longer than this, kg and m, or with larger elements, m, a body's coordinates are more
-# likely in millimetres.
+# Mass, kg, length, m, and edge of an element, m, above which coordinates are probably in
+# millimetres.
 _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 
-# Elastic force of a translation, over the largest entry of K, that what prints K with few digits
-# leaves.
+# Largest elastic force of a free body's translation over the largest entry of K, if K was printed
+# with few digits.
 _FEW_DIGITS = 1e-6
 
-# Memory that the models of a body may take, bytes, if each is made of so many vectors; how many
-# results are kept at most, and on large bodies at least: two models with their patches.
+# Cache of models of a body: memory, bytes; assumed vectors of length n_dofs per model; largest and
+# smallest number of entries. The smallest number holds two models with their patches.
 _BYTES, _VECTORS, _MOST, _LEAST = 2**30, 64, 32, 4
 
-# The bodies of this process by their marks, and the last that came from another one, whose tasks
-# bring the same body again and again: it stays one, with all that has been derived from it.
+# Bodies of this process by their marks, and the last bodies received from another process. Its
+# tasks send the same body repeatedly, and all of them then share one body with its cached results.
 _BODIES: WeakValueDictionary[str, FEModel] = WeakValueDictionary()
 _RECEIVED: deque[FEModel] = deque(maxlen=2)
 
@@ -98,36 +98,37 @@ class FEModel(Frozen):
     Parameters
     ----------
     K, M : matrix, shape (n_dofs, n_dofs)
-        Stiffness, N/m, and mass, kg: symmetric, positive semidefinite, and no motion without both.
-        Sparse or dense, of any real type; supports taken out already. Dofs without mass, such as
-        the rotations of lumped matrices, follow the others at once, as if condensed statically.
+        Stiffness, N/m, and mass, kg, without constrained dofs: sparse or dense, real, symmetric and
+        positive semidefinite, with no motion that has neither stiffness nor mass. Dofs without
+        mass, such as the rotations of lumped matrices, are condensed statically.
     nodes : array_like, shape (n_nodes, 3), optional
         Coordinates, m. Without them contacts are given by `dof`.
     free : array_like of int, shape (n_dofs,), optional
-        For each row of K its dof 3·node + component among those of all nodes, or of a rotation
-        3·n_nodes + 3·node + component; all displacements, in this order, if left out.
+        Dof of each row of K: 3·node + component for displacements, 3·n_nodes + 3·node + component
+        for rotations. By default all displacements, in this order.
     damping : Rayleigh or ModalDamping, optional
-        Inherited by the models made from this one.
+        Damping, inherited by the models made from this one.
     name : str, optional
-        What results, tables and plots are to call it; inherited as well.
+        Name of the body in results, tables and plots, inherited as well.
     labels : array_like of int, shape (n_dofs, 2), optional
-        For each row of K its node's number in the program that it comes from, and its component:
-        1, 2, 3 for displacements, 4, 5, 6 for rotations, 0 for what has no direction. For
-        ``contact(node=)``.
+        Node number and component of each row of K in the program that wrote K, for
+        ``contact(node=)``. Components: 1, 2, 3 for displacements, 4, 5, 6 for rotations, 0 for dofs
+        without direction.
 
     Attributes
     ----------
     mesh : Mesh or None
-    material : Material, Orthotropic or Materials, or None
-        Several ones as `Materials`.
+        Mesh of the body, if known.
+    material : Material, Orthotropic, Shell, Laminate, Beam, Materials or None
+        Material of the mesh; `Materials` if there are several.
     mass : float or None
-        Of the whole body, kg, from 1ᵀM1; None if M does not determine it: neither nodes nor
-        labels, or an M without the dofs of the supports.
+        Mass of the whole body, kg, from 1ᵀM1. None if M does not determine it: without nodes and
+        labels, or if M lacks constrained dofs.
 
     Raises
     ------
     InputError, InputTypeError
-        If a matrix is not what it has to be, or the shapes do not match.
+        If a matrix violates the conditions above, or the shapes do not match.
 
     Examples
     --------
@@ -150,17 +151,17 @@ class FEModel(Frozen):
     mesh: Mesh | None = field(init=False, default=None)
     material: AnyMaterial | None = field(init=False, default=None)
     mass: float | None = field(init=False, default=None)
-    # (n_dofs,): springs to the ground, N/m, that K contains.
+    # Stiffness of springs to the ground, N/m, shape (n_dofs,), included in K.
     springs: FloatArray | None = field(init=False, default=None)
-    # Added masses over all dofs, kg, that M contains.
+    # Added masses over all dofs, kg, included in M.
     masses: Any = field(init=False, default=None)
     # True if K and M follow from mesh and material, added masses and springs.
     assembled: bool = field(init=False, default=False)
-    # Some motion that has a part of every one without force, of bodies with nodes but no mesh.
+    # Combination of all motions without elastic force, for bodies given by K, M and nodes.
     _soft: FloatArray | None = field(init=False, default=None)
-    # The body that a finer one was made from; None for all others.
+    # The body that a finer body was made from; None for all others.
     coarse: FEModel | None = field(init=False, default=None)
-    # Where the dofs of that body are among those of this one.
+    # Indices of the dofs of `coarse` among the dofs of this body.
     own: ClassVar[slice | IntArray] = slice(None)
 
     def __post_init__(self) -> None:
@@ -177,7 +178,7 @@ class FEModel(Frozen):
         soft = False
         if (
             along is not None and nodes is None and along.any(axis=0).all()
-        ):  # no translation meets force, but for rounding
+        ):  # a free body: translations meet no force but for rounding
             force = np.abs(K @ along).max(initial=0.0)
             soft = bool(force <= _FEW_DIGITS * np.abs(K.data).max(initial=0.0))
         if along is not None and (whole or soft):
@@ -214,55 +215,53 @@ class FEModel(Frozen):
         Parameters
         ----------
         mesh : path, meshio.Mesh or Mesh
-            In metres; see `read_mesh`.
+            Mesh with coordinates in metres; see `read_mesh`.
         material : Material, Orthotropic, Shell, Laminate, Beam, or mapping of str to these
-            One for all, or one for each named group of elements; every element needs exactly one.
-            Surface elements are shells, line elements beams.
+            One material for all elements, or one per named group of elements; every element needs
+            exactly one. Surface elements are shells, line elements beams.
         fixed : sequence of (nodes, letters) or (nodes, letters, letters), optional
-            Supports: node numbers, the name of a node set of the mesh, or a function of the nodes'
-            coordinates (n_nodes, 3) that returns one bool for each; the displacements constrained
-            there, of "x", "y", "z"; and of shells and beams the rotations about these. Numbers are
-            the file's, ``mesh.node_labels``; in a mesh without these they count from 0. None leaves
-            the body free.
+            Supports. Nodes: their numbers, the name of a node set of the mesh, or a function of the
+            coordinates (n_nodes, 3) that returns one bool per node. First letters, of "x", "y" and
+            "z": the constrained displacements. Second letters: the constrained rotations of shells
+            and beams. Numbers are those of the file, ``mesh.node_labels``, or count from 0 in a
+            mesh without labels. None leaves the body free.
         masses : sequence of (nodes, kg) or RigidMass, optional
-            Added masses: nodes as in `fixed`, and what they carry together, in equal shares and in
-            all three directions; of a face, shares by area would be uniform, and a mass on a face
-            of one quadratic element is .3 % off in the first axial mode, less with more elements.
-            A `RigidMass` has a centre and moments of inertia as well.
+            Added masses: nodes as in `fixed`, and their total mass, which acts in all directions
+            and is shared equally by the nodes. On a face, equal shares are not uniform: with a
+            single quadratic element, the first axial frequency is off by 0.3 %, with more elements
+            by less. A `RigidMass` has a centre and moments of inertia as well.
         springs : sequence of (nodes, letters, N/m), optional
-            Springs to the ground: nodes and directions as in `fixed`, and the stiffness of all
-            these nodes together in each of the directions, in equal shares (see `masses`). A
-            dashpot to the ground is no such entry: damping is by modes (`damping`), and one at a
-            place is not.
+            Springs to the ground: nodes and directions as in `fixed`, and the total stiffness in
+            each of the directions, shared equally by the nodes (see `masses`). There are no
+            dashpots to the ground, as `damping` applies to whole modes.
         part : str or sequence of str, optional
-            Named groups of elements that make up the body, of a file with several bodies.
+            Named groups of elements that form the body, if the file contains several bodies.
         order : int, optional
-            2 adds a node in the middle of each edge to elements of first order, which makes bodies
-            of few elements much more accurate; see `read_mesh`. Sets of nodes get these nodes,
-            lists of numbers do not.
+            2 turns first-order elements into quadratic ones by midside nodes, which makes coarse
+            meshes much more accurate; see `read_mesh`. Node sets include the new nodes, lists of
+            numbers do not.
         damping : Rayleigh or ModalDamping, optional
-            Inherited by the models made from this one. Rayleigh's holds for added masses and
-            springs, too.
+            Damping, inherited by the models made from this one. Rayleigh damping also acts on added
+            masses and springs.
         name : str, optional
-            What results, tables and plots are to call the body; inherited as well.
+            Name of the body in results, tables and plots, inherited as well.
 
         Raises
         ------
         InputError, InputTypeError
-            If `material` is none, or leaves out elements; if a support, mass or spring selects no
-            node or unknown components; or if volumes, mass or stiffness leave the range of numbers.
+            If `material` is not a material or leaves out elements; if a support, mass or spring
+            selects no node or unknown components; or if volumes, mass or stiffness overflow or
+            vanish.
         MeshError
-            If the mesh cannot be read, or has elements that are inside out, flat, there twice or
-            do not fit together.
+            If the mesh cannot be read, or has inverted, flat, duplicate or incompatible elements.
 
         Warns
         -----
         AOImpactWarning
-            If the body is so large or heavy that its coordinates are probably in millimetres, a
-            `RigidMass` so far off or so extended that it is, or a mass lies on constrained nodes;
-            if numbers of nodes leave out the midside nodes between corners that they name;
-            if parts of the mesh share no node, or elements of first order are nearly
-            incompressible.
+            If the size or mass of the body, or the centre or inertia of a `RigidMass`, suggests
+            that coordinates are in millimetres; if a mass lies on constrained nodes; if lists of
+            node numbers contain corners without the midside nodes between them; if parts of the
+            mesh share no node; or if first-order elements are nearly incompressible.
 
         Examples
         --------
@@ -270,7 +269,7 @@ class FEModel(Frozen):
         >>> FEModel.from_mesh(bar, ao.Material(E=70e9, nu=0.3, rho=2700), fixed=[("xmin", "xyz")])
         FEModel(120 dofs, 44 nodes, 10 hexahedron, 0.027 kg, 12 dofs constrained)
 
-        On springs, with a weight of 2 kg at its end:
+        The bar on springs, with an added mass of 2 kg at its end:
 
         >>> FEModel.from_mesh(
         ...     bar,
@@ -281,15 +280,15 @@ class FEModel(Frozen):
         FEModel(132 dofs, 44 nodes, 10 hexahedron, 2.027 kg, 66 springs to the ground, free)
         """
         damped, name = damping_or_none(damping), text("name", name)
-        from ..io import read_for  # a leaf, which itself imports this folder
+        from ..io import read_for  # here, as `io` imports this folder
 
         solid = read_for(mesh, thin_groups(material), part=part, order=order)
-        if part is not None and isinstance(material, Mapping):  # others are of other parts
+        if part is not None and isinstance(material, Mapping):  # ignore groups of other parts
             here = {at: of for at, of in material.items() if called(at, solid.cell_sets)}
             material = here or material
         made_of = materials_of(solid, material)
         solids = sum(not block.element.thin for block in solid.blocks)
-        surface = boundary(solid) if solids > 1 else None  # which checks that they fit
+        surface = boundary(solid) if solids > 1 else None  # checks that elements fit together
         check_joints(solid, made_of)
         free = free_dofs(solid, fixed)
         heavier = added_mass(solid, masses, free)
@@ -309,7 +308,7 @@ class FEModel(Frozen):
         warn_of_locking(solid, made_of)
         warn_of_curved_offsets(solid, made_of)
         warn_of_separate_parts(solid, heavier)
-        # The matrices are right by construction: nothing of __post_init__ is needed.
+        # The matrices are valid by construction: the checks of __post_init__ are not needed.
         model = object.__new__(cls)
         model._set(**completed(K, M, heavier, stiffer, free), nodes=solid.nodes, free=free)
         model._set(mesh=solid, material=made_of, damping=damped, name=name)
@@ -323,23 +322,24 @@ class FEModel(Frozen):
         mesh: FilePath | Mesh | Any,
         material: AnyMaterial | Mapping[str, OneMaterial],
     ) -> FEModel:
-        """Return this body, its K and M, with the mesh to which its nodes belong.
+        """Return a body with the same K and M, and with the mesh that they were computed from.
 
-        What belongs to a surface is then known: patches, Hertz's law, stress. For matrices of
-        another program.
+        The mesh makes contact patches, Hertz's law and stress available for matrices of another
+        program.
 
         Parameters
         ----------
         mesh : path, meshio.Mesh or Mesh
-            In metres. Its nodes are found by where they are; those that no row of K belongs to are
-            constrained.
+            Mesh with coordinates in metres. Nodes are matched by position; mesh nodes without a row
+            of K count as constrained.
         material : Material, Orthotropic, or mapping of str to these
-            As for `from_mesh`, for contact and stress; K and M stay as they are.
+            Material as in `from_mesh`, for contact and stress only; K and M do not change.
 
         Raises
         ------
         InputError, InputTypeError
-            If the body has no nodes, one of them is not a node of the mesh, or `material` is none.
+            If the body has no nodes, one of them is not a node of the mesh, or `material` is not a
+            material.
         MeshError
             If the mesh cannot be read.
 
@@ -352,7 +352,7 @@ class FEModel(Frozen):
         """
         if self.nodes is None or self.free is None:
             raise InputError("with_mesh: this body has no nodes; give FEModel(nodes=)")
-        from ..io import read_for  # a leaf, which itself imports this folder
+        from ..io import read_for  # here, as `io` imports this folder
 
         solid = read_for(mesh, ())
         made_of = materials_of(solid, material)
@@ -368,7 +368,7 @@ class FEModel(Frozen):
         return model
 
     def __reduce__(self) -> Any:
-        """Pickle without caches, and without matrices that follow from a mesh."""
+        """Pickle without caches, and without K and M if they can be assembled from a mesh."""
         _BODIES[self.mark] = self
         state = {item.name: getattr(self, item.name) for item in fields(self)}
         if self.assembled:
@@ -377,7 +377,7 @@ class FEModel(Frozen):
 
     @cached_property
     def mark(self) -> str:
-        """A name of its own, which pickles keep.
+        """Unique identifier of the body, preserved by pickling.
 
         :meta private:
         """
@@ -385,27 +385,27 @@ class FEModel(Frozen):
 
     @cached_property
     def kept(self) -> Kept:
-        """Patches and reduced models of this body for the next impact on it.
+        """Cache of patches and reduced models for further impacts on this body.
 
         :meta private:
         """
         return Kept(max(_LEAST, min(_MOST, _BYTES // (8 * _VECTORS * self.n_dofs))))
 
     def __getattr__(self, name: str) -> Any:
-        """K and M of an unpickled body with a mesh, assembled at their first use."""
+        """Assemble K and M of an unpickled body with a mesh at their first use."""
         if name not in ("K", "M") or vars(self).get("material") is None:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         self._set(**self._matrices())
         return vars(self)[name]
 
     def _matrices(self) -> dict[str, Any]:
-        """K, M and `held`, from the mesh."""
+        """K, M and `held`, assembled from the mesh."""
         made: Any = self.shapes, self.material
         free: Any = self.free
         return completed(*stiffness_mass(*made), self.masses, self.springs, free)
 
     def __copy__(self, memo: Any = None) -> FEModel:
-        """A body of its own that shares all that is known of this one, which does not change."""
+        """Copy the body with a new identity; attributes are immutable and shared."""
         copied = object.__new__(type(self))
         known = {name: of for name, of in vars(self).items() if name not in ("mark", "kept")}
         vars(copied).update(known)
@@ -440,12 +440,12 @@ class FEModel(Frozen):
         return f"FEModel({', '.join(part for part in parts if part)})"
 
     def translation(self, direction: npt.ArrayLike) -> FloatArray:
-        """Return the free dofs of a unit translation of the body, shape (n_dofs,).
+        """Return a unit translation of the body on the free dofs, shape (n_dofs,).
 
         Parameters
         ----------
         direction : array_like, shape (3,)
-            Any length but zero.
+            Direction, of any nonzero length.
 
         Raises
         ------
@@ -462,14 +462,14 @@ class FEModel(Frozen):
 
     @property
     def _n_places(self) -> int:
-        """How many nodes there are, without those of added functions, which are no places."""
+        """Number of nodes, without the entries of `nodes` for added shape functions."""
         if self.shapes is None:
             return 0 if self.nodes is None else len(self.nodes)
         return int(self.shapes.cells.max()) + 1
 
     @cached_property
     def _momentum(self) -> FloatArray | None:
-        """M g_c on the free dofs, (n_dofs, 3): g_c moves all nodes along an axis."""
+        """M g_c on the free dofs, (n_dofs, 3), with g_c the unit translation of all nodes."""
         if self.mass is None:
             return None
         found: FloatArray = self.M @ axes_of(self.free, self.labels, self._n_places)
@@ -480,12 +480,12 @@ class FEModel(Frozen):
         return found
 
     def at_nodes(self, x: FloatArray, parts: int = 2) -> FloatArray:
-        """Return values on the free dofs, (..., n_dofs), as those of nodes, 0 where supports hold.
+        """Return values on the free dofs, (..., n_dofs), as nodal values, 0 on constrained dofs.
 
         Parameters
         ----------
         parts : int, optional
-            2 with rotations, 1 with displacements alone.
+            2 for displacements and rotations, 1 for displacements only.
 
         Returns
         -------
@@ -499,7 +499,7 @@ class FEModel(Frozen):
         return full.reshape(*x.shape[:-1], 2, *nodes.shape)[..., :parts, :, :]
 
     def on_dofs(self, field: FloatArray) -> FloatArray:
-        """Return the free dofs, (n_dofs,), of values at nodes, ([parts,] n_nodes, 3).
+        """Return nodal values, ([parts,] n_nodes, 3), on the free dofs, shape (n_dofs,).
 
         :meta private:
         """
@@ -509,14 +509,14 @@ class FEModel(Frozen):
         return full[self.free]
 
     def com_functional(self, direction: npt.ArrayLike) -> FloatArray:
-        """Return h, shape (n_dofs,), with hᵀx the displacement of the centre of mass.
+        """Return h, shape (n_dofs,), so that hᵀx is the displacement of the centre of mass.
 
-        h = M g / m with g the translation of all nodes, constrained ones included.
+        h = M g / m with g the unit translation of all nodes, including constrained ones.
 
         Parameters
         ----------
         direction : array_like, shape (3,)
-            Along which to measure, any length but zero.
+            Direction of the displacement, of any nonzero length.
 
         Raises
         ------
@@ -537,8 +537,8 @@ class FEModel(Frozen):
     def rigid_modes(self) -> FloatArray:
         """M-orthonormal basis of the motions without elastic force, shape (n_dofs, r).
 
-        With nodes these are the rigid-body motions that the supports, and whatever else is in K,
-        leave free; without nodes the null space of K, by its lowest modes.
+        With nodes: the rigid-body motions that K does not resist. Without nodes: the null space of
+        K, from its lowest modes.
         """
         if self.nodes is not None:
             motions = rigid_motions(self.nodes, rotations=self._pencil.rotates)[self.free]
@@ -552,10 +552,10 @@ class FEModel(Frozen):
 
     @cached_property
     def mechanism(self) -> Mechanism | None:
-        """The motions without elastic force that are not rigid-body motions, if there are any.
+        """Motions without elastic force that are not rigid-body motions; None if there are none.
 
-        Known of bodies with a mesh and, up to 10 000 dofs, of those with nodes; without nodes they
-        count among the rigid motions.
+        They are sought for bodies with a mesh and, up to 10 000 dofs, for bodies with nodes.
+        Without nodes they are part of `rigid_modes`.
         """
         if self.surface is None or self._pencil.rotates:  # joints of shells and beams are rigid
             if self._soft is None:
@@ -566,9 +566,9 @@ class FEModel(Frozen):
 
     @cached_property
     def node_labels(self) -> IntArray | None:
-        """The number by which each node is called, shape (n_nodes,); None: they count from 0.
+        """Number of each node for users, shape (n_nodes,); None if numbers count from 0.
 
-        From `labels`, with -1 for a node without a row of K, or else those of the mesh.
+        Taken from `labels`, with -1 for nodes without a row of K, otherwise from the mesh.
         """
         if self.labels is not None and self.nodes is not None and self.free is not None:
             found = np.full(len(self.nodes), -1)
@@ -579,15 +579,16 @@ class FEModel(Frozen):
     def inverse(
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
     ) -> LinearSolver:
-        """Return the solver of (K + s²M) x = f, set up.
+        """Return a factorised or otherwise prepared solver of (K + s²M) x = f.
 
         Parameters
         ----------
         s2 : float, optional
-            s², (rad/s)²; positive for a body that is free.
+            s², (rad/s)²; must be positive for a free body.
         solver : str or callable, optional
+            Method; see `linear_solver`.
         solutions : int, optional
-            How many it is to serve, roughly; see `linear_solver` for both.
+            Rough number of right-hand sides to expect; see `linear_solver`.
 
         Examples
         --------
@@ -618,7 +619,7 @@ class FEModel(Frozen):
         Parameters
         ----------
         n : int
-            1 … n_dofs.
+            Number of frequencies, 1 … n_dofs.
 
         Examples
         --------
@@ -637,14 +638,14 @@ class FEModel(Frozen):
 
     @cached_property
     def surface(self) -> Surface | None:
-        """The faces of the mesh that no other element shares; None without a mesh, and of beams."""
+        """The faces that belong to a single element; None without a mesh and for beams."""
         if self.mesh is None or {block.kind for block in self.mesh.blocks} == {"line"}:
             return None
         return boundary(self.mesh)
 
     @cached_property
     def shapes(self) -> Any:
-        """The mesh whose shape functions the dofs belong to; of a finer body not `mesh`.
+        """The mesh with all shape functions of the body; for most bodies this is `mesh`.
 
         :meta private:
         """
@@ -652,14 +653,14 @@ class FEModel(Frozen):
 
     @property
     def given(self) -> FEModel:
-        """The body itself; of a finer body the one that it was made of.
+        """The body itself; for a finer body, the body that it was made from.
 
         :meta private:
         """
         return self.coarse or self
 
     def appended(self, x: FloatArray) -> FloatArray:
-        """Return motions of `given`, (n, ...), or of the body itself, as those of the body.
+        """Return motions of `given`, (n, ...), on the dofs of the body, (n_dofs, ...).
 
         :meta private:
         """
@@ -673,7 +674,7 @@ class FEModel(Frozen):
         return x[self.own]
 
     def functional(self, x: FloatArray) -> FloatArray:
-        """Return a functional of the dofs of `given`, (n,), as one of the body's.
+        """Return a linear functional of the dofs of `given`, (n,), on the dofs of the body.
 
         :meta private:
         """
@@ -682,7 +683,7 @@ class FEModel(Frozen):
         return found
 
     def carried(self, values: FloatArray) -> FloatArray:
-        """Return values at the nodes of `given`, (n, ...), as those of the body's functions.
+        """Return values at the nodes of `given`, (n, ...), per shape function of the body.
 
         :meta private:
         """
@@ -690,14 +691,14 @@ class FEModel(Frozen):
 
     @cached_property
     def parent(self) -> IntArray:
-        """For each element that of `given` which it is, or is a part of, shape (n_cells,).
+        """Element of `given` that contains each element of the body, shape (n_cells,).
 
         :meta private:
         """
         return np.arange(0 if self.shapes is None else self.shapes.n_cells)
 
     def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
-        """Return motions of the body and of `given`, (n, k) each, on the same dofs, and K on these.
+        """Return motions of the body or of `given`, (n, k) each, on common dofs, and K there.
 
         :meta private:
         """
@@ -705,7 +706,7 @@ class FEModel(Frozen):
 
     @cached_property
     def finer(self) -> FEModel | None:
-        """The body with finer elements; None where it has none.
+        """The body with finer elements; None if it cannot be refined.
 
         :meta private:
         """
@@ -715,7 +716,7 @@ class FEModel(Frozen):
 
     @cached_property
     def held(self) -> tuple[IntArray, Any, Any]:
-        """The constrained dofs, and their columns of K and M over all dofs.
+        """The constrained dofs, and the columns of the full K and M that belong to them.
 
         :meta private:
         """
@@ -723,11 +724,11 @@ class FEModel(Frozen):
             raise InputError("the rows of supports are not known of a body without a mesh")
         return grounded(*stiffness_mass(self.shapes, made_of), self.free)
 
-    # Functions of other files, which import this one: it imports them when they are called.
+    # The following methods import their modules when called, as these import this one.
 
     @cached_property
     def grounding(self) -> Grounding:
-        """Supports and springs to the ground, and the forces that they carry.
+        """Supports and springs to the ground, for computing the forces that they carry.
 
         :meta private:
         """
@@ -745,17 +746,18 @@ class FEModel(Frozen):
     ) -> FrequencyResponse:
         """Return a frequency response function, with a bound of its error.
 
-        By natural modes up to twice the highest frequency (ten times, under damping by modes), and
-        the static response of all others as a series, of which the rest is bounded.
+        Natural modes up to twice the highest frequency (ten times under `ModalDamping`) are
+        superposed. All higher modes are included by a series of static solutions with a bounded
+        remainder.
 
         Parameters
         ----------
         excitation : ContactPoint
-            Where a force acts, from `contact`.
+            Point and direction of the force, from `contact`.
         response : ContactPoint, optional
-            Where the motion is measured; at the excitation if left out.
+            Point and direction of the motion; by default those of the excitation.
         frequencies : array_like, shape (n,)
-            Hz.
+            Frequencies, Hz.
         kind : {"receptance", "mobility", "accelerance"}, optional
             Displacement, velocity or acceleration over force.
 
@@ -767,7 +769,7 @@ class FEModel(Frozen):
         Raises
         ------
         InputError, InputTypeError
-            If a point is not of this body, a frequency is negative, or it is 0 and the body free.
+            If a point belongs to another body, a frequency is negative, or a free body's is 0.
 
         Examples
         --------
@@ -792,37 +794,36 @@ class FEModel(Frozen):
         radius: float | str = "auto",
         expected: float | None = None,
     ) -> ContactPoint:
-        """Return the place where this body is touched: a point, a patch, a dof, or any functional.
+        """Return the contact point of this body: a point, a patch, a dof, or any functional.
 
         Parameters
         ----------
         point : array_like, shape (3,), optional
-            m: a node, or any place on the surface of the mesh. Of a body without a mesh, a node; a
-            point off the nodes goes, with a warning, to the nearest one within half the distance
-            between nodes there.
+            Coordinates, m, of a node or of any point on the surface of the mesh. Without a mesh,
+            the nearest node within half the local distance between nodes is taken, with a warning
+            if it lies elsewhere.
         direction : array_like, shape (3,), optional
-            The projectile's direction of travel, for the projectile and for the target, any length
-            but zero. By default the surface's inward normal, or, where the body turns out to be the
-            projectile, the outward one.
+            Direction of travel of the projectile, of any nonzero length, for projectile and target
+            alike. By default the inward normal of the target's surface, or the outward normal of
+            the projectile's.
         node : int, optional
-            In place of `point`: the node's label in the matrices (`labels`) or in the mesh's file
-            (``mesh.node_labels``); without labels its number in `nodes`, from 0.
+            Node, instead of `point`: its label in the matrices (`labels`) or in the mesh file
+            (``mesh.node_labels``), without labels its index in `nodes`.
         dof : int, optional
-            Row of K, in place of `point` and `direction`.
+            Row of K, instead of `point` and `direction`.
         b : array_like, shape (n_dofs,), optional
-            In place of all these: a functional of one's own, so that the contact's displacement is
-            u = bᵀX and its force f loads the body with b f. Where b sums up to one newton and acts
-            at a place of the surface, the compliance of the mesh is taken out of the law as for
-            any other contact.
+            Functional b, instead of all of these: the contact's displacement is u = bᵀX, and its
+            force f loads the body with b f. If b has a resultant of 1 and acts at a point of the
+            surface, the compliance of the mesh is removed from the law as for other contacts.
         radius : float or "auto", optional
-            Of the patch that carries the contact under Hertz's pressure, m. It hardly matters
-            between 1.2 times that of the contact and half the thickness of the body, since the
-            compliance of the mesh under it is taken out of the law. "auto" takes 1.4 times the
-            `expected` contact radius, or the edge of an element, but at most a quarter of the
-            thickness; `simulate` takes 1.4 times that of the impact. 0 is a single node, as good on
-            coarse meshes. Bodies without a mesh have no patch.
+            Radius of the patch that carries the contact under Hertz's pressure, m. Results hardly
+            depend on it between 1.2 contact radii and half the thickness of the body, since the
+            compliance of the mesh under the patch is removed from the law. "auto" takes 1.4 times
+            the `expected` contact radius, or the edge of an element, but at most a quarter of the
+            thickness; `simulate` takes 1.4 times the contact radius of the impact. 0 is a single
+            node, equally good on coarse meshes. Bodies without a mesh have no patch.
         expected : float, optional
-            For "auto": the largest radius of the contact itself, m; √(Rδ) for Hertz's law.
+            Largest contact radius, m, for "auto"; √(Rδ) for Hertz's law.
 
         Returns
         -------
@@ -831,14 +832,14 @@ class FEModel(Frozen):
         Raises
         ------
         InputError
-            If the place is not on the body, cannot move in the direction, has no normal (an edge),
-            or the patch reaches beyond the surface.
+            If the point is not on the body, cannot move in the direction, has no normal (on an
+            edge), or the patch reaches beyond the surface.
 
         Warns
         -----
         AOImpactWarning
-            If the point taken is not the one given, or `b` is no mean displacement: its resultant
-            is not 1, or it has a couple.
+            If another point than the given one is taken, or `b` is not a mean displacement: its
+            resultant is not 1, or it has a couple.
 
         Examples
         --------
@@ -857,19 +858,19 @@ class FEModel(Frozen):
         return contact_point(self, point, direction, node, dof, b, radius, expected)
 
     def audit(self, *, frequencies: int = 8) -> Audit:
-        """Return the figures by which a mistake of units or files is seen.
+        """Return mass, size, wave speed and frequencies, which reveal mistakes of units or files.
 
         Parameters
         ----------
         frequencies : int, optional
-            How many of the lowest natural frequencies to compute.
+            Number of lowest natural frequencies to compute.
 
         Returns
         -------
         Audit
-            Mass, centre of mass, extent, mean density, ‖K r‖ of the rigid motions r, frequencies,
-            and ``doubts``: what is not like a body, and which unit would make it so. Printed, it is
-            a table.
+            Mass, centre of mass, extent, mean density, wave speed, relative ‖K r‖ of the rigid
+            motions r, frequencies, and ``doubts``: implausible values with the likely mistake.
+            Prints as a table.
 
         Examples
         --------
@@ -890,9 +891,9 @@ def grounded(K: Any, M: Any, free: IntArray) -> tuple[IntArray, Any, Any]:
     Parameters
     ----------
     K, M : scipy.sparse.csr_array, shape (all dofs, all dofs)
-        As `stiffness_mass` returns them.
+        Matrices from `stiffness_mass`.
     free : ndarray of int
-        The dofs that no support holds.
+        Dofs that no support holds.
     """
     ground = np.setdiff1d(np.flatnonzero(np.diff(K.indptr)), free)
     return ground, K[ground].T, M[ground].T
@@ -901,9 +902,9 @@ def grounded(K: Any, M: Any, free: IntArray) -> tuple[IntArray, Any, Any]:
 def completed(
     K: Any, M: Any, masses: Any, springs: FloatArray | None, free: IntArray
 ) -> dict[str, Any]:
-    """Return K and M of a mesh with added masses and springs, on the dofs that no support holds.
+    """Return K and M on the free dofs with added masses and springs, and `FEModel.held`.
 
-    And `FEModel.held`, from the matrices over all dofs, whose arrays are used up.
+    The arrays of the given K and M, over all dofs, are overwritten.
     """
     held, kept = grounded(K, M, free), np.sort(free)
     M = M if masses is None else summed(M, masses)
@@ -917,7 +918,7 @@ def completed(
 
 
 def summed(matrix: Any, other: Any) -> Any:
-    """Return the sum of two CSR matrices in the form that solvers take."""
+    """Return the sum of two CSR matrices, with indices sorted and of 32 bits if possible."""
     total = (matrix + other).tocsr()
     total.sort_indices()
     return with_int32(total)
@@ -948,7 +949,7 @@ def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | Non
 
 
 def _checked_total(total: FloatArray) -> float:
-    """Return the body's mass from the 3 x 3 mass of its translations, which should be m I."""
+    """Return the body's mass m from the 3 × 3 mass matrix of its translations, ideally m I."""
     mass = float(np.trace(total)) / 3.0
     if mass <= 0.0:
         raise InputError(f"M must have a positive total mass, got {mass:g} kg")
@@ -963,7 +964,7 @@ def _checked_total(total: FloatArray) -> float:
 
 
 def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: AnyMaterial) -> None:
-    """Refuse what leaves the range of doubles, so that no nan or zero mass is computed with."""
+    """Refuse a body whose mass or stiffness overflows or underflows."""
     stiffest = float(max(K.data.max(), -K.data.min()))  # nan and infinity fail the comparisons
     lightest = float(M.diagonal()[: 3 * mesh.n_nodes].min())
     if not (lightest > LEAST and mass < LARGEST and LEAST < stiffest < LARGEST):
@@ -975,7 +976,7 @@ def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: AnyMaterial)
 
 
 def _warn_of_units(mass: float, size: float, volume: float = 0.0) -> None:
-    """Warn of a body whose size, mass, kg, or elements of a volume, m³, are those of a building."""
+    """Warn if the size, m, mass, kg, or mean volume of elements, m³, is implausibly large."""
     edge = math.cbrt(volume)
     if mass > _HEAVY or size > _LONG or edge > _COARSE:
         elements = f", with elements of {edge:.3g} m" if volume else ""
@@ -986,7 +987,7 @@ def _warn_of_units(mass: float, size: float, volume: float = 0.0) -> None:
 
 
 def _received(kind: type[FEModel], mark: str, state: dict[str, Any]) -> FEModel:
-    """The body of that mark, if this process has it, or a new one in that state."""
+    """Return this process's body with the given mark, otherwise a new one with the given state."""
     body = _BODIES.get(mark)
     if body is None:
         body = object.__new__(kind)
