@@ -99,9 +99,9 @@ def elliptic_contact(modulus: float, low: float, high: float) -> tuple[float, fl
     Parameters
     ----------
     modulus : float
-        E*, Pa.
+        Contact modulus E*, Pa.
     low, high : float
-        A ≤ B, 1/m.
+        Coefficients A ≤ B of the gap, 1/m.
     """
 
     if low == high:
@@ -132,11 +132,11 @@ class RoundContact(NamedTuple):
     k : float
         Stiffness, N/m^1.5.
     modulus : float
-        E* of the pair, Pa.
+        Contact modulus E* of the pair, Pa.
     radius : float
-        R, relative radius of curvature, m; for an elliptic contact that of spheres with the same k.
+        Relative radius of curvature R, m; of an elliptic contact that of spheres of the same k.
     eccentricity : float
-        √(1 - b²/a²) of an elliptic contact.
+        Eccentricity √(1 - b²/a²) of an elliptic contact.
     """
 
     k: float

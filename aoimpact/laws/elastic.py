@@ -18,11 +18,12 @@ class Hertz(HertzianLaw, kind="hertz"):
     Parameters
     ----------
     k : float
-        N/m^1.5, positive.
+        Stiffness, N/m^1.5, positive.
     relative_radius : float, optional
-        R, m: the contact radius is √(R δ), from which patches get their radius; k and R give E*.
+        Relative radius of curvature R, m: the contact radius is √(R δ), from which patches get
+        their radius; k and R give E*.
     eccentricity : float, optional
-        √(1 - b²/a²) of an elliptic contact, from 0 to below 1, used for its pressure.
+        Eccentricity √(1 - b²/a²) of an elliptic contact, from 0 to below 1, for its pressure.
 
     Examples
     --------
@@ -94,7 +95,7 @@ class PowerLaw(ContactLaw, kind="power"):
     Parameters
     ----------
     k : float
-        N/mⁿ, positive.
+        Stiffness, N/mⁿ, positive.
     n : float
         Exponent, at least 1.
 
@@ -115,7 +116,7 @@ class Linear(ContactLaw, kind="linear", power=1.0):
     Parameters
     ----------
     k : float
-        N/m, positive.
+        Stiffness, N/m, positive.
 
     Examples
     --------

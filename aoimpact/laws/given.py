@@ -27,9 +27,9 @@ class Tabulated(ContactLaw, kind="table"):
     Parameters
     ----------
     indentation : array_like, shape (n,)
-        m, increasing, not negative; (0, 0) is prepended to a table that does not begin with it.
+        Indentations, m, increasing, not negative; (0, 0) is prepended if the table begins later.
     force : array_like, shape (n,)
-        N, never falling, positive from the first indentation above 0 on.
+        Forces, N, never falling, positive from the first indentation above 0 on.
 
     Attributes
     ----------

@@ -166,7 +166,7 @@ class ContactLaw:
     # Name of the parameter that the damping is proportional to, of a law with `_closed_form`.
     damped_by: ClassVar[str] = ""
 
-    # R, m, of a law with a contact radius, √(R δ).
+    # Relative radius of curvature R, m, of a law with a contact radius, √(R δ).
     relative_radius: float | None = None
 
     def __init_subclass__(cls, **traits: Any) -> None:
@@ -254,9 +254,9 @@ class ContactLaw:
         Parameters
         ----------
         indentation : array_like
-            δ, m; the force is zero where δ ≤ 0.
+            Indentation δ, m; the force is zero where δ ≤ 0.
         rate : array_like, optional
-            dδ/dt, m/s; broadcast against `indentation`.
+            Rate dδ/dt, m/s; broadcast against `indentation`.
         along : bool, optional
             Whether the indentations are a history in time, in which a law with memory also unloads.
 
@@ -316,8 +316,9 @@ class ContactLaw:
         Parameters
         ----------
         compliance : float
-            c, m/N, summed over both bodies, in addition to what has been removed before; negative
-            if the model of a shell is stiffer than the shell: -c is then in series with the law.
+            Compliance c, m/N, the sum over both bodies, in addition to what has been removed
+            before. It is negative if a shell's model is stiffer than the shell: -c is then in
+            series with the law.
 
         Raises
         ------
@@ -382,7 +383,7 @@ class ContactLaw:
         Parameters
         ----------
         energy : float
-            J.
+            Absorbed energy, J.
 
         Returns
         -------
@@ -568,7 +569,7 @@ class HertzianLaw(ContactLaw):
     Parameters
     ----------
     relative_radius : float, optional
-        R, m, of a contact of radius √(R δ).
+        Relative radius of curvature R, m: the contact radius is √(R δ).
     """
 
     relative_radius: float | None = field(
@@ -586,7 +587,7 @@ class PatchLaw(ContactLaw):
     ----------
     law : ContactLaw
     compliance : float
-        c, m/N.
+        Removed compliance c, m/N.
     limit : float, optional
         Largest indentation δ for which the law holds, m.
     """

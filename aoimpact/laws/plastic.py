@@ -27,7 +27,7 @@ def yield_force(modulus: float, radius: float, pressure: float) -> float:
     Parameters
     ----------
     modulus, radius, pressure : float
-        E*, Pa, R, m, and p, Pa.
+        Contact modulus E*, Pa, relative radius R, m, and pressure p, Pa.
     """
     reach = radius * (pressure / modulus)
     return math.pi**3 / 6.0 * pressure * reach * reach
@@ -55,7 +55,7 @@ def yield_pressure(material: Material) -> float:
     Parameters
     ----------
     material : Material
-        With a yield strength.
+        Material with a yield strength.
     """
     assert material.yield_strength is not None
 
@@ -130,9 +130,9 @@ class Thornton(_Yielding, kind="thornton"):
     Parameters
     ----------
     k : float
-        N/m^1.5, positive.
+        Stiffness, N/m^1.5, positive.
     yield_force : float
-        F_y, N, positive.
+        Yield force F_y, N, positive.
     relative_radius : float, optional
         As in `Hertz`.
 
@@ -163,10 +163,10 @@ class Thornton(_Yielding, kind="thornton"):
         ----------
         material_1, material_2 : Material
         radius_1, radius_2 : float
-            m; ``math.inf`` is flat, a negative radius hollow.
+            Radius of the surface, m; ``math.inf`` means flat, a negative radius hollow.
         yield_pressure : float
-            p_y, Pa: yield begins at 1.6 times the yield stress of the softer body (Johnson,
-            *Contact Mechanics*, section 6.1); with larger values the law yields too late.
+            Largest pressure at yield p_y, Pa: yield begins at 1.6 times the yield stress of the
+            softer body (Johnson, *Contact Mechanics*, section 6.1); with more the law yields late.
 
         Examples
         --------
@@ -205,14 +205,14 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     Parameters
     ----------
     k : float
-        N/m^1.5, positive.
+        Stiffness, N/m^1.5, positive.
     yield_force : float
-        F_y, N, positive.
+        Yield force F_y, N, positive.
     hardness : float
-        p₀, Pa, at least 1.25 times Hertz's largest pressure at yield. For a Vickers number HV it
-        is 10.6 MPa HV.
+        Hardness p₀, Pa, at least 1.25 times Hertz's largest pressure at yield. For a Vickers number
+        HV it is 10.6 MPa HV.
     relative_radius : float
-        R, m.
+        Relative radius of curvature R, m.
 
     Examples
     --------
@@ -258,9 +258,9 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
         material_1, material_2 : Material
             One of them with a yield strength or a hardness, unless `hardness` is given.
         radius_1, radius_2 : float
-            m; ``math.inf`` is flat, a negative radius hollow.
+            Radius of the surface, m; ``math.inf`` means flat, a negative radius hollow.
         hardness : float, optional
-            p₀, Pa, in place of the materials' hardness.
+            Hardness p₀, Pa, in place of that of the materials.
 
         Raises
         ------
@@ -332,10 +332,11 @@ class YangSun(HertzianLaw, kind="yang_sun", has_memory=True, unloading_power=2.5
     Parameters
     ----------
     k : float
-        N/m^1.5, positive: measured, or 4/3 √R / ((1-ν²)/E + 1/E₂) with R, E and ν of the ball and
-        the modulus E₂ of the plies across their fibres.
+        Stiffness, N/m^1.5, positive: measured, or 4/3 √R / ((1-ν²)/E + 1/E₂) with R, E and ν of the
+        ball and the modulus E₂ of the plies across their fibres.
     critical_indentation : float
-        δ_c, m, positive: 0.080 mm for graphite/epoxy, 0.102 mm for glass/epoxy (Yang and Sun).
+        Largest indentation δ_c without a dent, m, positive: 0.080 mm for graphite/epoxy, 0.102 mm
+        for glass/epoxy (Yang and Sun).
     beta : float, optional
         Tan and Sun's β, above 0 and at most 1; without it, Yang and Sun's formula is used.
     relative_radius : float, optional

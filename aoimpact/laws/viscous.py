@@ -41,9 +41,9 @@ class HuntCrossley(HertzianLaw, kind="hunt_crossley", depends_on_rate=True, damp
     Parameters
     ----------
     k : float
-        N/mⁿ, positive.
+        Stiffness, N/mⁿ, positive.
     damping : float
-        χ, s/m, not negative.
+        Damping factor χ, s/m, not negative.
     n : float, optional
         Exponent, at least 1.
     relative_radius : float, optional
@@ -80,9 +80,9 @@ class HuntCrossley(HertzianLaw, kind="hunt_crossley", depends_on_rate=True, damp
         Parameters
         ----------
         k : float
-            N/mⁿ.
+            Stiffness, N/mⁿ.
         restitution : float
-            e, above 0 and at most 1.
+            Restitution e, above 0 and at most 1.
         velocity : float
             Approach velocity V, m/s.
         n, relative_radius : float, optional
@@ -121,11 +121,11 @@ class Tsuji(HertzianLaw, kind="tsuji", depends_on_rate=True, damped_by="alpha"):
     Parameters
     ----------
     k : float
-        N/m^1.5, positive.
+        Stiffness, N/m^1.5, positive.
     alpha : float
-        α, dimensionless, not negative.
+        Damping constant α, dimensionless, not negative.
     mass : float
-        m, kg, positive: the reduced mass of the pair, m₁ m₂ / (m₁ + m₂).
+        Reduced mass of the pair m = m₁ m₂ / (m₁ + m₂), kg, positive.
     relative_radius : float, optional
         As in `Hertz`.
 
@@ -151,9 +151,9 @@ class Tsuji(HertzianLaw, kind="tsuji", depends_on_rate=True, damped_by="alpha"):
         Parameters
         ----------
         k : float
-            N/m^1.5.
+            Stiffness, N/m^1.5.
         restitution : float
-            Above 0 and at most 1.
+            Restitution e, above 0 and at most 1.
         mass : float
             Reduced mass, kg.
         relative_radius : float, optional
@@ -185,7 +185,7 @@ class KuwabaraKono(HertzianLaw, kind="kuwabara_kono", depends_on_rate=True, damp
     Parameters
     ----------
     k : float
-        N/m^1.5, positive.
+        Stiffness, N/m^1.5, positive.
     A : float
         Dissipation time of the material, s, not negative.
     relative_radius : float, optional
@@ -216,9 +216,9 @@ class KuwabaraKono(HertzianLaw, kind="kuwabara_kono", depends_on_rate=True, damp
         Parameters
         ----------
         k : float
-            N/m^1.5.
+            Stiffness, N/m^1.5.
         restitution : float
-            Above 0 and at most 1.
+            Restitution e, above 0 and at most 1.
         velocity : float
             Approach velocity, m/s.
         mass : float
@@ -250,9 +250,9 @@ class KelvinVoigt(ContactLaw, kind="kelvin_voigt", depends_on_rate=True, damped_
     Parameters
     ----------
     k : float
-        N/m, positive.
+        Stiffness, N/m, positive.
     c : float
-        N s/m, not negative.
+        Damping coefficient, N s/m, not negative.
     end : {"force", "indentation"}, optional
         Quantity that reaches zero at the end of the contact.
 
@@ -282,9 +282,9 @@ class KelvinVoigt(ContactLaw, kind="kelvin_voigt", depends_on_rate=True, damped_
         Parameters
         ----------
         k : float
-            N/m.
+            Stiffness, N/m.
         restitution : float
-            Above 0 and at most 1.
+            Restitution e, above 0 and at most 1.
         mass : float
             Reduced mass, kg.
         end : {"force", "indentation"}, optional

@@ -40,7 +40,7 @@ class Blocks:
     Parameters
     ----------
     A : scipy.sparse.bsr_array
-        Its indices are sorted, and every diagonal block is stored.
+        Matrix with sorted indices and every diagonal block stored.
     places : ndarray, shape (n, 3), optional
         Coordinates of the rows of blocks. With them a large body is cut across its longest side
         into slabs, the parts; without them there is one part.

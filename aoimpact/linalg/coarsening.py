@@ -24,7 +24,7 @@ class Finest(NamedTuple):
     Attributes
     ----------
     A : scipy.sparse.bsr_array
-        Its indices are sorted, and every diagonal block is stored.
+        Matrix with sorted indices and every diagonal block stored.
     motions : ndarray, shape (n, b, m)
         Near-null-space vectors of A: rigid motions.
     nodes : ndarray, shape (n, 3), optional

@@ -73,7 +73,7 @@ class Method(NamedTuple):
     Attributes
     ----------
     name : str
-        Its name in `solver=`.
+        Name of the method in `solver=`.
     set_up : callable
         Pencil ↦ Inverse. Raises SingularError.
     cost : callable

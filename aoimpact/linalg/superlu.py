@@ -71,7 +71,7 @@ def factorize(
     ----------
     matrix : scipy.sparse matrix, shape (n, n)
     what : str
-        Its name in error messages.
+        Name of the matrix in error messages.
     order : ndarray of int, shape (n,), optional
         Rows in the order of elimination; by minimum degree of A + Aᵀ if left out.
 
@@ -120,9 +120,9 @@ def check_condition(
     solve : callable
         f ↦ A⁻¹ f by the factors.
     what : str, optional
-        Its name in messages.
+        Name of the matrix in messages.
     diagonal : ndarray, shape (n,), optional
-        Its diagonal, if that is known.
+        Diagonal of the matrix, if that is known.
 
     Raises
     ------

@@ -53,7 +53,7 @@ def hertz_pair(k: float, mass: float, velocity: float) -> tuple[float, float]:
     mass : float
         Effective mass μ = m₁m₂/(m₁ + m₂), kg.
     velocity : float
-        V, m/s.
+        Approach velocity V, m/s.
     """
     depth = (1.25 * mass * velocity**2 / k) ** 0.4
     integral = math.sqrt(math.pi) * math.gamma(0.4) / (2.5 * math.gamma(0.9))

@@ -368,7 +368,7 @@ class SceneFile:
         Parameters
         ----------
         result : Run
-            From `simulate`.
+            Result of `simulate`.
 
         Returns
         -------

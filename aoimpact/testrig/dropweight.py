@@ -273,15 +273,16 @@ def drop_weight(
     mass : float, optional
         Mass of the impactor, kg; by default that of a result's projectile.
     velocity : float, optional
-        v_i, m/s; by default that of a result.
+        Impact velocity v_i, m/s; by default that of a result.
     gravity : float, optional
-        g, m/s²; by default 9.80665, or 0 for a result, since `simulate` has no gravity.
+        Gravity g, m/s²; by default 9.80665, or 0 for a result, since `simulate` has none.
     cfc : float, optional
         Channel frequency class by which the force is filtered; see `Signal.filtered`. The
         unfiltered force is integrated: integrals need no filter, which smears the contact's ends.
     start : float, optional
-        t_i, s; by default the start of a result's first contact, or the last time that a measured
-        force is below 1 % of its peak before it first passes 10 %. The end is found likewise.
+        First touch t_i, s; by default the start of a result's first contact, or the last time that
+        a measured force is below 1 % of its peak before it first passes 10 %. The end is found
+        likewise.
 
     Returns
     -------

@@ -147,7 +147,7 @@ def shock_spectrum(
         default twelve per octave, from a tenth of one over the signal's length to a tenth of its
         rate.
     damping_ratio : float, optional
-        ζ, below 1; 0.05 is Q = 10.
+        Damping ratio ζ, below 1; 0.05 is Q = 10.
     kind : {"absolute acceleration", "relative displacement", "pseudo-velocity"}, optional
         Pseudo-velocity is relative displacement times angular frequency.
 
