@@ -1,20 +1,21 @@
 """Shell elements of three and four nodes with six degrees of freedom at each.
 
-Each element is flat, in the mean plane of its nodes; nodes off that plane are joined to it by
-rigid links, as in R. H. MacNeal (Computers & Structures 8, 175, 1978). In this plane
+Each element is flat and lies in the mean plane of its nodes; rigid links join nodes off that plane
+to it, as in R. H. MacNeal (Computers & Structures 8, 175, 1978). In this plane
 
-- bending and transverse shear are those of MITC4 (K.-J. Bathe and E. N. Dvorkin, Int. J. Num.
-  Meth. Eng. 21, 367, 1985) and of MITC3+ with a bubble of the rotations (Y. Lee, P.-S. Lee and
-  K.-J. Bathe, Computers & Structures 138, 12, 2014);
+- bending and transverse shear follow MITC4 (K.-J. Bathe and E. N. Dvorkin, Int. J. Num. Meth. Eng.
+  21, 367, 1985) and, for triangles, MITC3+ with a bubble function of the rotations (Y. Lee,
+  P.-S. Lee and K.-J. Bathe, Computers & Structures 138, 12, 2014);
 - the membrane of four nodes has incompatible modes (R. L. Taylor, P. J. Beresford and E. L. Wilson,
-  Int. J. Num. Meth. Eng. 10, 1211, 1976), and its rotation about the normal is tied weakly to that
-  of the displacements (T. J. R. Hughes and F. Brezzi, Comp. Meth. Appl. Mech. Eng. 72, 105, 1989);
+  Int. J. Num. Meth. Eng. 10, 1211, 1976); a weak penalty ties its nodal rotation about the normal
+  to the in-plane rotation of the displacements (T. J. R. Hughes and F. Brezzi, Comp. Meth. Appl.
+  Mech. Eng. 72, 105, 1989);
 - the membrane of three nodes is the optimal triangle with drilling freedoms (C. A. Felippa, Comp.
   Meth. Appl. Mech. Eng. 192, 2125, 2003).
 
-An element is what its strains are: nine rows B of generalised strains at points of quadrature, the
-eight of `Layers` and the drilling strain. Inner freedoms are condensed into B, so that
-K = Σ w Bᵀ C B, and strains of a deformed body follow from the same B.
+Each element is defined by its strain matrix B at the quadrature points: nine rows, the eight
+generalised strains of `Layers` and the drilling strain. Inner freedoms are condensed into B, so
+that K = Σ w Bᵀ C B. The same B gives the strains of a deformed body.
 """
 
 from __future__ import annotations
@@ -27,37 +28,38 @@ from ..base import PRINTED, ArrayPair, FloatArray, InputError, IntArray, plain, 
 from ..mesh import dot, pairs, parted, sides, unit
 from .laminate import Layers
 
-# Stiffness against the drilling strain over the membrane's shear stiffness. It is small so that
-# in-plane bending does not lock (1e-3 costs 1 % where elements are ten times as long as wide), and
-# that folds transmit no couple about the normal.
+# Stiffness against the drilling strain over the membrane's shear stiffness. A small value avoids
+# locking in in-plane bending (1e-3 costs 1 % for elements with aspect ratio 10), and couples about
+# the normal across folds.
 _DRILLING = 1e-4
 
-# Cosine of the angle between elements at a node beyond which they meet at a fold: 35°.
+# Smallest cosine between normals of elements of one surface; below it (35°) they meet at a fold.
 FOLD = 0.82
 
-# Largest share of an element that is rigid next to a junction, so that some of it is left where
-# elements are shorter than the junction is wide.
+# Largest rigid share of an element next to a junction, so that elements shorter than the width of
+# the junction keep an elastic part.
 _ENDS = 0.8
 
-# Corners of a strip along the edge of an element that are on the element.
+# Corners of a strip along an element's edge: 1 on the element, 0 on the line of the junction.
 _ON_ELEMENT = np.array([0.0, 0.0, 1.0, 1.0])[:, None]
 
-# Sine of the angle between a fibre axis and the normal below which there is no direction.
+# Smallest sine of the angle between a fibre axis and the normal; below it no direction is defined.
 _ACROSS = 1e-6
 
 _GAUSS = 1.0 / np.sqrt(3.0)
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
-# Slopes along r and s of a triangle's linear shape functions.
+# Derivatives along r and s of a triangle's linear shape functions.
 _LINEAR = np.array([(-1.0, 1.0, 0.0), (-1.0, 0.0, 1.0)])
 
-# Six points of a triangle and their shares of its area, exact to degree 4 (D. A. Dunavant, Int. J.
-# Num. Meth. Eng. 21, 1129, 1985).
+# Quadrature of six points on a triangle, in area coordinates, with weights relative to the area;
+# exact to degree 4 (D. A. Dunavant, Int. J. Num. Meth. Eng. 21, 1129, 1985).
 _OUTER, _INNER = 0.091576213509770743, 0.445948490915964886
 _SHARES = np.repeat([0.109951743655321868, 0.223381589678011466], 3)
 _AREAS = np.array([np.roll([1.0 - 2.0 * a, a, a], i) for a in (_OUTER, _INNER) for i in range(3)])
 
-# Felippa's natural strains at each corner, (corner, edge, rotation), times 3 l²/(2 A) of the edge.
+# Felippa's natural strains at each corner times 3 l²/(2 A), with the edge's length l and the
+# triangle's area A; shape (corner, edge, rotation).
 _NATURAL = np.array(
     [
         [(1, 2, 1), (0, 1, -1), (-1, -1, -2)],
@@ -70,18 +72,18 @@ _NATURAL = np.array(
 
 @record
 class Strains:
-    """Generalised strains of some elements as functions of their nodes' freedoms.
+    """Generalised strains of elements at quadrature points per nodal dof.
 
     Attributes
     ----------
     rows : ndarray, shape (n, points, 9, 6 nodes)
-        By (u, v, w, θx, θy, θz) in global axes; the ninth is the drilling strain.
+        Strain matrix B for (u, v, w, θx, θy, θz) in global axes; row 9 is the drilling strain.
     weights : ndarray, shape (n, points)
-        Areas, m².
+        Area that belongs to each point, m².
     shape : ndarray, shape (points, nodes)
         Shape functions at the points.
     frames : ndarray, shape (n, 3, 3)
-        Rows are the elements' axes; the third is the normal.
+        Elements' axes as rows; the third is the normal.
     """
 
     rows: FloatArray
@@ -103,17 +105,17 @@ def element_stiffness(
     Parameters
     ----------
     corners : ndarray, shape (n, 3 or 4, 3)
-        m.
+        Coordinates of the nodes, m.
     layers : Shell or Laminate
     normals : ndarray, shape (n, 3 or 4, 3), optional
-        Unit normals of the surface at the nodes, from `nodal_normals`; the elements' own if left
-        out.
+        Unit normals of the surface at the nodes, from `nodal_normals`; by default the elements'
+        own normals.
     ends : ndarray, shape (n, 3 or 4, 3), optional
         Rigid links from the nodes to the elements' corners, from `rigid_ends`, m.
     constant : bool, optional
-        True for triangles in one body with quadrilaterals: their membrane strain is constant then.
-        Under constant stress the optimal triangle has moments about the normal at its nodes, which
-        only triangles balance.
+        True gives triangles a constant membrane strain, for bodies that contain quadrilaterals too.
+        Under constant stress, the optimal triangle has nodal moments about the normal that only
+        adjacent triangles balance.
     """
     strains = strain_rows(corners, layers, normals, ends, constant=constant)
     forces = strains.weights[..., None, None] * (_stiffness(layers) @ strains.rows)
@@ -124,9 +126,9 @@ def element_stiffness(
 
 
 def element_mass(corners: FloatArray, layers: Layers) -> FloatArray:
-    """Return the consistent mass of elements with their rotary inertia, shape as the stiffness.
+    """Return the consistent mass with rotary inertia, shape (n, 6 nodes, 6 nodes).
 
-    A point at z moves with u + z θ×n. Rotation about the normal has no inertia.
+    The displacement at height z is u + z θ×n. Rotation about the normal has no inertia.
     """
     n, nodes = corners.shape[:2]
     normal = element_frames(corners, layers)[0][:, 2]
@@ -145,9 +147,9 @@ def element_mass(corners: FloatArray, layers: Layers) -> FloatArray:
 
 
 def element_frames(corners: FloatArray, layers: Layers | None) -> ArrayPair:
-    """Return the elements' axes, rows of (n, 3, 3), and their nodes in them, (n, nodes, 3).
+    """Return the elements' axes as rows, (n, 3, 3), and their nodes in these axes, (n, nodes, 3).
 
-    x is the projection of the layers' reference, or about the first edge without one.
+    x is the projection of the layers' reference direction or, without one, about the first edge.
     """
     if corners.shape[1] == 3:
         first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -172,14 +174,16 @@ def element_frames(corners: FloatArray, layers: Layers | None) -> ArrayPair:
 def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatArray]:
     """Return the surface's unit normals at the nodes of elements, (n, 3 or 4, 3) for each group.
 
-    The mean over the elements at a node that are within `FOLD` of this one, on its side. Elements
-    beyond belong to another surface, joined at a fold.
+    For each element and node, the mean over the normals of all elements at the node that differ by
+    less than the angle of `FOLD`, with equal orientation. The others belong to another surface,
+    joined at a fold.
 
     Parameters
     ----------
     nodes : ndarray, shape (n_nodes, 3)
-        m.
+        Coordinates, m.
     groups : sequence of ndarray of int, shape (n, 3) or (n, 4)
+        Nodes of the elements of each group.
     """
     at, normal = np.concatenate([cells.ravel() for cells in groups]), _facets(nodes, groups)
     total = normal.copy()
@@ -190,7 +194,7 @@ def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatAr
 
 
 def _facets(nodes: FloatArray, groups: Sequence[IntArray]) -> FloatArray:
-    """Return the elements' own normals at their corners, in turn, shape (n, 3)."""
+    """Return the elements' own normals, repeated for each corner, shape (n corners, 3)."""
     own = [element_frames(nodes[cells], None)[0][:, 2] for cells in groups]
     return np.concatenate(
         [np.repeat(each, cells.shape[1], axis=0) for each, cells in zip(own, groups, strict=True)]
@@ -200,27 +204,28 @@ def _facets(nodes: FloatArray, groups: Sequence[IntArray]) -> FloatArray:
 def rigid_ends(
     nodes: FloatArray, parts: Sequence[tuple[IntArray, Layers]]
 ) -> list[tuple[FloatArray, IntArray, FloatArray]]:
-    """Return how far elements start from the lines at which plates meet, and what is there instead.
+    """Return the rigid offsets of elements at junctions of plates, and strips that fill the gaps.
 
-    Plates at an angle θ to each other, with faces at a height f over their nodes, meet with these
-    at a distance of (f_other + f cos θ)/sin θ from the line. A plate that ends there is rigid up to
-    this place. One that goes on beyond the line is held on one face only: between free and rigid up
-    to there, which bound its stiffness by the theorems of least energy. Half of it is taken. In
-    plane elasticity it is 0.25, 0.47 and 0.70 for bending, over webs of 1, 2 and 4 thicknesses.
+    If plates meet at an angle θ and their faces lie at heights f over the nodes, the faces meet at
+    a distance of (f_other + f cos θ)/sin θ from the line of the nodes. A plate that ends at the
+    line is rigid over this distance. A plate that continues beyond the line is held on one face
+    only. Its stiffness is bounded by a free and by a rigid length, according to the theorems of
+    minimum energy; half the distance is taken as rigid. Plane elasticity gives a share of 0.25,
+    0.47 and 0.70 for bending, for webs of 1, 2 and 4 thicknesses.
 
     Parameters
     ----------
     nodes : ndarray, shape (n_nodes, 3)
-        m.
+        Coordinates, m.
     parts : sequence of (ndarray of int, Shell or Laminate)
-        Nodes of elements, shape (n, 3) or (n, 4), and what these are.
+        Nodes of the elements, shape (n, 3) or (n, 4), and their section.
 
     Returns
     -------
     list of (ends, strips, links)
-        For each part. The ends, shape (n, 3 or 4, 3), m, are rigid links from the nodes to the
-        elements' corners. The strips, shape (any, 4), are elements between these and the line that
-        stretch, bend and twist along it, and their links have the shape (any, 4, 3).
+        One entry per part. ends: rigid links from the nodes to the elements' corners, m, shape
+        (n, 3 or 4, 3). strips: nodes of elements between these corners and the line, which stretch,
+        bend and twist along the line, shape (any, 4). links: their rigid links, m, (any, 4, 3).
     """
     groups = [cells for cells, _ in parts]
     at, edge, inside, away = sides(nodes, groups)
@@ -242,7 +247,7 @@ def rigid_ends(
     ends = np.zeros_like(m)
     for of in rows:
         ends[of] = moved[of] + np.roll(moved[of], 1, axis=1)
-    # Corners of elements that have only a node on the line go with their neighbours'.
+    # Elements with a single node on the line take the mean offset of their neighbours.
     own, total, count = ends.any(axis=1), np.zeros_like(ends), np.zeros(len(at))
     for one, other in pairs(at[:, 0]) if own.any() else ():
         alike = np.abs(dot(n[one], n[other])) > FOLD
@@ -258,31 +263,31 @@ def rigid_ends(
 
 
 def linked(corners: FloatArray, normals: FloatArray, shape: FloatArray) -> FloatArray:
-    """Return how rotations of an element's nodes move places in it, by its deflection in bending.
+    """Return the displacements of points in an element per rotation of its nodes.
 
-    An edge e whose ends turn by θ bulges by (θ_i·(e × n_i) - θ_j·(e × n_j)) λ(1 - λ)/2, a parabola,
-    along the normal that is interpolated between the n (linked interpolation: O. C. Zienkiewicz et
-    al., Int. J. Num. Meth. Eng. 36, 3043, 1993). A place's displacement is then right to the fourth
-    order for bending waves, and that by the shape functions alone to the second. With the facet's
-    normal in place of the n_i, couples would have a part about these, which only the weak drilling
-    stiffness resists.
+    If the ends of an edge e rotate by θ_i and θ_j, the edge deflects along the interpolated normal
+    by the parabola (θ_i·(e × n_i) - θ_j·(e × n_j)) λ(1 - λ)/2 (linked interpolation: O. C.
+    Zienkiewicz et al., Int. J. Num. Meth. Eng. 36, 3043, 1993). Displacements in bending waves are
+    then accurate to fourth order, by the shape functions alone only to second order. With the
+    facet's normal instead of the n_i, nodal couples would have a component about the n_i, which
+    only the weak drilling stiffness resists.
 
     Parameters
     ----------
     corners : ndarray, shape (3 or 4, 3)
-        m.
+        Coordinates of the nodes, m.
     normals : ndarray, shape (3 or 4, 3)
         Unit normals of the surface at the nodes, from `nodal_normals`.
     shape : ndarray, shape (p, 3 or 4)
-        Shape functions at the places.
+        Shape functions at the points.
 
     Returns
     -------
     ndarray, shape (p, 3, 3 or 4, 3)
-        m, displacements of the places by the rotations of the nodes.
+        Displacement of each point per nodal rotation, m: point, component, node, rotation.
     """
     after = np.roll(shape, -1, axis=1)
-    # λ(1 - λ) times what falls off to the other side, which is 1 on this one.
+    # λ(1 - λ) on the edge, decaying linearly to 0 at the opposite side.
     beside = shape + after if len(corners) == 4 else np.ones_like(shape)
     bulge = 0.5 * shape * after / np.where(beside > 0.0, beside, 1.0)
     edge = bulge[..., None] * (np.roll(corners, -1, axis=0) - corners)
@@ -298,7 +303,7 @@ def strain_rows(
     *,
     constant: bool = False,
 ) -> Strains:
-    """Return the strains of some elements; parameters as for `element_stiffness`."""
+    """Return the strains of elements; for the parameters see `element_stiffness`."""
     corners = corners if ends is None else corners + ends
     frames, local = element_frames(corners, layers)
     stiffness = _stiffness(layers)
@@ -313,7 +318,7 @@ def strain_rows(
         shape = _bilinear(_GAUSS * _CORNERS)[0]
     rows = _condensed(rows, inner, stiffness, weights)
     rows = rows.reshape(*rows.shape[:3], -1, 2, 3)
-    # From the plane to the nodes: u + θ × d with d along the normal.
+    # Rigid links from the nodes to the mean plane: u + θ × d with d along the normal.
     height = local[:, None, None, :, 2]
     rows[..., 1, 0] += height * rows[..., 0, 1]
     rows[..., 1, 1] -= height * rows[..., 0, 0]
@@ -326,10 +331,11 @@ def strain_rows(
 
 
 def _flatness(local: FloatArray, normals: FloatArray | None, stiffness: FloatArray) -> FloatArray:
-    """1/(1 + (h δ/t)²), with δ the angle between an element and its surface at the nodes.
+    """Factor of a triangle's membrane strains due to drilling rotations, 1/(1 + (h δ/t)²).
 
-    How far the membrane of a triangle may follow rotations about the normal: on a curved surface
-    these take part in bending, and a thin element locks.
+    δ is the angle between the normals of the element and of the surface at its nodes, h the longest
+    edge, t the thickness. On curved surfaces drilling rotations take part in bending, which would
+    lock thin elements.
     """
     if normals is None:
         return np.ones(len(local))
@@ -341,17 +347,17 @@ def _flatness(local: FloatArray, normals: FloatArray | None, stiffness: FloatArr
 
 
 def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -> None:
-    """Rotations ω + R(θ - ω) in place of θ, in local axes and in place.
+    """Replace rotations θ in `rows`, in local axes and in place, by ω + R(θ - ω).
 
-    ω is the rotation of the element's plane and R turns the surface's normal at the node to the
-    element's. So bending and twisting on one side of a node are the same on the other, though the
-    planes differ, and do not mix with the rotation about the normal. That is counted about the mean
-    of both normals: between the element's middle and the node the rotation of a bent surface
-    changes along the surface, so that its part along this mean is of third order.
+    ω is the rotation of the element's plane, and R turns the surface's normal at the node to the
+    element's normal. Bending and twisting rotations then agree between elements at a node although
+    their planes differ, and do not mix with drilling. The drilling component is taken about the
+    mean of both normals: as the rotation of a bent surface changes tangentially between the
+    element's centre and the node, its component along this mean is of third order.
     """
     n, nodes = local.shape[:2]
     x, y, z = np.moveaxis(normals, 2, 0)
-    cross = np.zeros((n, nodes, 3, 3))  # of v = normal × e3
+    cross = np.zeros((n, nodes, 3, 3))  # matrix of the cross product with normal × e3
     cross[..., 0, 2], cross[..., 2, 0] = -x, x
     cross[..., 1, 2], cross[..., 2, 1] = -y, y
     turn = np.eye(3) + cross + cross @ cross / (1.0 + z)[..., None, None]
@@ -361,7 +367,7 @@ def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -
     else:
         along = _bilinear(np.zeros((1, 2)))[1][0]
         slopes = np.linalg.inv(along @ local[..., :2]) @ along
-    plane = np.zeros((n, 3, nodes, 3))  # ω by the displacements
+    plane = np.zeros((n, 3, nodes, 3))  # ω per nodal displacement
     plane[:, 0, :, 2], plane[:, 1, :, 2] = slopes[:, 1], -slopes[:, 0]
     plane[:, 2, :, 0], plane[:, 2, :, 1] = -0.5 * slopes[:, 1], 0.5 * slopes[:, 0]
     by_rotation = rows[..., 1, :].reshape(n, -1, 3 * nodes)
@@ -371,7 +377,7 @@ def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -
 
 
 def _stiffness(layers: Layers) -> FloatArray:
-    """Return the stiffness against the nine strains, shape (9, 9)."""
+    """Return the stiffness matrix C of the nine strains, shape (9, 9)."""
     matrix = np.zeros((9, 9))
     matrix[:8, :8] = layers.stiffness
     matrix[8, 8] = _DRILLING * _mean_membrane(matrix)[1]
@@ -379,7 +385,7 @@ def _stiffness(layers: Layers) -> FloatArray:
 
 
 def _mean_membrane(stiffness: FloatArray) -> tuple[float, float]:
-    """ν and the shear stiffness, N/m, of the membrane in the mean over all directions."""
+    """Poisson's ratio and shear stiffness, N/m, of the membrane, averaged over directions."""
     direct = float(stiffness[0, 0] + stiffness[1, 1])
     across, shear = float(stiffness[0, 1]), float(stiffness[2, 2])
     ratio = (direct + 6.0 * across - 4.0 * shear) / (3.0 * direct + 2.0 * across + 4.0 * shear)
@@ -389,7 +395,7 @@ def _mean_membrane(stiffness: FloatArray) -> tuple[float, float]:
 def _condensed(
     rows: FloatArray, inner: FloatArray, stiffness: FloatArray, weights: FloatArray
 ) -> FloatArray:
-    """The strains of the nodes' freedoms with the inner ones where their forces vanish."""
+    """Strains per nodal dof, with inner freedoms such that the forces on these vanish."""
     force = weights[..., None, None] * (stiffness @ inner)
     n, dofs = len(rows), inner.shape[-1]
     force = force.reshape(n, -1, dofs).swapaxes(1, 2)
@@ -400,14 +406,14 @@ def _condensed(
 
 
 def _bilinear(places: FloatArray) -> ArrayPair:
-    """Shape functions at (r, s), and their slopes along r and s, (points, 4) and (points, 2, 4)."""
+    """Shape functions at (r, s), (points, 4), and derivatives along r and s, (points, 2, 4)."""
     r, s = places[:, :1], places[:, 1:]
     a, b = 1.0 + r * _CORNERS[:, 0], 1.0 + s * _CORNERS[:, 1]
     return 0.25 * a * b, 0.25 * np.stack([_CORNERS[:, 0] * b, _CORNERS[:, 1] * a], axis=1)
 
 
 def _areas(corners: FloatArray, normal: FloatArray) -> ArrayPair:
-    """Shape functions at the points of quadrature, and the points' areas in the mean plane."""
+    """Shape functions at the quadrature points, and the points' areas in the mean plane, m²."""
     if corners.shape[1] == 3:
         edges = corners[:, 1:] - corners[:, :1]
         area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
@@ -418,9 +424,10 @@ def _areas(corners: FloatArray, normal: FloatArray) -> ArrayPair:
 
 
 def _plane_rows(slope: FloatArray, shape: FloatArray) -> FloatArray:
-    """Membrane, bending and drilling rows of ∂N/∂x, ∂N/∂y (n, points, 2, nodes).
+    """Strain rows from slopes ∂N/∂x, ∂N/∂y, shape (n, points, 2, nodes), without shear.
 
-    Shape (n, points, 9, 6 nodes), with nothing in the rows of transverse shear.
+    The result, shape (n, points, 9, nodes, 6), contains membrane, bending and drilling strains; the
+    rows of transverse shear are zero.
     """
     rows = np.zeros((*slope.shape[:2], 9, slope.shape[-1], 6))
     x, y = slope[:, :, 0], slope[:, :, 1]
@@ -434,21 +441,21 @@ def _plane_rows(slope: FloatArray, shape: FloatArray) -> FloatArray:
 
 
 def _quadrilateral(local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Strains of the nodes' freedoms in the plane and of the incompatible modes, and the areas."""
+    """Strains per nodal dof in the element's plane, strains per incompatible mode, and areas."""
     plane = local[..., :2]
     shape, slopes = _bilinear(_GAUSS * _CORNERS)
     jacobian = np.einsum("qda,nai->nqdi", slopes, plane)  # rows are along r and s
     area = np.linalg.det(jacobian)
     inverse = np.linalg.inv(jacobian)
     rows = _plane_rows(inverse @ slopes, shape)
-    # Shear strains along r at s = ±1, and along s at r = ±1, interpolated between these.
+    # MITC4: shear along r is interpolated from s = ±1, shear along s from r = ±1.
     across = _covariant(plane, np.array([(0.0, 1.0), (0.0, -1.0)]), 0)
     along = _covariant(plane, np.array([(1.0, 0.0), (-1.0, 0.0)]), 1)
     r, s = _GAUSS * _CORNERS.T
     share = np.stack([[1.0 + s, 1.0 - s], [1.0 + r, 1.0 - r]]) / 2.0  # (direction, tied, point)
     tied = np.einsum("dtq,ndtx->nqdx", share, np.stack([across, along], axis=1))
     rows[:, :, 6:8] = (inverse @ tied).reshape(len(local), 4, 2, 4, 6)
-    # Incompatible modes 1 - r² and 1 - s² of u and v, by the Jacobian in the middle.
+    # Incompatible modes 1 - r² and 1 - s² of u and v, with the Jacobian at the centre.
     middle = np.linalg.inv(np.einsum("da,nai->ndi", _bilinear(np.zeros((1, 2)))[1][0], plane))
     centre = 1.0 / np.linalg.det(middle)
     modes = -2.0 * np.stack([np.stack([r, 0 * s]), np.stack([0 * r, s])])  # (mode, direction, q)
@@ -460,7 +467,7 @@ def _quadrilateral(local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
 
 
 def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatArray:
-    """Shear strain w,d + x,d·(θy, -θx) along r or s at places, by freedoms: (n, places, 24)."""
+    """Covariant shear strain w,d + x,d·(θy, -θx) at points per dof, d = r or s: (n, places, 24)."""
     shape, slopes = _bilinear(places)
     slope = slopes[:, direction]
     edge = np.einsum("qa,nai->nqi", slope, plane)
@@ -474,12 +481,12 @@ def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatAr
 def _triangle(
     local: FloatArray, stiffness: FloatArray, flatness: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Strains of the nodes' freedoms in the plane and of the bubble's rotations, and the areas."""
+    """Strains per nodal dof in the element's plane, strains per bubble rotation, and areas."""
     plane, n = local[..., :2], len(local)
     jacobian = plane[:, 1:] - plane[:, :1]  # rows are along r and s
     inverse = np.linalg.inv(jacobian)
     area = 0.5 * np.linalg.det(jacobian)
-    # Rotations: h_i - f/3 at the nodes, and the bubble f = 27 h1 h2 h3.
+    # Shape functions of rotations: h_i - f/3 for the nodes, and the bubble f = 27 h1 h2 h3.
     bubble = 27.0 * np.stack(
         [_AREAS[:, (i + 1) % 3] * _AREAS[:, (i + 2) % 3] for i in range(3)], axis=1
     )
@@ -500,7 +507,7 @@ def _triangle(
 
 
 def _tied_shear(jacobian: FloatArray) -> FloatArray:
-    """MITC3+'s covariant shear strains at the points, by nodes and bubble: (n, q, 2, 4, 6)."""
+    """MITC3+'s covariant shear strains at q points per dof of nodes and bubble: (n, q, 2, 4, 6)."""
     d = 1e-4
     third, sixth = 1.0 / 3.0, 1.0 / 6.0
     places = np.array(
@@ -526,13 +533,13 @@ def _tied_shear(jacobian: FloatArray) -> FloatArray:
 
 
 def _optimal_membrane(plane: FloatArray, area: FloatArray, stiffness: FloatArray) -> ArrayPair:
-    """The basic, constant membrane strains of (u, v, θz), and the higher ones at the points.
+    """Membrane strains per (u, v, θz) of the nodes: basic (constant) and higher-order ones.
 
-    Shapes (n, 3, 3 nodes, 3) and (n, points, 3, 3 nodes, 3); the higher ones are linear and zero in
-    the mean.
+    Shapes (n, 3, 3 nodes, 3) and (n, points, 3, 3 nodes, 3). The higher-order strains are linear
+    with zero mean.
     """
     beta = max(0.5 - 2.0 * _mean_membrane(stiffness)[0] ** 2, 0.01)
-    # x[:, i, j] = x_i - x_j; i, j, k are the corners in turn, edge i goes from i to j.
+    # x[:, i, j] = x_i - x_j; (i, j, k) are cyclic permutations, and edge i goes from i to j.
     x, y = (plane[:, :, None, d] - plane[:, None, :, d] for d in (0, 1))
     i, j, k = np.arange(3), np.array([1, 2, 0]), np.array([2, 0, 1])
     basic = np.zeros((len(plane), 3, 3, 3))  # (strain, node, freedom)
@@ -542,7 +549,7 @@ def _optimal_membrane(plane: FloatArray, area: FloatArray, stiffness: FloatArray
     basic[:, 1, :, 2] = 0.125 * x[:, k, j] * (x[:, k, i] - x[:, i, j])
     basic[:, 2, :, 2] = 0.25 * (x[:, k, i] * y[:, i, k] - x[:, i, j] * y[:, j, i])
     basic /= area[:, None, None, None]
-    # Rotations of the corners beyond the mean one, and the strains along the edges by them.
+    # Corner rotations minus the mean rotation, and the natural strains along the edges they cause.
     beyond = np.zeros((len(plane), 3, 3, 3))  # (corner, node, freedom)
     beyond[..., 0], beyond[..., 1] = x[:, None, k, j], y[:, None, k, j]
     beyond[..., :2] /= 4.0 * area[:, None, None, None]

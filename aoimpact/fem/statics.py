@@ -1,14 +1,14 @@
 """Static displacements of a body, its motion as a whole, and the forces of its supports.
 
-The ground under some nodes is moved by a virtual displacement φ_c, and the body follows by its
-statics, K φ = 0 on the free dofs. The virtual work of all forces on the body vanishes, so that what
-the ground does along φ_c is, of any motion X under forces f,
+Reactions follow from the principle of virtual work. If the ground under some nodes moves by a
+virtual displacement φ_c, the body follows statically by φ with K φ = 0 on the free dofs. For any
+motion X under forces f, the generalised reaction of the ground along φ_c is
 
-    R = φᵀM Ẍ - φᵀf,
+    R = φᵀM Ẍ - φᵀf.
 
-without K X: R is found from accelerations that are weighted by a smooth field (mode acceleration;
-R. R. Craig and A. J. Kurdila, *Fundamentals of Structural Dynamics*, section 11.4). Moving all of
-the ground as one moves the body as one, φ = g, and R is what changes its momentum.
+This needs no K X: R follows from accelerations weighted by a smooth field (mode acceleration; R. R.
+Craig and A. J. Kurdila, *Fundamentals of Structural Dynamics*, section 11.4). If the whole ground
+moves as one, φ is a rigid translation and R changes the body's momentum.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ from ..mesh import motions_at
 from .model import FEModel
 from .supports import selected_nodes
 
-# s² of a nearly static K + s²M, as a share of the mean of K_ii over that of M_ii, which is near the
-# highest ω²: below ω₁² of all but the longest bodies, and above what rounding takes for a singular
-# matrix.
+# s² of the shifted K + s²M over ΣK_ii / ΣM_ii, which is about the highest ω². The shift is below
+# ω₁² for all but the longest bodies, and large enough that K + s²M is not singular by rounding.
 _NEAR_K = 1e-9
 
-# A pass that leaves more than this of the last change shows motions too soft for passes.
+# Largest ratio of successive corrections in iterative refinement; above it, some elastic motion is
+# too soft for the shifted matrix.
 _SLOW = 0.5
 
-# Passes end when the change relative to the solution is below the first value, or below the second
-# and above the third times the last change.
+# Iterative refinement ends if the correction relative to the solution is below the first value, or
+# if it is below the second and exceeds the third times the previous correction.
 _AT_ROUNDING, _NEAR_ROUNDING, _STALLED = 1e-14, 1e-10, 0.9
 
 
 def near_static(body: FEModel) -> float:
-    """Return s² of a K + s²M that has factors and is as good as K, (rad/s)²."""
+    """Return a small s², (rad/s)², for which K + s²M is regular and nearly equal to K."""
     return _NEAR_K * float(body.K.diagonal().sum() / body.M.diagonal().sum())
 
 
@@ -51,16 +51,19 @@ def displacement(
     *,
     tolerance: float | None = None,
 ) -> FloatArray:
-    """Return K⁻¹ b; with rigid modes that b does not move, the one M-orthogonal to them.
+    """Return the static displacement x = K⁻¹ b, shape (n_dofs,).
+
+    For a body with rigid modes, which b must not excite, x is M-orthogonal to these.
 
     Parameters
     ----------
     body : FEModel
     b : ndarray, shape (n_dofs,)
+        Load.
     invert : callable
-        s² ↦ the solver of K + s²M.
+        Function s² ↦ solver of K + s²M.
     tolerance : float, optional
-        ‖b - K x‖ / ‖b‖ that will do, of a body without rigid modes: see `LinearSolver`.
+        Sufficient ‖b - K x‖ / ‖b‖ for a body without rigid modes; see `LinearSolver`.
     """
     K, M, rigid = body.K, body.M, body.rigid_modes
     if rigid.shape[1] == 0:
@@ -73,7 +76,7 @@ def displacement(
                 "(a piece not connected, an element without stiffness), or K has too few digits; "
                 "see body.frequencies(10)"
             ) from None
-    # Each pass leaves s²/(ω₁² + s²) of the error.
+    # Iterative refinement: each pass multiplies the error by at most s²/(ω₁² + s²).
     near_k = invert(near_static(body))
     x, before = np.zeros_like(b), np.inf
     while True:
@@ -81,22 +84,22 @@ def displacement(
         change -= rigid @ (rigid.T @ (M @ change))
         x += change
         length = np.linalg.norm(x)
-        if length == 0.0:  # without a load
+        if length == 0.0:  # no load
             return x
         size = float(np.linalg.norm(change) / length)
         if size <= _AT_ROUNDING or (size <= _NEAR_ROUNDING and size > _STALLED * before):
             return x
-        if not size <= _SLOW * before:  # nan, too
+        if not size <= _SLOW * before:  # true for nan as well
             return _by_grounding(body, b, near_k)
         before = size
 
 
 def _by_grounding(body: FEModel, b: FloatArray, solver: LinearSolver) -> FloatArray:
-    """Return K⁻¹ b, shape (n_dofs,), of a partly free body grounded by springs in its free motions.
+    """Return K⁻¹ b, shape (n_dofs,), of a body with rigid modes, after grounding it by springs.
 
-    `solver` is one of its K + s²M: the same kind factorises K. At no more places than there are
-    such motions the springs take no force, for a b that does not move the body as a whole, and
-    change nothing but where it is.
+    There is one spring per rigid mode. Under a load that does not excite rigid modes, such springs
+    carry no force and determine only the rigid part of x. `solver`, for K + s²M, tells which method
+    to use.
     """
     K, M, rigid = body.K, body.M, body.rigid_modes
     places = scipy.linalg.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
@@ -109,17 +112,18 @@ def _by_grounding(body: FEModel, b: FloatArray, solver: LinearSolver) -> FloatAr
 
 
 def whole_motion(model: FEModel) -> ArrayPair:
-    """Return the functionals of a body's motion as a whole, and the momenta that make it.
+    """Return the functionals that give a body's rigid motion, and M times its rigid motions.
 
     Returns
     -------
     functionals : ndarray, shape (6, n_dofs)
-        Rows of the velocity of the centre of mass and of the mean spin, which has the body's
-        angular momentum; spin is NaN where supports take that up.
+        Rows that give, from nodal velocities, the velocity of the centre of mass and the spin of a
+        rigid body with the same angular momentum. The spin is NaN for a supported body.
     momenta : ndarray, shape (n_dofs, 6)
-        M times unit translations and, of an unsupported body, unit rotations about its centre.
+        M times unit translations and, for an unsupported body, unit rotations about its centre; 0
+        otherwise.
     """
-    # Nodes of added functions are no places.
+    # A finer body's added functions have no nodal positions: use those of `given`.
     body: Any = model if model.shapes is model.mesh else model.given
     centre = np.array([model.com_functional(axis) for axis in np.eye(3)])
     functionals, momenta = np.full((6, model.n_dofs), np.nan), np.zeros((model.n_dofs, 6))
@@ -134,18 +138,18 @@ def whole_motion(model: FEModel) -> ArrayPair:
 
 @record
 class VirtualMotion:
-    """The body's static displacement where the ground moves, for m motions of the ground.
+    """Static displacements φ of a body for m motions of the ground.
 
     Attributes
     ----------
     ground : ndarray, shape (held, m)
-        On the constrained dofs.
+        Displacements of the constrained dofs.
     springs : ndarray, shape (n_dofs, m)
-        Motions of the ground under the springs, times their stiffness, N/m.
+        Displacements of the ground under the springs, times their stiffness, N/m.
     phi, inertia : ndarrays, shape (n_dofs, m)
-        The free dofs that follow, and M φ there.
+        φ and M φ on the free dofs.
     weight : ndarray, shape (m, 3)
-        Work of the constrained dofs' own inertia in unit accelerations along x, y and z, kg.
+        φᵀM a on the constrained dofs for unit accelerations a along x, y and z, kg.
     """
 
     ground: FloatArray
@@ -162,16 +166,16 @@ class Grounding:
     ----------
     body : FEModel
     held : ndarray of int, shape (held,)
-        Constrained dofs, 3·node + component; rotations, where there are any, after all of these.
+        Constrained dofs: displacements 3·node + component, then rotations, if any.
     K : scipy.sparse array, shape (held, n_dofs)
-        Rows of K of these, over the free dofs.
+        Rows of K for the constrained dofs, columns for the free dofs.
     M : scipy.sparse array, shape (held, all)
-        Rows of M, over all dofs, whose number is its width.
+        Rows of M for the constrained dofs, columns for all dofs.
 
     Raises
     ------
     InputError
-        If the body was given by K and M, from which the rows of the supports are missing.
+        If the body was given by K and M, which lack the rows of constrained dofs.
     """
 
     def __init__(self, body: Any) -> None:
@@ -186,12 +190,12 @@ class Grounding:
         self.M = sp.csr_array(M.T)
 
     def nodes(self, name: str, selector: Any) -> IntArray:
-        """Return the selected nodes that a support or a spring holds; all such without a selector.
+        """Return the nodes held by supports or springs, restricted to a selector unless it is None.
 
         Raises
         ------
         InputError, InputTypeError
-            If there is none, or the selector selects no node.
+            If there is no such node, or the selector selects no node.
         """
         body, springs = self.body.given, self.body.given.springs
         sprung = np.empty(0, np.int64) if springs is None else body.free[np.flatnonzero(springs)]
@@ -206,7 +210,7 @@ class Grounding:
         return np.unique(grounded)
 
     def resultants(self, nodes: IntArray, centre: FloatArray) -> FloatArray:
-        """Return the ground's translations and rotations about a centre, shape (all dofs, 6)."""
+        """Return unit translations of the nodes, and rotations about a centre, (all dofs, 6)."""
         places = self.body.given.nodes
         motions = np.zeros((2, *places.shape, 6))
         moved = motions_at(places[nodes] - centre, rotations=True)
@@ -215,7 +219,7 @@ class Grounding:
         return every.reshape(-1, 6)[: self.M.shape[1]]
 
     def virtual(self, motions: FloatArray) -> VirtualMotion:
-        """Return how the body follows motions of the ground, shape (all dofs, m)."""
+        """Return the body's static displacements for motions of the ground, (all dofs, m)."""
         body = self.body
         axes = self.resultants(np.arange(len(body.given.nodes)), np.zeros(3))[:, :3]
         ground = motions[self.held]

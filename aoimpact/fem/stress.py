@@ -1,12 +1,12 @@
 """Stress of a deformed body: at the Gauss points of its elements, and averaged at its nodes.
 
-At the Gauss points the strains are those of the elements. From there they are carried to the nodes
-by the polynomial of the element's corners (linear in a tetrahedron, trilinear in a brick) that fits
-them best: one degree lower than the displacements, it takes from the strains what is accurate to
-one order more (J. Barlow, Int. J. Num. Meth. Eng. 10, 243, 1976). Of an element that has functions
-of the next degree beside its own, it is a polynomial of its own degree. At a node the elements'
-values are averaged, but never across an interface of materials, where stress jumps: there it is
-that of the stiffest.
+Strains at the Gauss points are extrapolated to the nodes of an element by the least-squares
+polynomial of its corners (linear in a tetrahedron, trilinear in a brick). Its degree is one lower
+than that of the displacements, which retains the part of the strains with an additional order of
+accuracy (J. Barlow, Int. J. Num. Meth. Eng. 10, 243, 1976). Elements with additional shape
+functions of the next degree use a polynomial of their own degree. At each node the values of the
+elements are averaged within each material, as stress jumps at interfaces; the stress given there is
+that of the stiffest material.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from ..mesh import Mesh, cofactors, jacobians, reference_element
 from .composition import AnyMaterial, Layout, OneMaterial, Piece, each_of, layout, pieces
 from .material import PAIRS, PLACES, Material
 
-# VTK's order of a symmetric tensor.
+# Components in VTK's order of symmetric tensors.
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 
-# Angles of shear are twice the tensor's components.
+# Engineering strain over tensor component: shear angles are γ = 2ε.
 ANGLE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 
-# Tensors of each component of strain, with γ of one for shear, (6, 3, 3).
+# Tensors of unit engineering strains, shape (6, 3, 3): γ = 1 for shear.
 UNIT_STRAINS = np.eye(6)[:, PLACES] / ANGLE[:, None, None]
 
-# Elements are taken so many at a time that their gradients stay in this size, bytes.
+# Largest array of gradients of a batch of elements, bytes.
 _BATCH = 16e6
 
 
@@ -43,9 +43,9 @@ class Tensor:
     Attributes
     ----------
     components : ndarray, shape (..., 6)
-        xx, yy, zz, xy, yz, xz; tension is positive.
+        Components xx, yy, zz, xy, yz, xz; tension is positive.
     points : ndarray, shape (n_nodes, 3) or (n_cells, n_gauss, 3)
-        Where, on the undeformed body, m.
+        Positions on the undeformed body, m.
     """
 
     components: FloatArray
@@ -62,7 +62,7 @@ class Tensor:
 
     @property
     def principal(self) -> FloatArray:
-        """Principal values, the largest first, shape (..., 3)."""
+        """Principal values in descending order, shape (..., 3)."""
         return np.asarray(np.linalg.eigvalsh(self.tensor), dtype=np.float64)[..., ::-1]
 
 
@@ -80,27 +80,28 @@ class Stress(Tensor):
 
 @record
 class Strain(Tensor):
-    """Strain at points of a body; see `Tensor`. Shears are those of the tensor, half of γ."""
+    """Strain at points of a body; see `Tensor`. Shear components are ε = γ/2."""
 
     def along(self, direction: FloatArray) -> FloatArray:
-        """Return the strain along a unit vector, shape (...)."""
+        """Return the normal strain along a unit vector, shape (...)."""
         return np.asarray(np.einsum("...ij,i,j->...", self.tensor, direction, direction))
 
 
 def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:
-    """Return the stress at the points of quadrature of the stiffness.
+    """Return the stress at the quadrature points of the stiffness.
 
     Parameters
     ----------
     mesh : Mesh
     material : Material, Orthotropic or Materials
     displacement : ndarray, shape (..., n_nodes, 3)
-        m.
+        Nodal displacements, m.
 
     Returns
     -------
     Stress
-        Of shape (..., n_cells, n_gauss, 6), in a mixed mesh with nan after an element's own points.
+        Components of shape (..., n_cells, n_gauss, 6); nan beyond an element's own points in a mesh
+        with several kinds of elements.
     """
     most = max(len(block.element.own.stiffness_rule.weights) for block in mesh.blocks)
     components = np.full((*displacement.shape[:-2], mesh.n_cells, most, 6), np.nan)
@@ -116,21 +117,21 @@ def gauss_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
 
 
 def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) -> Stress:
-    """Return the stress at the nodes, averaged over the elements that meet there.
+    """Return the stress at the nodes, averaged over the adjacent elements.
 
-    Where materials meet, over the elements of the stiffest.
+    Where materials meet, only elements of the stiffest material are averaged.
 
     Parameters
     ----------
     mesh : Mesh
     material : Material, Orthotropic or Materials
     displacement : ndarray, shape (..., n_nodes, 3)
-        m.
+        Nodal displacements, m.
 
     Returns
     -------
     Stress
-        Of shape (..., n_nodes, 6).
+        Components of shape (..., n_nodes, 6).
     """
     places = layout(mesh, material)
     chosen = shown(places, material)
@@ -156,7 +157,7 @@ def nodal_stress(mesh: Mesh, material: AnyMaterial, displacement: FloatArray) ->
 def strain_at(points: FloatArray, mesh: Mesh, piece: Piece, displacement: FloatArray) -> ArrayPair:
     """Return the strain of elements at reference points, (n, 3), and det J, shape (n_cells, n).
 
-    The strain has the shape (6, ..., n_cells, n) for displacements (..., n_nodes, 3).
+    The shape of the strain is (6, ..., n_cells, n) for displacements of shape (..., n_nodes, 3).
     """
     gradient = piece.element.gradient(points)
     det, cofactor = cofactors(jacobians(mesh.nodes[piece.cells], gradient))
@@ -176,7 +177,7 @@ def strain_at(points: FloatArray, mesh: Mesh, piece: Piece, displacement: FloatA
 
 
 def hooke(strain: FloatArray, material: OneMaterial) -> FloatArray:
-    """Return the stress, Pa, under strains of shape (6, ...), whose shears are the tensor's."""
+    """Return the stress, Pa, for tensor components of strain (shear ε = γ/2), both (6, ...)."""
     if not isinstance(material, Material):
         return np.asarray(np.einsum("ab,b...->a...", material.stiffness * ANGLE, strain))
     lam, mu = material.lame
@@ -186,9 +187,9 @@ def hooke(strain: FloatArray, material: OneMaterial) -> FloatArray:
 
 
 def compliances(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> FloatArray:
-    """Return strain by stress at some nodes, 1/Pa, shape (n, 6, 6), of the material shown there.
+    """Return the compliance of the material at nodes, 1/Pa, shape (n, 6, 6); see `shown`.
 
-    Shears are those of the tensor.
+    Shear strains are tensor components, ε = γ/2.
     """
     every = np.stack([np.linalg.inv(of.stiffness * ANGLE) for of in each_of(material)])
     places = layout(mesh, material)
@@ -196,14 +197,14 @@ def compliances(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> FloatArra
 
 
 def batches(piece: Piece) -> Iterator[Piece]:
-    """Parts of the elements, of which all values at Gauss points fit into a cache or two."""
+    """Yield batches of elements small enough that values at Gauss points fit into the caches."""
     element = piece.element
     n_points = max(element.n_nodes, len(element.stiffness_rule.weights))
     return piece.batches(max(1, int(_BATCH / (8 * 3 * n_points * element.n_nodes))))
 
 
 def shown(places: Layout, material: AnyMaterial) -> IntArray:
-    """Return of each node the place whose material is the stiffest, shape (n_nodes,)."""
+    """Return the index in `places` of each node with its stiffest material, shape (n_nodes,)."""
     size = np.array([np.trace(of.stiffness) for of in each_of(material)])
     order = np.lexsort((size[places.which], places.node))
     last = np.append(np.diff(places.node[order]) > 0, True)
@@ -211,7 +212,10 @@ def shown(places: Layout, material: AnyMaterial) -> IntArray:
 
 
 def slopes_at_nodes(mesh: Mesh, piece: Piece) -> FloatArray:
-    """Return ∂φ_a/∂x_i of the Gauss points at the nodes, shape (n_cells, n_nodes, n_local, 3)."""
+    """Return ∂φ_a/∂x_i extrapolated from the Gauss points to the nodes.
+
+    Shape (n_cells, n_nodes, n_local, 3).
+    """
     element = piece.element
     gradient = element.gradient(element.stiffness_rule.points)
     det, cof = cofactors(jacobians(mesh.nodes[piece.cells], gradient))
@@ -222,9 +226,10 @@ def slopes_at_nodes(mesh: Mesh, piece: Piece) -> FloatArray:
 
 @cache
 def extrapolation(kind: str) -> FloatArray:
-    """Values at the nodes of the lower polynomial that fits values at the Gauss points best.
+    """Matrix that extrapolates values from the Gauss points to the nodes, (n_nodes, n_gauss).
 
-    By least squares with the weights of the quadrature. A single point gives its value everywhere.
+    The polynomial of lower degree is a least-squares fit with the quadrature weights. A single
+    Gauss point gives a constant.
     """
     element = reference_element(kind)
     lower, rule = element.lower, element.stiffness_rule

@@ -1,9 +1,10 @@
-"""Stress at places of a body as a linear function of displacements and rotations.
+"""Stress at points of a body as a linear function of displacements and rotations.
 
-The strains of a solid or shell element are carried from its points of quadrature to its nodes by
-the (bi, tri)linear function that fits them best, and become stress there, of shells that of a
-layer. At a node these are averaged over the elements of one material, or of one shell on one smooth
-surface. Stress of a beam belongs to its element: it jumps where members meet, and at loads.
+Strains of solid and shell elements are extrapolated from the quadrature points to the nodes by a
+least-squares fit of linear (bi-, trilinear) functions, and converted to stress there, for shells in
+one layer. At each node the stress is averaged over the elements of one material, or over those of
+one shell on one smooth surface. Stress of beams is not averaged, since it jumps at joints and
+loads.
 """
 
 from __future__ import annotations
@@ -38,21 +39,23 @@ from .stress import UNIT_STRAINS, batches, hooke, slopes_at_nodes
 _OF_SHELLS = ("bottom", "middle", "top")
 _SIDES = (*_OF_SHELLS, "left", "right")
 
-# Elements are taken so many at a time.
+# Number of elements per batch, for the sake of memory.
 _BATCH = 4096
 
-# Digits to which normals at a node agree that belong to one surface.
+# Decimal digits to which normals of one smooth surface agree at a node.
 _ALIKE = 6
 
 
 @dataclass(frozen=True)
 class Layer:
-    """Where in the shells and beams of a body stress is; see `checked_layer`.
+    """Position of stress within the sections of shells and beams; see `checked_layer`.
 
     Attributes
     ----------
     of : str, (int, str), (float, float) or None
+        Side, ply and side, or point (y, z) in the section of beams.
     part : str or None
+        Group of elements.
     """
 
     of: Any = None
@@ -68,7 +71,7 @@ class Layer:
 
     @property
     def of_beams(self) -> bool:
-        """True of a side or place that beams alone have."""
+        """True for a side or point that only beams have."""
         return self.place or self.of in ("left", "right")
 
     def __str__(self) -> str:
@@ -76,16 +79,16 @@ class Layer:
 
 
 def checked_layer(layer: Any = None, part: Any = None) -> Layer:
-    """Return where stress is wanted.
+    """Return the checked position of stress within sections.
 
     Parameters
     ----------
     layer : str, (int, str) or (float, float), optional
-        "top", "middle" or "bottom"; the number of a ply and one of these; of beams also "left" and
-        "right", or a place (y, z) in the section, m. By itself the top of shells, and where von
-        Mises' stress is largest in the section of beams.
+        "top", "middle" or "bottom"; or the index of a ply and one of these; for beams also "left",
+        "right" or a point (y, z) in the section, m. By default the top of shells, and the point
+        with the largest von Mises stress in the section of beams.
     part : str, optional
-        Group of the elements whose stress it is.
+        Group of elements whose stress is taken.
 
     Raises
     ------
@@ -110,22 +113,22 @@ def checked_layer(layer: Any = None, part: Any = None) -> Layer:
     return Layer(of, None if part is None else text("part", part))
 
 
-# Sections of one beam's elements: the places, (m,), the axes along the beam and of the section,
-# rows of (m, 3, 3), and the beam.
+# Sections of the elements of one beam: index of the point of each section, (m,); axes x, y, z of
+# the section as rows, (m, 3, 3); the beam.
 _Sections = tuple[IntArray, FloatArray, Beam]
 
 
 @record
 class StressRows:
-    """Stress, or strain, at places of a body by its dofs.
+    """Matrix that gives stress, or strain, at points of a body from its dofs.
 
     Attributes
     ----------
     rows : scipy.sparse.csr_array, shape (6 n + 6 m, n_dofs)
-        xx, yy, zz, xy, yz, xz at each of n places in turn, Pa, and the strains of m beam elements'
-        sections.
+        Rows for xx, yy, zz, xy, yz, xz at each of n points, Pa, followed by rows for the six
+        generalised strains of m sections of beam elements.
     known : ndarray of bool, shape (n,)
-        False where the body has no such layer or part.
+        False for points without the requested layer or part.
     """
 
     rows: sp.csr_array
@@ -135,16 +138,16 @@ class StressRows:
     _strain: bool = False
 
     def of_dofs(self, free: IntArray) -> StressRows:
-        """Return the same by some of the dofs."""
+        """Return the rows for the dofs `free` only."""
         return replace(self, rows=self.rows[:, free])
 
     @property
     def linear(self) -> bool:
-        """True if no place is on a beam, where the largest stress is looked for."""
+        """True if no point is on a beam, as the maximum over a section is not linear."""
         return not self._sections
 
     def components(self, values: FloatArray) -> FloatArray:
-        """Return the tensors, (k, n, 6), for `rows` times dofs, (6 n + 6 m, k)."""
+        """Return the tensors, (k, n, 6), from `values`, `rows` times dofs, (6 n + 6 m, k)."""
         first = 6 * len(self.known)
         found = np.array(values[:first].T.reshape(-1, len(self.known), 6))
         found[:, ~self.known] = np.nan
@@ -172,19 +175,18 @@ class StressRows:
             every = zip(found[some], np.hstack(sizes), np.hstack(tensors), strict=True)
             for at_places, size, at_sections in every:
                 order = np.lexsort((size, places))
-                at_places[places[order]] = at_sections[order]  # of each the last, the largest
+                at_places[places[order]] = at_sections[order]  # the last, largest one remains
         return found
 
 
 @record
 class _Wanted:
-    """Places of a body of shells and beams, and which stress is wanted there.
+    """Points of a body of shells and beams, and the position of stress in the sections.
 
     Attributes
     ----------
-    mesh, material, layer, strain
-        As of `body_stress_rows`.
-    weights : scipy.sparse.csr_array, shape (n, n_nodes)
+    mesh, material, weights, layer, strain
+        Arguments of `body_stress_rows`.
     """
 
     mesh: Mesh
@@ -195,7 +197,7 @@ class _Wanted:
 
     @cached_property
     def held(self) -> tuple[IntArray, IntArray]:
-        """Elements, of the layer's part, and the places they hold: all nodes with a share in it."""
+        """Pairs of an element of the layer's part and a point whose nodes all belong to it."""
         mesh, part = self.mesh, self.layer.part
         near = sp.csr_array(self.weights, copy=True)
         near.data = (np.abs(near.data) > PRINTED).astype(np.float64)
@@ -212,9 +214,10 @@ class _Wanted:
 
     @cached_property
     def chosen(self) -> IntArray:
-        """The element whose stress each place has, -1 where there is none.
+        """The shell or solid element whose stress is given at each point, -1 if there is none.
 
-        Of elements that hold the place, one of the stiffest shell; without shells, solid.
+        Among the elements that contain the point, one of the stiffest shell or, without shells, of
+        the stiffest solid.
         """
         of_shell, stiffness = np.zeros((2, self.mesh.n_cells))
         for part in pieces(self.mesh, self.material, Layers | Solid):
@@ -225,11 +228,11 @@ class _Wanted:
         cell, place = cell[stiffness[cell] > 0.0], place[stiffness[cell] > 0.0]
         order = np.lexsort((cell, stiffness[cell], of_shell[cell], place))
         found = np.full(self.weights.shape[0], -1)
-        found[place[order]] = cell[order]  # of each place the last
+        found[place[order]] = cell[order]  # the last, stiffest one remains
         return found
 
     def has(self, of: Solid | Layers | Beam) -> bool:
-        """True if a solid, shell or beam has the layer; a beam without an orientation no sides."""
+        """Return whether a material has the layer; beams without orientation have no sides."""
         layer = self.layer
         if isinstance(of, Solid):
             return not (layer.ply or layer.of_beams)
@@ -248,21 +251,22 @@ def body_stress_rows(
     *,
     strain: bool = False,
 ) -> StressRows:
-    """Return the stress at places of a body, by all dofs of its nodes.
+    """Return the matrix that gives the stress at points of a body from all dofs of its nodes.
 
-    Where shells, beams and solids meet, it is that of the shells, or of the beams, unless
-    `layer.part` is some of them; of several shells that of the stiffest.
+    Where elements of different kinds meet, shells take precedence over beams, and beams over
+    solids, unless `layer.part` excludes them. Among shells, the stiffest is taken.
 
     Parameters
     ----------
     mesh : Mesh
     material : Material, Orthotropic, Shell, Laminate, Beam or Materials
     weights : scipy.sparse.csr_array, shape (n, n_nodes)
-        The nodes' shares at each place; of an enriched mesh, of the nodes that are places.
+        Weights of the nodes that interpolate to each point, without added shape functions.
     layer : Layer, optional
-        By a ply's number stress is along the ply's axes, else in the body's.
+        Position in the sections. With a ply's index, stress refers to the ply's axes, otherwise to
+        the body's.
     strain : bool, optional
-        The tensor of strain in place of stress.
+        If True, the strain tensor instead of stress.
     """
     if layer.part is not None and not mesh.thin:
         raise InputError(f"part={layer.part!r} is for bodies with shells or beams; leave it out")
@@ -298,16 +302,16 @@ def body_stress_rows(
 
 
 def _averaged(wanted: _Wanted) -> sp.csr_array:
-    """Stress at the places that elements of shells and solids hold, (6 n, dofs).
+    """Matrix of the stress at points on shells and solids, (6 n, dofs).
 
-    The mean over the elements of one smooth surface of a shell, or of one solid.
+    The stress is averaged over the elements of one smooth surface of a shell, or of one solid.
     """
     mesh, layer, strain, chosen = wanted.mesh, wanted.layer, wanted.strain, wanted.chosen
     known = chosen >= 0
     nodes = np.zeros(mesh.n_nodes, dtype=bool)
     nodes[mesh.cells[chosen[known]]] = True
     near, places = np.asarray(nodes[mesh.cells].any(axis=1)), layout(mesh, wanted.material)
-    # A spot is a node of one smooth surface of one shell, or of one solid material.
+    # A spot is a node as part of one smooth surface of one shell, or of one solid material.
     spots = np.full(mesh.cells.shape, -1)
     shells, of_shells = _shell_pieces(mesh, wanted.material, near)
     shells = [piece for piece in shells if wanted.has(piece[0].of)]
@@ -348,13 +352,13 @@ def _averaged(wanted: _Wanted) -> sp.csr_array:
 
 
 def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, FloatArray | None]:
-    """Stress or strain of unit generalised strains, (8, 6), and axes of a ply given by number."""
+    """Stress or strain per generalised strain, (8, 6), and the axes of a ply given by index."""
     ply, side = (None, layer) if isinstance(layer, str) else layer
     z = layers.height(side, ply)
     if ply is None:
         ply = int(np.searchsorted(layers.interfaces[1:-1], z, side="right"))
     found = layers.stress_at(np.eye(8), ply, z)
-    if strain:  # shears of the tensor are half of γ
+    if strain:  # tensor components of shear are γ/2
         half = np.where(np.arange(6) < 3, 1.0, 0.5)
         found = found @ layers.plies[ply].compliance.T * half
     if isinstance(layer, str):
@@ -365,19 +369,19 @@ def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, Floa
 
 
 def _turning(frames: FloatArray) -> FloatArray:
-    """Components Fᵀ σ F by those of σ, (n, 6, 6), with the rows of F the axes of σ."""
+    """Matrices, (n, 6, 6), from components of σ to those of Fᵀ σ F; rows of F are axes of σ."""
     unit = np.eye(6)[:, PLACES]
     found: FloatArray = np.einsum("nai,cab,nbj->ncij", frames, unit, frames)[..., *SIX]
     return found.swapaxes(1, 2)
 
 
 def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> FloatArray:
-    """Return the largest von Mises stress of each beam element, Pa, (k, n_cells); 0 of others.
+    """Return the largest von Mises stress of each beam element, Pa, (k, n_cells); else 0.
 
     Parameters
     ----------
     moved : ndarray, shape (k, 6 n_nodes)
-        Displacements of all nodes, then rotations.
+        Displacements of all nodes, then rotations, for each of k times.
     """
     found = np.zeros((len(moved), mesh.n_cells))
     for part in pieces(mesh, material, Beam):
@@ -392,7 +396,10 @@ def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> Floa
 def _by_dofs(
     place: IntArray, cells: IntArray, rows: FloatArray, shape: tuple[int, int]
 ) -> sp.csr_array:
-    """Rows, (n, 6, dofs), of elements by their own dofs by all, added up at each place."""
+    """Sparse matrix over all dofs from rows of elements over their own dofs, (n, 6, element dofs).
+
+    Rows with the same index `place` are added.
+    """
     i = np.broadcast_to((6 * place[:, None] + np.arange(6))[..., None], rows.shape)
     turns = rows.shape[2] > 3 * cells.shape[1]
     dofs = _dofs(cells, shape[1] // 6) if turns else (3 * cells[..., None] + np.arange(3))
@@ -401,27 +408,27 @@ def _by_dofs(
 
 
 def _dofs(cells: IntArray, n_nodes: int) -> IntArray:
-    """Dofs of (u, v, w, θx, θy, θz) of elements' nodes in turn, (n, 6 nodes)."""
+    """Indices of the dofs (u, v, w, θx, θy, θz) of each node of elements, (n, 6 nodes)."""
     moved = 3 * cells[:, :, None] + np.arange(3)
     both = np.concatenate([moved, moved + 3 * n_nodes], axis=2)
     return both.reshape(len(cells), 6 * cells.shape[1])
 
 
-# The elements of one kind of one shell, their strains, and for each corner, (n, nodes), the number
-# of its node on its smooth surface, through all pieces.
+# The elements of one kind of one shell, their strains, and for each corner the index, counted over
+# all pieces, of its pair of node and smooth surface, (n, nodes).
 _ShellPiece = tuple[Piece, Strains, IntArray]
 
 
 def _shell_pieces(
     mesh: Any, material: Any, wanted: BoolArray
 ) -> tuple[list[_ShellPiece], IntArray]:
-    """Return the shells of a body by kind, and the node of each place.
+    """Return the shells of a body by kind, and the node of each pair of node and smooth surface.
 
     Parameters
     ----------
     mesh, material
     wanted : ndarray of bool, shape (n_cells,)
-        The elements that are needed.
+        True for elements that are needed.
     """
     parts = pieces(mesh, material, Layers)
     if not parts:

@@ -1,4 +1,4 @@
-"""Supports, masses and springs to the ground of a body."""
+"""Supports, added masses and springs to the ground of a body."""
 
 from __future__ import annotations
 
@@ -30,13 +30,15 @@ from ..linalg import LARGEST
 from ..mesh import Mesh, motions_at, open_edges
 from .labels import label_of, nodes_by_number
 
-# A rotation that nodes tell less well than this from none, by singular values of their motions.
+# Smallest relative singular value of the rigid motions of nodes; below it, the nodes do not
+# determine a rotation.
 _UNKNOWN = 1e-5
 
-# The mass of a rigid attachment couples all of its nodes: a matrix of (3 · nodes)².
+# Largest number of nodes of a rigid mass, since its matrix of size 3 · nodes is full.
 _MOST_NODES = 500
 
-# Sizes of the body beyond which a rigid mass is given in millimetres in messages.
+# Largest distance or radius of gyration of a rigid mass over the body's size; above it, it was
+# probably given in millimetres.
 _FAR = 50.0
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
@@ -44,21 +46,20 @@ Support = tuple[Selector, str] | tuple[Selector, str, str]
 
 
 def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
-    """Return the dofs that no support holds, ascending; see `dofs`.
+    """Return the dofs that no support holds, ascending.
 
     Parameters
     ----------
     mesh : Mesh
     fixed : sequence of (nodes, letters) or (nodes, letters, letters)
-        The nodes by number, by the name of a set, or by a function of all coordinates that returns
-        one bool for each; the letters, of "x", "y" and "z", say which displacements are
-        constrained, and the second ones which rotations about these axes. With rotations the first
-        letters may be "".
+        Supports. Nodes: numbers, the name of a set, or a function of all coordinates that returns
+        one bool per node. First letters, of "x", "y" and "z": the constrained displacements, or ""
+        if rotations follow. Second letters: the constrained rotations about these axes.
 
     Raises
     ------
     InputError, InputTypeError
-        If an entry selects nothing, names an unknown set or letter, or nothing is left free.
+        If an entry selects nothing, names an unknown set or letter, or no dof is left free.
     """
     left = np.zeros((2, mesh.n_nodes, 3), dtype=bool)
     left[0], left[1, mesh.thin_nodes] = True, True
@@ -81,18 +82,20 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
 def entries(
     name: str, given: Any, lengths: tuple[int, ...], how: str, alone: Any = ()
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the entries of a list of tuples of so many items, and the name of each for messages.
+    """Yield the name, for messages, and the value of each entry of a list of tuples.
 
     Parameters
     ----------
     name : str
         Name of the argument, for messages.
     given : sequence or None
+        Entries.
     lengths : tuple of int
+        Admissible lengths of the tuples.
     how : str
-        An example, for messages.
+        Example, for messages.
     alone : type, optional
-        Class of entries that are no tuples.
+        Class of admissible entries that are not tuples.
 
     Raises
     ------
@@ -110,7 +113,7 @@ def entries(
 
 
 def components(name: str, letters: Any) -> list[int]:
-    """Return the components, ascending, that letters such as "xz" mean."""
+    """Return the ascending indices of the components named by letters such as "xz"."""
     if not isinstance(letters, str):
         raise InputTypeError(f'{name}: letters must be text such as "xyz", got {letters!r}')
     if not 0 < len(letters) < 4 or set(letters) - set("xyz"):
@@ -120,12 +123,12 @@ def components(name: str, letters: Any) -> list[int]:
 
 
 def nodes_of_mesh(name: str, selector: Any, mesh: Mesh) -> IntArray:
-    """Return the nodes of a mesh that are selected; see `selected_nodes`.
+    """Return the selected nodes of a mesh; see `selected_nodes`.
 
     Warns
     -----
     AOImpactWarning
-        If numbers name the corners of edges whose midside nodes they leave out.
+        If given numbers contain both corners of edges, but not their midside nodes.
     """
     ids = selected_nodes(name, selector, mesh.nodes, mesh.node_sets, mesh.node_labels)
     if not (isinstance(selector, str) or callable(selector)) and (count := open_edges(mesh, ids)):
@@ -143,29 +146,30 @@ def selected_nodes(
     node_sets: Mapping[str, IntArray],
     labels: IntArray | None,
 ) -> IntArray:
-    """Return the nodes that a set's name, a function of all coordinates, or numbers select.
+    """Return the nodes selected by the name of a set, a function of all coordinates, or numbers.
 
     Parameters
     ----------
     name : str
-        Of the argument, for messages.
+        Name of the argument, for messages.
     selector : str, callable or array_like
-        As the nodes of `free_dofs`.
+        Nodes; see `free_dofs`.
     nodes : ndarray, shape (n_nodes, 3)
-        m.
+        Coordinates, m.
     node_sets : mapping of str to array of int
+        Nodes of each named set.
     labels : ndarray of int, shape (n_nodes,), or None
-        By which numbers name nodes; None: from 0.
+        Number of each node for the user; None if numbers count from 0.
 
     Returns
     -------
     ndarray of int
-        Ascending, each once.
+        Distinct indices, ascending.
 
     Raises
     ------
     InputError, InputTypeError
-        If it selects nothing, or names an unknown set or number.
+        If the selector selects nothing, or names an unknown set or number.
     """
     if isinstance(selector, str):
         found = called(selector, node_sets)
@@ -202,29 +206,30 @@ def selected_nodes(
 
 @record
 class RigidMass:
-    """A rigid part of a machine on some nodes: a mass with a centre and moments of inertia.
+    """A rigid attachment to some nodes, with mass, centre of mass and moments of inertia.
 
-    It takes part in the mean rigid motion of its nodes, the one that fits their displacements best,
-    and does not stiffen them (Nastran's RBE3, Abaqus' distributing coupling); where the seat is to
-    be stiff, mesh it. The body's mass, centre of mass and moments of inertia come out exactly.
+    The attachment follows the mean rigid motion of its nodes, a least-squares fit to their
+    displacements, without stiffening them (as Nastran's RBE3 and Abaqus' distributing coupling). A
+    stiff seat must be meshed. The mass, centre of mass and moments of inertia of the body are
+    exact.
 
     Parameters
     ----------
     nodes : str, callable or array_like
-        As in `fixed`: at most 500, not all on one line unless there is neither inertia nor a centre
-        off their middle.
+        Nodes, at most 500, given as in `fixed`. They must not all lie on one line, unless `inertia`
+        is zero and `centre` is their middle.
     mass : float
-        kg.
+        Mass, kg.
     centre : array_like, shape (3,), optional
-        Its centre of mass, m; the middle of the nodes if left out.
+        Centre of mass, m; by default the middle of the nodes.
     inertia : array_like, shape (3,) or (3, 3), optional
-        Moments of inertia about axes x, y, z through its centre of mass, or their tensor, kg m²;
-        none if left out.
+        Moments of inertia about axes x, y, z through the centre of mass, or the inertia tensor,
+        kg m²; by default zero.
 
     Raises
     ------
     InputError, InputTypeError
-        If the mass is not positive, or the inertia is none of a body.
+        If the mass is not positive, or the inertia is that of no rigid body.
 
     Examples
     --------
@@ -250,20 +255,20 @@ SpringSupport = tuple[Selector, str, float]
 
 
 def added_mass(mesh: Mesh, masses: Sequence[Mounted] | None, free: IntArray) -> sp.csr_array | None:
-    """Return what is added to M over all dofs, shape (3 n_nodes, 3 n_nodes); None for nothing.
+    """Return the mass matrix to add to M, shape (3 n_nodes, 3 n_nodes); None without masses.
 
     Parameters
     ----------
     mesh : Mesh
     masses : sequence of (nodes, kg) or RigidMass
-        A mass is shared equally by its nodes, in all three directions.
+        Each mass is shared equally by its nodes, and acts in all three directions.
     free : ndarray of int
-        The dofs that no support holds.
+        Dofs that no support holds.
 
     Raises
     ------
     InputError, InputTypeError
-        If an entry is none of these or selects nothing, or a mass is not positive.
+        If an entry has another form or selects nothing, or a mass is not positive.
     """
     how = 'give a list of pairs such as [("carriage", 5.0)], or of RigidMass'
     added = None
@@ -288,7 +293,10 @@ def added_mass(mesh: Mesh, masses: Sequence[Mounted] | None, free: IntArray) -> 
 
 
 def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
-    """WᵀJW with q = W u the rigid motion about its centre that fits its nodes best."""
+    """Mass matrix WᵀJW: q = W u is the rigid motion at the attachment's centre, J its inertia.
+
+    q is the least-squares fit to the displacements u of the nodes.
+    """
     ids, nodes = nodes_of_mesh(name, mount.nodes, mesh), mesh.nodes
     if len(ids) > _MOST_NODES:
         raise InputError(f"{name}: it is on {len(ids)} nodes; take {_MOST_NODES} of them at most")
@@ -300,7 +308,7 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     values, vectors = np.linalg.eigh(motions.T @ motions)
     known = values > _UNKNOWN**2 * values[-1]
     fit = (vectors[:, known] / values[known]) @ (motions @ vectors[:, known]).T
-    # From translation and rotation · size about the middle of the nodes to those about the centre.
+    # From translation and size · rotation at the middle of the nodes to those at the centre.
     to_centre = np.eye(6)
     to_centre[:3, 3:] = motions_at((centre - middle)[None] / size)[0, :, 3:]
     weights = np.zeros((6, 6))
@@ -330,21 +338,21 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
 def spring_stiffness(
     mesh: Mesh, springs: Sequence[SpringSupport] | None, free: IntArray
 ) -> FloatArray | None:
-    """Return what is added to the diagonal of K, shape (n_dofs,); None for none.
+    """Return the stiffness to add to the diagonal of K, N/m, (n_dofs,); None without springs.
 
     Parameters
     ----------
     mesh : Mesh
     springs : sequence of (nodes, letters, N/m)
-        The stiffness is that of all the nodes together, in each of the directions named.
+        Total stiffness of the nodes in each of the named directions.
     free : ndarray of int
-        The dofs that no support holds.
+        Dofs that no support holds.
 
     Raises
     ------
     InputError, InputTypeError
-        If an entry is none of these or selects nothing, a stiffness is not positive, or a support
-        holds a node against its spring.
+        If an entry has another form or selects nothing, a stiffness is not positive, or a support
+        holds a node in the direction of its spring.
     """
     how = 'give a list such as [("mounts", "z", 1e6)]: nodes, letters, N/m'
     total, held = np.zeros((2, mesh.n_nodes, 3)), np.ones((2, mesh.n_nodes, 3), dtype=bool)
