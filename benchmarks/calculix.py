@@ -32,7 +32,7 @@ EVEN = (8e-3, 5e-3, 3e-3)
 # of the indentation of each sphere.
 PENALTY = 1e17
 
-STEP, STEPS = 1e-6, 62  # s; the contact lasts 59 µs
+STEP, STEPS = 1e-6, 62  # time step, s, and number of steps; the contact lasts 59 µs
 
 # Corners of the faces that CalculiX numbers from 1 to 4.
 FACES = ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0))

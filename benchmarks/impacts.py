@@ -1,4 +1,4 @@
-"""The two impacts that speed is reported on; tests take their models as well."""
+"""The two impacts on which speed is measured; tests use their models as well."""
 
 from __future__ import annotations
 

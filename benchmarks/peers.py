@@ -136,7 +136,7 @@ def exudyn_runs(case: Case, exact: Outcome, name: str) -> Iterator[Run | None]:
 
 
 def exudyn_settings(case: Case, name: str) -> list[tuple[int, float]]:
-    """Return numbers of steps and tolerances: of DOPRI5 tolerances, of the others fixed steps."""
+    """Return pairs of number of steps and tolerance, which is 0 for methods of fixed steps."""
     if name == "DOPRI5":
         return [(1000, rtol) for rtol in tolerances(1e-3, 1e-12)]
     most = 5e5 if case.scene["duration"] < 1e-3 else 2e5

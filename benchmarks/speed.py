@@ -1,4 +1,4 @@
-"""Time of calls beside that of indispensable steps: medians of runs in processes of their own.
+"""Time of calls, compared with factorisations: medians of runs, each in a process of its own.
 
     python benchmarks/speed.py [ROW ...] [--runs 5]
 

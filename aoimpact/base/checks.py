@@ -512,7 +512,7 @@ class Kept:
         self._lock = RLock()
 
     def __reduce__(self) -> Any:
-        """Copy and pickle it without its results."""
+        """Copy and pickle the cache without its results."""
         return Kept, (self._most,)
 
     def get(self, key: Hashable, make: Callable[[], T]) -> T:

@@ -21,7 +21,7 @@ def available() -> float:
     and of this process (``ulimit -v``, batch systems).
     """
     found = [float("inf")]
-    with suppress(OSError, ValueError, AttributeError, ImportError):  # as on macOS and Windows
+    with suppress(OSError, ValueError, AttributeError, ImportError):  # not on macOS and Windows
         found.append(float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
         lines = Path("/proc/meminfo").read_text().splitlines()
         (kibibytes,) = (line.split()[1] for line in lines if line.startswith("MemAvailable:"))

@@ -140,7 +140,7 @@ def draw_curves(
     axes.set_ylabel(label(name, y_shown))
     axes.grid(True, alpha=0.3)
     if x_unit == "s":
-        span = x_factor * np.append(x[:1], x[-1:])  # also where a curve has no values at an end
+        span = x_factor * np.append(x[:1], x[-1:])  # the whole record, also if a curve is shorter
         axes.update_datalim(np.column_stack([span, 0.0 * span]), updatey=False)
         axes.margins(x=0.0)
     legend(axes)

@@ -249,7 +249,7 @@ _signature = lru_cache(1)(inspect.signature)
 
 
 def check_keywords(where: str, function: Callable[..., Any], names: Collection[str]) -> None:
-    """Refuse keywords that a function does not have, and the lack of those that it needs."""
+    """Refuse keywords that a function does not have, and missing keywords that it requires."""
     known = _signature(function).parameters
     for name in names:
         if name not in known:
@@ -261,7 +261,7 @@ def check_keywords(where: str, function: Callable[..., Any], names: Collection[s
 
 
 def _run(case: Any) -> Any:
-    if isinstance(case, Exception):  # it could not be made
+    if isinstance(case, Exception):  # the case could not be made
         raise case
     if isinstance(case, Mapping):
         points = any(isinstance(of, ContactPoint) for of in case.values())

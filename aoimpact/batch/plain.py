@@ -77,7 +77,7 @@ def _pair(case: Mapping[str, Any]) -> _Pair | None:
         try:
             plan = plan_impact(models[0], models[1], law, velocity=1.0, duration=1.0)
         except Exception:
-            return None  # simulate raises it
+            return None  # simulate raises the error
     if messages or not all(body.centre_known for body in plan.bodies):
         return None
     return _Pair(plan, fitted_times(plan.bodies), warning_limits(plan))

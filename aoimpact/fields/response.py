@@ -146,7 +146,7 @@ class Response:
         return [of for of in found if of is not None] if all(found) else []
 
     def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
-        """Return the work of the ground's forces along its m motions, N or N m, shape (times, m).
+        """Return the ground's virtual work along the m motions in `of`, N or N m, (times, m).
 
         See `fem.Grounding`. If `motion` is of the dofs, the forces are K X + C Ẋ + M Ẍ at the
         constrained ones.

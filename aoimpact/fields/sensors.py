@@ -447,7 +447,7 @@ class Probe(Sensed):
         channel = Channel(cfc=cfc, corner=corner)
         seen = partial(self._at.filtered, channel)
         history = History("filtered acceleration", self._response, seen, self.t)
-        _ = history.values  # which refuses a record that is too short
+        _ = history.values  # refuses a record that is too short
         return Filtered(history, channel)
 
     def _tensor(self, name: str) -> FloatArray:

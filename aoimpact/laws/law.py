@@ -309,9 +309,9 @@ class ContactLaw:
         return energy if energy.ndim else float(energy)
 
     def within_patch(self, compliance: float) -> PatchLaw:
-        """Return the law without a compliance that the bodies' models contain already.
+        """Return the law with a compliance removed that the bodies' models contain already.
 
-        Without c, F = law(δ + c F).
+        With c removed, F = law(δ + c F).
 
         Parameters
         ----------
@@ -579,7 +579,7 @@ class HertzianLaw(ContactLaw):
 
 @dataclass(frozen=True)
 class PatchLaw(ContactLaw):
-    """A law without the compliance of the bodies' models at the contact: F = law(δ + c F).
+    """A law with the compliance of the bodies' models at the contact removed: F = law(δ + c F).
 
     Made by :meth:`ContactLaw.within_patch`.
 
@@ -626,7 +626,7 @@ class PatchLaw(ContactLaw):
 
 @lru_cache(maxsize=256)  # many models of the same bodies have the same law
 def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
-    """Return a law without a compliance, m/N; a `PatchLaw` is returned unchanged.
+    """Return a law with a compliance, m/N, removed; a `PatchLaw` is returned unchanged.
 
     Raises
     ------

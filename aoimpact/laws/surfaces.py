@@ -15,12 +15,12 @@ from .elastic import Hertz
 # Directions of travel within 5° are one direction in one frame.
 _ONE_FRAME = math.cos(math.radians(5.0))
 
-# Relative change of k, by turning one surface against the other, up to which any angle will do.
+# Relative change of k, by turning one surface against the other, up to which any angle is taken.
 _NO_MATTER = 0.01
 
 _CURE = "give law="
 
-# Error over largest curvature above which a message names the mesh as what keeps bodies from a law.
+# Error over largest curvature above which a message names the mesh as the reason for no law.
 _DOUBT = 0.3
 
 

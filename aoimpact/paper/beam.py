@@ -120,7 +120,7 @@ def oscillators() -> list[Row]:
 
 
 def force() -> list[Row]:
-    """Figure 9: the force."""
+    """Figure 9: impact force of the sphere on the beam."""
     one, fine = hit("ao"), hit("ao", step=0.01 * STEP)
     values = *force_and_time(one), *force_and_time(hit("rigid"))
     return beside("force", *values, apart(one.force, hit("full").force), excesses(one, fine)[0])

@@ -37,7 +37,7 @@ SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 0.25, 0.5, 1.0, 2.0, 10.0)
 # the peak force has converged to some 1e-5. Rigid and one-AO spheres: the light m0 vibrates at
 # about half a megahertz, which at 0.1 µs is a few 1e-4 of the peak force, at 0.01 µs some 1e-6.
 _STEP, _STAR_STEP = 0.1e-6, 0.01e-6
-_DURATION = 100e-6  # of the records at 1 m/s, s
+_DURATION = 100e-6  # length of the records at 1 m/s, s
 
 
 def hertz_pair(k: float, mass: float, velocity: float) -> tuple[float, float]:

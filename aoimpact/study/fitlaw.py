@@ -387,7 +387,7 @@ def _uncertainty(jacobian: FloatArray, residual: float) -> ArrayPair:
     covariance = spread @ spread.T
     errors = np.sqrt(np.diag(covariance))
     share = errors * residual / size
-    share[~(errors <= 0.1 / _SINGULAR)] = math.inf  # also NaN, if no variable has an influence
+    share[~(errors <= 0.1 / _SINGULAR)] = math.inf  # also for NaN: no variable has an influence
     return share, covariance / np.outer(errors, errors)
 
 

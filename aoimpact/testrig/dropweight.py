@@ -95,7 +95,7 @@ class DropWeight(Frozen):
 
     @property
     def impact_energy(self) -> float:
-        """E_i = m v_i²/2, J (D7136, eq. for the measured impact energy)."""
+        """Impact energy E_i = m v_i²/2, J (D7136, measured impact energy)."""
         return 0.5 * self.mass * self.impact_velocity * self.impact_velocity
 
     @property

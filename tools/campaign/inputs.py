@@ -21,7 +21,7 @@ from .outcome import Trial, Verdict
 
 
 class Given(Protocol):
-    """An input in a folder."""
+    """A malformed input in a folder."""
 
     def run(self) -> None:
         """Read and use the input as a user would."""

@@ -162,7 +162,7 @@ def judged(seed: int) -> Verdict:
         return Verdict("none", "the contact points do not approach")
     try:
         coarse, true = _true(of, 1), _true(of, 2)
-    except ValueError as error:  # spin presses deeper than the row of springs
+    except ValueError as error:  # spin makes the indentation deeper than the row of springs
         return Verdict("undecided", str(error))
     try:
         answer, claimed = _answer(of)
