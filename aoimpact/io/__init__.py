@@ -1,8 +1,8 @@
-"""Files of other programs: meshes, sections and matrices, a format a file.
+"""Meshes, sections and matrices in files of other programs, with one module per format.
 
-`read_mesh` makes a mesh of the nodes, cells and groups that a reader finds (`RawMesh`), and
-`read_sections` and `read_matrices` take the rest of the same files. Nothing in the core imports
-this folder, but for `FEModel.from_mesh`, which takes the path of a mesh.
+Each reader returns the nodes, cells and groups of a file as a `RawMesh`, which `read_mesh` turns
+into a `Mesh`. `read_sections` and `read_matrices` read the other contents of the same files.
+Outside this package only `FEModel.from_mesh` imports it, to accept the path of a mesh.
 """
 
 from .matrices import load_matrices, read_matrices

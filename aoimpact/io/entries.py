@@ -1,8 +1,8 @@
-"""Matrices in text, one entry a line.
+"""Readers of matrices in text files with one entry per line.
 
-Matrix Market; row, column and value, as CalculiX' ``.sti`` and ``.mas`` and Abaqus' COORDINATE;
-node, component, node, component and value, as Abaqus' MATRIX INPUT. Internal nodes of Abaqus have
-negative numbers.
+The formats are Matrix Market; lines of row, column and value (CalculiX' ``.sti`` and ``.mas``,
+Abaqus' COORDINATE); and lines of node, component, node, component and value (Abaqus' MATRIX INPUT,
+where internal nodes have negative numbers).
 """
 
 from __future__ import annotations
@@ -21,13 +21,16 @@ _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
 
 _MARKET = re.compile("matrix (coordinate|array) (real|integer) (general|symmetric)")
 
-# Bytes of an entry at least: two digits, their spaces and the end of the line; of a dense matrix a
-# number and a space.
+# Smallest size of an entry in bytes: row, column and value of one digit each, with separators; for
+# a dense matrix one digit and a separator.
 _LEAST_BYTES, _LEAST_DENSE = 6, 2
 
 
 def _is_entry(line: bytes, integers: int, between: bytes | None = None) -> bool:
-    """Return whether a line holds some integers and a number, between commas or blanks."""
+    """Return whether a line holds the given count of integers, then a number.
+
+    They are separated by `between`, or by blanks if that is None.
+    """
     *labels, value = line.strip().removesuffix(b",").split(between) or [b""]
     with contextlib.suppress(ValueError):
         number(value.decode("ascii", "replace"))
@@ -36,18 +39,18 @@ def _is_entry(line: bytes, integers: int, between: bytes | None = None) -> bool:
 
 
 def is_triples(head: bytes) -> bool:
-    """Return whether a file begins with row, column and value."""
+    """Return whether the first line of a file is row, column and value."""
     return _is_entry(head.split(b"\n", 1)[0], 2)
 
 
 def is_nodal(head: bytes) -> bool:
-    """Return whether a file begins with entries by labels, after comments and a keyword."""
+    """Return whether the first line that is no comment or keyword is an entry by node labels."""
     lines = (line for line in head.split(b"\n") if line.strip() and not line.startswith(b"*"))
     return _is_entry(next(lines, b"").replace(b",", b" "), 4)
 
 
 def read_triples(file: Path) -> list[RawMatrix]:
-    """Read lines of row, column and value, rows and columns from 1."""
+    """Return the matrix of lines of row, column and value, with rows and columns from 1."""
     rows, cols, values = _coordinates(file, 0)
     largest = int(max(rows.max(), cols.max())) + 1
     matrix = sp.coo_array((values, (rows, cols)), shape=(largest, largest))
@@ -55,7 +58,7 @@ def read_triples(file: Path) -> list[RawMatrix]:
 
 
 def read_nodal(file: Path) -> list[RawMatrix]:
-    """Read entries by labels."""
+    """Return the matrix of lines of node, component, node, component and value."""
     with file.open("rb") as stream:
         first = next(line for line in stream if line.strip() and not line.startswith(b"*"))
     *labels, values = _columns(file, 4, comma=b"," in first, comments="*")
@@ -63,7 +66,7 @@ def read_nodal(file: Path) -> list[RawMatrix]:
 
 
 def read_market(file: Path) -> list[RawMatrix]:
-    """Read a file of Matrix Market, of coordinates or dense."""
+    """Return the matrix in a Matrix Market file, sparse (coordinate) or dense (array)."""
     with file.open("rb") as stream:
         header = stream.readline(1024).decode("utf-8-sig", "replace").lower().split()[1:5]
         size, before, line = os.fstat(stream.fileno()).st_size, 2, stream.readline(2**16)
@@ -101,7 +104,7 @@ def read_market(file: Path) -> list[RawMatrix]:
 def _coordinates(
     file: Path, before: int, most: int | None = None
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return rows and columns from 0, and values, of lines that have them from 1."""
+    """Return rows and columns, counted from 0 (from 1 in the file), and values."""
     rows, cols, values = _columns(file, 2, before=before)
     if not len(values):
         raise spoilt(file, "it has no entries: it is cut short")
@@ -116,12 +119,12 @@ def _coordinates(
 def _columns(
     file: Path, integers: int, *, before: int = 0, comma: bool = False, comments: str | None = None
 ) -> list[np.ndarray]:
-    """Return the columns of the lines after the first ones: some integers and the value.
+    """Return the columns of a table: some integers and a value, after `before` lines to skip.
 
     Raises
     ------
     InputError
-        At the first line that is something else.
+        If a line has other contents; the first such line is named.
     """
     what = f"{integers} integers, of row and column, and a number"
     how = {"skiprows": before, "comments": comments}
@@ -133,7 +136,7 @@ def _columns(
             if stream.read(1) not in b"\n\r":
                 warn(f"matrix file {str(file)!r} ends within a line: is its last number whole?")
         return [*labels.T.astype(np.int64), np.ascontiguousarray(table[:, -1])]
-    # Slow, but of a file that is refused.
+    # Find the line to be named: slow, but only for files that are refused.
     with file.open("rb") as stream:
         for place, line in enumerate(stream, 1):
             comment = comments and line.lstrip().startswith(comments.encode())
@@ -146,6 +149,6 @@ def _columns(
 
 
 def _shown(line: bytes) -> str:
-    """Return a line as messages quote it."""
+    """Return a line as quoted in messages, shortened to 60 characters."""
     text = line.decode("latin-1").strip()
     return repr(text if len(text) < 60 else text[:57] + "...") if text else "an empty line"

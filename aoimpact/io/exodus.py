@@ -1,4 +1,4 @@
-"""Exodus II files, of netCDF 3 and 4: blocks, sets of nodes and sets of sides by their names.
+"""Reader of Exodus II files (netCDF 3 and 4), with named blocks, node sets and side sets.
 
 The format is that of "Exodus: A Finite Element Data Model" (Sandia National Laboratories).
 """
@@ -18,12 +18,12 @@ from ..mesh import KINDS, SOLIDS, SURFACES, reference_faces
 from . import raw
 from .raw import RawBlock, RawMesh
 
-# Variables that define the mesh; the others are results.
+# netCDF variables that define the mesh; all others are results.
 _OF_THE_MESH = re.compile(
     r"coord[xyz]?|connect\d+|(eb|ns|ss)_(names|prop1)|(node_n|elem_s|side_s)s\d+|(node|elem)_num_map"
 )
 
-# Kinds of cells by the first letters of the elements' names and the number of nodes.
+# Kinds of cells, by the first three letters of Exodus' element name, then by the number of nodes.
 _KINDS = {
     **{
         name: {n: kind for n, kind in SOLIDS.items() if kind[:3].upper() == name}
@@ -34,12 +34,12 @@ _KINDS = {
     **dict.fromkeys(("SPH", "CIR"), raw.POINTS),
 }
 
-# Exodus' numbers of the nodes within an element, in VTK's order.
+# For each node in VTK's order, its number within Exodus' element.
 _ORDERS = raw.UPRIGHT_FIRST | {
     "hexahedron27": (*raw.UPRIGHT_FIRST["hexahedron20"], 23, 24, 25, 26, 21, 22, 20),
 }
 
-# The corners of each side, in the order of Exodus' numbers.
+# Corners of each side of an element, in the order of Exodus' side numbers.
 _SIDES = {
     "hexahedron": ("0154", "1265", "2376", "0473", "0321", "4567"),
     "tetra": ("013", "123", "032", "021"),
@@ -51,14 +51,14 @@ _SIDES = {
 def read(file: Path) -> RawMesh:
     """Return the mesh in an Exodus file.
 
-    Element blocks are groups of elements. Sets of sides are the sets of the nodes on them. Blocks
-    and sets without a name are called after their numbers, as in "block 1", "nodeset 2" and
+    Element blocks become groups of elements. A side set becomes the set of the nodes on its sides.
+    Blocks and sets without a name are called after their numbers, as in "block 1", "nodeset 2" and
     "sideset 3".
 
     Raises
     ------
     ValueError
-        If the file is damaged, or has sides of elements that are no solids in a set of sides.
+        If the file is damaged, or a side set has sides of elements other than solids.
     """
     with file.open("rb") as stream:
         head = stream.read(4)
@@ -123,10 +123,10 @@ def _text(value: Any) -> str:
 
 
 def _names(arrays: dict[str, Any], prefix: str, what: str, members: str) -> list[str]:
-    """Return the names of blocks or sets."""
+    """Return the names of all blocks or sets, such as "block 1" for those without a name."""
     if f"{prefix}_prop1" in arrays:
         ids = arrays[f"{prefix}_prop1"].reshape(-1).tolist()
-    else:  # old files, in which they are numbered through
+    else:  # old files number them 1, 2, …
         ids = list(range(1, 1 + sum(name.startswith(members) for name in arrays)))
     rows = [_text(row) for row in arrays.get(f"{prefix}_names", np.full(len(ids), b""))]
     raw.check_count(f"names of a {what}", len(ids), len(rows))
@@ -136,7 +136,7 @@ def _names(arrays: dict[str, Any], prefix: str, what: str, members: str) -> list
 def _on_sides(
     name: str, blocks: tuple[RawBlock, ...], first: IntArray, elements: IntArray, sides: IntArray
 ) -> IntArray:
-    """Return the nodes on sides of elements, by their numbers from 1."""
+    """Return the nodes on the given sides of elements; both are numbered from 1."""
     if elements.shape != sides.shape or ((elements < 1) | (elements > first[-1])).any():
         raise ValueError(f"the set of sides {name!r} names elements that are not there")
     members = [np.zeros(0, np.int64)]

@@ -1,7 +1,8 @@
-"""Cross-sections of decks by their dimensions: polygons, and what they add up to.
+"""Beam cross-sections of decks, from their dimensions: outlines and section properties.
 
 Dimensions are those of the figures in Abaqus' beam cross-section library and of Nastran's PBARL.
-Their axes: h is Abaqus' axis 1 and Nastran's z, drawn to the right; v is axis 2 and y, upwards.
+In the figures, axis h points to the right (Abaqus' axis 1, Nastran's z) and axis v upwards (axis 2,
+y).
 """
 
 from __future__ import annotations
@@ -17,36 +18,36 @@ import numpy as np
 from ..base import FloatArray, InputError, record
 from ..fem import CircularSection, RectangularSection, TubularSection
 
-# Distance between the ends of a closed ARBITRARY section, over its longest wall, that is rounding;
-# and a third moment of an area A, over A^2.5, and an edge, over the longest, that are.
+# Largest values that count as rounding: distance between the ends of a closed ARBITRARY section
+# over its longest wall; third moment of area over A^2.5, and edge length over the longest edge.
 _CLOSED, _ROUND = 1e-6, 1e-9
 
-# Gauss' places on a panel and their weights. Panels grow by a factor from corners, where they are
-# an eighth of the shortest edge, but no less than the longest over the factor to so many: J is then
-# right to 1e-4, compared with eight places on smaller panels. From so many halves of a panel on,
-# Gauss' rule has integrals over it to 1e-9.
+# Gauss points and weights on a panel of the outline. Panels grow by the factor _COARSER away from
+# the corners, where they are an eighth of the shortest edge, limited by _LEVELS for very long
+# edges: J is then accurate to 1e-4, compared with eight points on smaller panels. At points farther
+# from a panel's middle than _FAR half-lengths, Gauss' rule integrates over the panel to 1e-9.
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 _COARSER, _LEVELS, _FAR = 4.0, 7, 4.0
 
 
 @record
 class Profile:
-    """A cross-section in its figure's axes h and v.
+    """Properties of a cross-section in the axes h and v of its figure.
 
     Attributes
     ----------
     area, J : float
-        m² and m⁴.
+        Area, m², and torsion constant, m⁴.
     second : ndarray, shape (2, 2)
-        ∫r rᵀ dA about the centroid, m⁴.
+        Second moments of area ∫r rᵀ dA about the centroid, m⁴.
     compliance : ndarray, shape (2, 2)
-        Inverse of the shear factors; 0 where the section is rigid in shear.
+        Inverse of the shear factors; 0 in directions that are rigid in shear.
     points : ndarray, shape (n, 2)
-        Places at which stress is given, from the centroid, m.
+        Points at which stress is evaluated, relative to the centroid, m.
     centre : ndarray, shape (2,)
-        The centroid, m.
+        Centroid relative to the line of nodes, m.
     skewed : bool
-        Walls that lie otherwise when turned by 180°: the shear centre is not the centroid.
+        True if a rotation by 180° changes the section: its shear centre is not the centroid.
     """
 
     area: float
@@ -58,14 +59,15 @@ class Profile:
     skewed: bool = False
 
     def at(self, h: float, v: float) -> Profile:
-        """Return it as seen from a line of nodes at a place of its figure."""
+        """Return the section with its line of nodes at the point (h, v) of the figure."""
         return replace(self, centre=self.centre - (h, v))
 
 
 def outlined(start: Any, end: Any, compliance: FloatArray, J: float | None = None) -> Profile:
-    """Return the section within edges h + iv, counterclockwise about it and clockwise about holes.
+    """Return the section bounded by straight edges from `start` to `end`, complex h + iv.
 
-    Moments are integrals of polynomials over the outline. J is Saint-Venant's, unless given.
+    The outer edges run counterclockwise, those of holes clockwise. Moments are integrals of
+    polynomials along the outline. J is Saint-Venant's unless given.
     """
     length = np.abs(end - start)
     kept = length > _ROUND * length.max()
@@ -95,17 +97,19 @@ def outlined(start: Any, end: Any, compliance: FloatArray, J: float | None = Non
 
 
 def _warped(z: Any, step: Any) -> float:
-    """Return the integral of |∇ω|², by which warping ω lowers the torsion constant from Ip, m⁴.
+    """Return ∫|∇ω|² dA, m⁴, by which warping ω lowers the torsion constant: J = Ip − ∫|∇ω|² dA.
 
     On the outline ∂ω/∂n = ∂ψ/∂s with ψ = r²/2, so ω + iψ is analytic within, up to a constant at
     each hole, and its Cauchy integral over the outline is πi (ω + iψ) there. The imaginary part is
-    an equation for ω, a polynomial on each panel (J. Helsing and R. Ojala, J. Comput. Phys. 227,
-    2899, 2008). The integral is ∮ω dψ.
+    an integral equation for ω, a polynomial on each panel (J. Helsing and R. Ojala, J. Comput.
+    Phys. 227, 2899, 2008). The result is ∮ω dψ.
 
     Parameters
     ----------
-    z, step : ndarray, shapes (panels, places) and (panels, 1)
-        Gauss places from the centroid, and halves of the panels.
+    z : ndarray, shape (panels, points)
+        Gauss points relative to the centroid, complex.
+    step : ndarray, shape (panels, 1)
+        Half of each panel, as a complex vector.
     """
     at = (z[..., None] - z.mean(axis=1)) / step[:, 0]
     own = np.arange(len(z))
@@ -119,13 +123,13 @@ def _warped(z: Any, step: Any) -> float:
         far = _WEIGHTS / (_PLACES - at[..., None])
     cauchy = np.where(np.abs(at[..., None]) > _FAR, far, near).reshape(z.size, z.size)
     psi, change = 0.5 * np.abs(z) ** 2, (z.conj() * step).real * _WEIGHTS
-    # ω is known up to a constant; the added matrix makes its mean over all places 0.
+    # ω is determined up to a constant; the added matrix makes its mean over all points 0.
     matrix = np.pi * np.eye(z.size) - cauchy.imag + 1.0 / z.size
     return float(np.linalg.solve(matrix, cauchy.real @ psi.ravel()) @ change.ravel())
 
 
 def filled(*corners: complex) -> Profile:
-    """Return a convex polygon of corners h + iv, counterclockwise, with shear factors 5/6."""
+    """Return a solid convex polygon with shear factors 5/6; corners h + iv, counterclockwise."""
     start, end = np.array(corners), np.roll(corners, -1)
     if ((end - start).conj() * np.roll(end - start, -1)).imag.min() < 0.0:
         raise InputError("its sides cross each other")
@@ -133,9 +137,10 @@ def filled(*corners: complex) -> Profile:
 
 
 def rows(*of: tuple[float, ...]) -> Profile:
-    """Return the section of rectangles: rows from v = 0 upwards, of a height and pairs of h.
+    """Return a section of rectangles in rows, stacked upwards from v = 0.
 
-    The shear factor along an axis is the share of the walls that lie along it.
+    A row is its height, then pairs of h: left and right end of each rectangle. The shear factor
+    along an axis is the share in the area of the walls along this axis.
     """
     if any(row[0] <= 0.0 or [*row[1:]] != sorted({*row[1:]}) for row in of):
         raise InputError("its walls are thicker than there is room for, or 0")
@@ -143,7 +148,7 @@ def rows(*of: tuple[float, ...]) -> Profile:
     inside = np.array([np.searchsorted(row[1:], 0.5 * (cuts[1:] + cuts[:-1])) % 2 for row in of])
     corners, start, end = cuts + 1j * np.cumsum([0.0, *(row[0] for row in of)])[:, None], [], []
     for axis, first, last in ((0, corners[:, :-1], corners[:, 1:]), (1, corners[1:], corners[:-1])):
-        # The section lies above or to the right of an edge, or on its other side.
+        # +1: the section lies above or to the right of the edge; -1: below or to the left.
         change = np.diff(inside, axis=axis, prepend=0, append=0)
         start += [first[change > 0], last[change < 0]]
         end += [last[change > 0], first[change < 0]]
@@ -153,25 +158,25 @@ def rows(*of: tuple[float, ...]) -> Profile:
 
 
 def between(outer: tuple[float, ...], inner: tuple[float, ...]) -> Profile:
-    """Return the section of a row between two equal ones."""
+    """Return the section of three rows: `inner` between two rows `outer`."""
     return rows(outer, inner, outer)
 
 
 def flanged(h: float, b1: float, b2: float, t: float, t1: float, t2: float) -> Profile:
-    """Return an I, or a T if one of the flanges, 1 below and 2 above, is 0."""
+    """Return an I section; flange 1 is below, 2 above. A T section if a flange has zero size."""
     web = (h - t1 - t2, -0.5 * t, 0.5 * t)
     flanges = [[(t, -0.5 * b, 0.5 * b)] if t else [] for b, t in ((b1, t1), (b2, t2))]
     return rows(*flanges[0], web, *flanges[1])
 
 
 def box(b: float, h: float, right: float, top: float, left: float, bottom: float) -> Profile:
-    """Return a box by its sides and the thickness of its walls."""
+    """Return a box section of width b and height h with the given wall thicknesses."""
     web = (h - top - bottom, 0.0, left, b - right, b)
     return rows((bottom, 0.0, b), web, (top, 0.0, b))
 
 
 def hat(h: float, t: float, top: float, brim: float, base: float = 0.0) -> Profile:
-    """Return a hat, on a base or without."""
+    """Return a hat section, closed by a base plate of thickness `base` if that is not 0."""
     b = top + 2.0 * brim
     wall = (brim, brim + t, b - brim - t, b - brim)
     brims, webs = (t, 0.0, *wall[1:3], b), (h - base - 2.0 * t, *wall)
@@ -179,10 +184,12 @@ def hat(h: float, t: float, top: float, brim: float, base: float = 0.0) -> Profi
 
 
 def arbitrary(n: float, *of: float) -> Profile:
-    """Return Abaqus' ARBITRARY: n, two points and a thickness, then a point and one each.
+    """Return Abaqus' ARBITRARY section of n thin walls.
 
-    Its walls are thin. The torsion constant is Σ b t³/3, and 4 A²/∮ds/t of a closed section (S. P.
-    Timoshenko and J. N. Goodier, Theory of Elasticity, sections 112 and 115).
+    The arguments after n are both end points and the thickness of the first wall, then the end
+    point and thickness of each further wall. The torsion constant is Σ b t³/3, plus 4 A²/∮ds/t if
+    the section is closed (S. P. Timoshenko and J. N. Goodier, Theory of Elasticity, sections 112
+    and 115).
     """
     ends = np.array([of[:2], of[2:4], *zip(of[5::3], of[6::3], strict=True)]) @ [1.0, 1.0j]
     start, end, steps, t = ends[:-1], ends[1:], np.diff(ends), np.array(of[4::3])
@@ -198,7 +205,7 @@ def arbitrary(n: float, *of: float) -> Profile:
 
 
 def hexagon(radius: float, t: float) -> Profile:
-    """Return Abaqus' HEX, a regular ring by its circumscribed circle and its thickness."""
+    """Return Abaqus' HEX: a regular hexagonal tube, by circumscribed radius and thickness."""
     inner = radius - 2.0 * t / math.sqrt(3.0)
     if not 0.0 <= inner < radius:
         raise InputError("its walls are thicker than there is room for, or 0")
@@ -207,8 +214,9 @@ def hexagon(radius: float, t: float) -> Profile:
     return outlined(start, np.append(radius * corners[1:], inner * corners[:-1]), 2.0 * np.eye(2))
 
 
-# Sections by the names of each program. RECT begins with the length along axis 1, which is our z.
-# The line of nodes of L is where the middle lines of its legs meet.
+# Functions from dimensions to sections, by each program's section names. The first dimension of
+# RECT is along axis 1, z of `RectangularSection`. The line of nodes of Abaqus' L is where the
+# middle lines of its legs meet.
 ABAQUS: dict[str, Callable[..., Any]] = {
     "ARBITRARY": arbitrary,
     "BOX": lambda a, b, t1, t2, t3, t4: box(a, b, t1, t2, t3, t4).at(0.5 * a, 0.5 * b),
@@ -252,7 +260,7 @@ NASTRAN: dict[str, Callable[..., Any]] = {
 
 
 def named(table: dict[str, Callable[..., Any]], name: str) -> tuple[int, Callable[..., Any]]:
-    """Return the number of a section's dimensions, and how these make it."""
+    """Return the number of dimensions of a named section, and the function that takes them."""
     if name not in table:
         known = ", ".join(table)
         raise InputError(f"{name!r} is none of {known}; give its Beam by read_sections(given=)")

@@ -1,4 +1,4 @@
-"""Units, plies and common directions of elements, for the readers of both formats."""
+"""Units, materials, plies and axes of sections, shared by the readers of Abaqus and Nastran."""
 
 from __future__ import annotations
 
@@ -28,40 +28,40 @@ from .abaqusdeck import key
 from .profiles import Profile
 from .raw import RawMesh
 
-# Largest difference between directions that are the same: what printed digits leave.
+# Largest difference between unit vectors that count as equal: rounding to printed digits.
 _SAME = 1e-4
 
-# Sine of an angle below which two directions are the same.
+# Sine of the angle below which two directions count as parallel.
 PARALLEL = 1e-9
 
-# Product of inertia over the polar moment that is rounding.
+# Largest ratio of product to polar moment of area that counts as rounding.
 _ROUND = 1e-12
 
-# Kinds of sections by the dimension of their elements.
+# Types of sections by the dimension of their elements.
 _KINDS: dict[int, tuple[type[Any], ...]] = {3: get_args(Solid), 2: (Shell, Laminate), 1: (Beam,)}
 
-# ν13 and ν23 of fabrics: ν23 of all four unidirectional carbon and glass epoxies of P. D. Soden,
-# M. J. Hinton and A. S. Kaddour, Compos. Sci. Technol. 58, 1011 (1998), table 1.
+# ν13 and ν23 assumed for fabrics: the ν23 of all four unidirectional carbon and glass epoxies of
+# P. D. Soden, M. J. Hinton and A. S. Kaddour, Compos. Sci. Technol. 58, 1011 (1998), table 1.
 _NU_ACROSS = 0.4
 
 
 @record
 class Source:
-    """A deck, its units in SI, and what its user says of it.
+    """A deck with its units, and the sections and materials that the user gives instead of its own.
 
     Attributes
     ----------
     raw : RawMesh
     length, stress, density : float
-        m, Pa and kg/m³.
+        The deck's units, in m, Pa and kg/m³.
     given : mapping of str to Material, Orthotropic, Shell, Laminate or Beam
-        By names in capitals without blanks.
+        The argument of `read_sections`, by names in capitals without blanks.
     left_out : list of str
-        Is said in one warning.
+        Contents of the deck that are left out, for one warning.
     taken : set of str
-        Names of `given` that the deck has.
+        Names in `given` that have been used in place of the deck's.
     wanted : dict of str to types
-        Kinds that the deck has of names in `given` that are of another.
+        Types that the deck requires, for names in `given` that have another type.
     """
 
     raw: RawMesh
@@ -74,7 +74,10 @@ class Source:
     wanted: dict[str, tuple[type[Any], ...]] = field(default_factory=dict)
 
     def instead(self, name: str, dim: int = 3) -> Any:
-        """Return what is given in place of a section of 1 to 3 dimensions, or of a material."""
+        """Return what the user gave for a section of elements of dimension `dim`, or a material.
+
+        The result is None if there is nothing of this name, or of another type.
+        """
         kinds = _KINDS.get(dim, ())
         if (given := self.given.get(at := key(name))) is None:
             return None
@@ -85,23 +88,23 @@ class Source:
         return given
 
     def isotropic(self, E: float, nu: float, rho: float) -> Material:
-        """Return the material of constants in the deck's units."""
+        """Return an isotropic material from constants in the deck's units."""
         return Material(E * self.stress, nu, rho * self.density)
 
     def orthotropic(self, *of: float) -> Orthotropic:
-        """Return that of E1, E2, E3, ν12, ν13, ν23, G12, G13, G23, rho in the deck's units."""
+        """Return a material from E1, E2, E3, ν12, ν13, ν23, G12, G13, G23, rho in deck units."""
         E1, E2, E3, G12, G13, G23 = (self.stress * of[i] for i in (0, 1, 2, 6, 7, 8))
         return Orthotropic(
             (E1, E2, E3), (G12, G13, G23), (of[3], of[4], of[5]), of[9] * self.density
         )
 
     def ply(self, *of: float) -> Orthotropic:
-        """Return that of E1, E2, ν12, G12, G13, G23, rho, with a rule for E3.
+        """Return a ply's material from E1, E2, ν12, G12, G13, G23, rho, with an estimate of E3.
 
-        Fibres along 1 in a matrix are isotropic across the fibres: E3 = E2, ν23 = E2/(2 G23) - 1.
-        Strain energy is then positive if 1 - ν23 > 2 ν12² E2/E1. A ply for which it is not has
-        fibres along 2 as well, as a fabric. Its matrix carries both G23 and E3, and the rule is
-        that of an isotropic solid, E3 = 2 (1 + ν) G, with the smaller of G13 and G23.
+        Unidirectional plies are isotropic across the fibres: E3 = E2, ν23 = E2/(2 G23) - 1. Their
+        strain energy is positive if 1 - ν23 > 2 ν12² E2/E1. Otherwise the ply is taken for a fabric
+        with fibres along 2 as well, where the matrix carries both G23 and E3: as in an isotropic
+        solid, E3 = 2 (1 + ν) G with the smaller of G13 and G23.
         """
         E1, E2, nu, G12, G13, G23, rho = of
         E3, nu13, nu23, rule = E2, nu, 0.5 * E2 / G23 - 1.0, "E2"
@@ -112,26 +115,27 @@ class Source:
         return self.orthotropic(E1, E2, E3, nu, nu13, nu23, G12, G13, G23, rho)
 
     def numbers(self, area: float, second: Any, J: float, *more: FloatArray) -> Profile:
-        """Return a cross-section by its figure's ∫h² dA, ∫hv dA, ∫v² dA in the deck's units.
+        """Return a cross-section given by numbers in the deck's units.
 
-        `more` are the inverse of its shear factors, and points.
+        `second` holds ∫h² dA, ∫hv dA, ∫v² dA in the figure's axes; `more` the inverse of the shear
+        factors, shape (2, 2), and the points for stress.
         """
         unit, (hh, hv, vv), (compliance, points) = self.length, second, more
         tensor = unit**4 * np.array([[hh, hv], [hv, vv]])
         return Profile(area * unit**2, tensor, J * unit**4, compliance, unit * points, np.zeros(2))
 
     def beam(self, of: Any, material: Any, z: Any, members: IntArray, axes: Any, to: Any) -> Beam:
-        """Return the beam of a section whose z axis is along z; of a profile in principal axes.
+        """Return the beam of section `of` with its z axis along `z`; profiles in principal axes.
 
-        `axes` has our y and z in rows in the axes of the profile's figure. `to` leads from the
-        nodes of each element to the line that the figure has for these.
+        The rows of `axes` are the beam's y and z in the axes (h, v) of the profile's figure. `to`
+        is the offset of each element from its nodes to the figure's line of nodes, m.
         """
         x, centre = self.directions(members), np.zeros(2)
         if isinstance(of, Profile):
             if of.skewed:
                 self.left_out.append("L, T and the like carry shear at the centroid, not beside it")
             (yy, yz), (_, zz) = axes @ of.second @ axes.T
-            if abs(yz) > _ROUND * (yy + zz):  # turned by up to 45 degrees
+            if abs(yz) > _ROUND * (yy + zz):  # turn into principal axes
                 angle = 0.5 * math.atan2(math.copysign(2.0, yy - zz) * yz, abs(yy - zz))
                 c, s, z = math.cos(angle), math.sin(angle), across(z, x)
                 z, axes = c * z - s * np.cross(z, x), np.array([[c, s], [-s, c]]) @ axes
@@ -142,7 +146,7 @@ class Source:
         try:
             orientation = common(z, x)
         except InputError:
-            with suppress(InputError):  # a round section on its nodes has no axes
+            with suppress(InputError):  # a round section on its nodes needs no axes
                 if not np.any(to):
                     return Beam(of, material, None, (centre[0], centre[1]))
             raise
@@ -153,9 +157,9 @@ class Source:
         return Beam(of, material, orientation, (centre + places[0, 1:]).round(12).tolist())
 
     def directions(self, members: IntArray, *, edges: bool = False) -> FloatArray:
-        """Return unit normals of surface cells and tangents of lines, in order, shape (n, 3).
+        """Return unit normals of surface cells and unit tangents of lines, shape (n, 3).
 
-        With `edges` the directions from the first node to the second.
+        With `edges`, the directions from the first to the second node of all cells.
         """
         found = [np.zeros((0, 3))]
         for block, own in self.raw.rows(members):
@@ -170,16 +174,17 @@ class Source:
 
 @record
 class Axes:
-    """A coordinate system in global coordinates.
+    """A coordinate system, defined by global coordinates.
 
     Attributes
     ----------
     kind : str
-        "R", "C" or "S": rectangular, cylindrical (r, θ, z) or spherical (r, θ, φ with θ from the
-        axis z), in degrees.
+        "R", "C" or "S": rectangular, cylindrical (r, θ, z) or spherical (r, θ, φ with θ measured
+        from z); angles in degrees.
     origin : ndarray, shape (3,)
+        Origin, in the deck's unit of length.
     axes : ndarray, shape (3, 3)
-        Unit vectors in rows.
+        Unit vectors along x, y and z in rows.
     """
 
     kind: str = "R"
@@ -198,12 +203,12 @@ class Axes:
         return self.origin + x @ self.axes
 
     def directions(self, x: FloatArray) -> FloatArray:
-        """Return unit vectors of the coordinates at points given in global coordinates.
+        """Return the local basis vectors of the system at points given in global coordinates.
 
         Returns
         -------
         ndarray, shape (n, 3, 3)
-            A unit vector in each row.
+            Unit vectors along the three coordinates, in rows, for each point.
         """
         local = (x - self.origin) @ self.axes.T
         angles = np.zeros((len(x), 2))
@@ -218,9 +223,9 @@ class Axes:
 def triad(
     x: FloatArray, beside: FloatArray, error: Callable[[str], MeshError], least: float = PARALLEL
 ) -> FloatArray:
-    """Return the unit axes, in rows, of a first one and a vector in the plane of it and the second.
+    """Return unit axes in rows: the first along `x`, the second in the plane of `x` and `beside`.
 
-    `least` is the sine of the angle between both below which they are refused.
+    `least` is the smallest permitted sine of the angle between both vectors.
     """
     z = np.cross(x, beside)
     if not np.linalg.norm(z) > least * np.linalg.norm(x) * np.linalg.norm(beside):
@@ -229,9 +234,9 @@ def triad(
 
 
 def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
-    """Return unit vectors along the parts of vectors across unit directions, shape (n, 3).
+    """Return normalized components of vectors normal to unit `directions`, shape (n, 3).
 
-    They are zero where there is no such part.
+    A vector along its direction gives zero.
     """
     along = dot(np.broadcast_to(vectors, directions.shape), directions)
     part = vectors - along[:, None] * directions
@@ -241,9 +246,10 @@ def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
 
 
 def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...]:
-    """Return a vector whose part across each direction is along that of each vector.
+    """Return one vector that can replace all `vectors` of a section's elements.
 
-    Normals and tangents are such directions, of which `Laminate` and `Beam` take the part across.
+    `Laminate` and `Beam` use only its component normal to each element's direction (the normal of a
+    shell, the tangent of a beam), which must be along that of the element's own vector.
     """
     wanted = across(vectors, directions)
     if not wanted.any(axis=1).all():
@@ -262,9 +268,9 @@ def layered(
     *,
     symmetric: bool = False,
 ) -> Shell | Laminate:
-    """Return the shell of some plies; the axis is asked for if one of them has fibres.
+    """Return the shell of some plies; `axis` is called for their axis if any is orthotropic.
 
-    The middle lies a length and a share of the thickness above the nodes.
+    The mid-surface lies `offset` (m) plus `share` times the thickness above the nodes.
     """
     plies = plies + plies[::-1] * symmetric
     offset += share * sum(ply.thickness for ply in plies)
@@ -276,7 +282,7 @@ def layered(
 
 @contextmanager
 def refusing(error: Callable[[str], MeshError]) -> Iterator[None]:
-    """Say of bad values to which card they belong."""
+    """Turn errors about bad values into errors that name their card."""
     try:
         with np.errstate(divide="raise", invalid="raise"):
             yield

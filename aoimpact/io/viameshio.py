@@ -1,4 +1,4 @@
-"""Meshes of meshio: its files, and the names that they give to groups of nodes and cells."""
+"""Meshes from meshio: files that it reads, and the names of groups in its meshes."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ..base import IntArray, MeshError, warn
 from ..mesh import meshio_of_all_kinds
 from .raw import DIMENSIONS, RawBlock, RawMesh, check_count, grouped
 
-# meshio's formats: the ends of their files' names, and what announces the numbers of nodes and of
-# cells in a text of theirs; several add up.
+# For each of meshio's formats, the suffixes of files and the patterns that find the announced
+# numbers of nodes and of cells in a text file. All numbers that a pattern finds are added.
 _FORMATS: dict[str, tuple[str, ...]] = {
     "avsucd": (".avs", r"\A(?:#.*\n)*\s*(\d+)", r"\A(?:#.*\n)*\s*\d+\s+(\d+)"),
     "dolfin-xml": (".xml", r'<vertices\s+size="(\d+)"', r'<cells\s+size="(\d+)"'),
@@ -38,29 +38,30 @@ _FORMATS: dict[str, tuple[str, ...]] = {
     ),
 }
 
-# Message of meshio about the names of SU2's markers, which are read here.
+# meshio's warning that names of SU2 markers are lost. `read` restores them, so it is not repeated.
 _RENUMBERED = re.compile(r"(Warning: )?meshio does not support tags of string.*?replaced by \d+")
 
 _INDEXED = re.compile(r"<(vertex|triangle|tetrahedron)\s+index\s*=\W(\d+)")
 
-# Integers of cells that are groups, and how these are called: Gmsh's by their dimension or name.
+# meshio's cell data that number groups, and the word in the groups' names, as in "ref 3"; Gmsh's
+# are called by name, or by dimension and number.
 _TAGS = {"avsucd:material": "material", "medit:ref": "ref", "su2:tag": "tag", "gmsh:physical": ""}
 
 
 def read(file: Path) -> RawMesh:
-    """Return the mesh that meshio reads, if it has as many nodes and cells as the file announces.
+    """Return the mesh that meshio reads; it must have the announced numbers of nodes and cells.
 
     Raises
     ------
     MeshError
-        If its format is not read, or needs a package that is missing.
+        If the format is not read, or needs a package that is missing.
     ValueError
         If meshio cannot read the file, or nodes or cells are missing.
 
     Warns
     -----
     AOImpactWarning
-        If meshio warns, or if the file announces no numbers.
+        If meshio warns, or the file announces no numbers of nodes and cells.
     """
     where, suffix = f"mesh file {str(file)!r}", file.suffix.lower()
     name = next((name for name, (ends, *_) in _FORMATS.items() if suffix in ends.split()), None)
@@ -75,7 +76,7 @@ def read(file: Path) -> RawMesh:
         announced.append(sum(int(count[:19]) for counts in found for count in counts))
         if not found or announced[-1] > len(content):
             raise ValueError(f"as {name}, it announces no nodes and cells that fit its size")
-    if name == "dolfin-xml":  # of an entry that is missing meshio returns what the memory holds
+    if name == "dolfin-xml":  # for a missing entry, meshio returns uninitialized memory
         check_count("entries with an index", sum(announced), len(set(_INDEXED.findall(text))))
     said = io.StringIO()
     try:
@@ -84,7 +85,7 @@ def read(file: Path) -> RawMesh:
             contextlib.redirect_stderr(said),
             warnings.catch_warnings(),
         ):
-            warnings.simplefilter("ignore")  # NumPy's, about arithmetic on rubbish
+            warnings.simplefilter("ignore")  # NumPy's, about invalid values
             mesh = meshio_of_all_kinds().read(file, name)
     except MemoryError:
         raise
@@ -95,7 +96,7 @@ def read(file: Path) -> RawMesh:
         raise ValueError(f"as {name}, {why}") from None
     tag = 0
     for marker in re.findall(r"^MARKER_TAG=\s*(\S+)", text, re.M) if name == "su2" else ():
-        tag = int(marker) if marker.isdecimal() else tag + 1  # as meshio numbers them
+        tag = int(marker) if marker.isdecimal() else tag + 1  # meshio's numbering
         marker = f"tag {tag}" if marker.isdecimal() else marker
         if mesh.field_data.setdefault(f"{name}:tag {tag}", marker) != marker:
             raise ValueError(f"{marker!r} is a marker that meshio takes for another; name all")
@@ -123,14 +124,14 @@ def is_meshio(source: Any) -> bool:
 def from_meshio(mesh: Any) -> RawMesh:
     """Return a `meshio.Mesh` as a `RawMesh`.
 
-    Its groups are node sets, cell sets, Gmsh's physical groups, MED's groups, of any dimension, and
-    tags of other formats, such as "ref 3". A physical group without a name is called after its
+    Its groups are node sets, cell sets, Gmsh's physical groups and MED's groups, of any dimension,
+    and tags of other formats, such as "ref 3". A physical group without a name is called after its
     dimension and tag, as in "surface 3". Groups of the same name are joined.
 
     Raises
     ------
     MeshError
-        If groups name what is not there, or not by numbers.
+        If groups have members that do not exist, or that are no numbers.
     """
     blocks = tuple(RawBlock(str(block.type), np.asarray(block.data)) for block in mesh.cells)
     first = RawMesh(mesh.points, blocks).first
@@ -152,9 +153,9 @@ def from_meshio(mesh: Any) -> RawMesh:
 def _cell_groups(
     mesh: Any, blocks: tuple[RawBlock, ...]
 ) -> Iterator[tuple[str, int, npt.NDArray[Any]]]:
-    """Yield names of groups, numbers of blocks, and members in these by number or mask."""
+    """Yield, for each group and block: group name, block number, members as numbers or mask."""
     for name, parts in mesh.cell_sets.items():
-        if name.startswith("gmsh:"):  # a table of meshio's own, not a group
+        if name.startswith("gmsh:"):  # meshio's internal table, no group
             continue
         for i, members in enumerate(parts[: len(blocks)]):
             if members is not None and len(members):

@@ -1,4 +1,4 @@
-"""K, M and b of a body or an AO model, written for other programs as Matrix Market files."""
+"""Writer of K, M and b of a body or AO model as Matrix Market files for other programs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..contact import ContactPoint
 from ..fem import FEModel
 from ..reduction import AOModel
 
-# Digits with which a double is read as it was written.
+# Number of decimal digits that reproduce a double exactly.
 _DIGITS = 17
 
 
@@ -23,25 +23,25 @@ def write_matrices(what: FEModel | ContactPoint | AOModel, folder: FilePath) -> 
     Parameters
     ----------
     what : FEModel, ContactPoint or AOModel
-        A body has K and M; a contact point b as well, the contact's displacement being u = bᵀX. Of
-        an AO model they are those of λ: contact mass first, then the oscillators.
+        K and M of a body; for a contact point also b, where u = bᵀX is the displacement of the
+        contact. The rows of an AO model's matrices are those of λ: contact mass, then oscillators.
     folder : path
-        Made if it is not there; files of these names in it are replaced.
+        Folder, made if it does not exist. Files of the same names in it are replaced.
 
     Returns
     -------
     dict
-        The files written: ``"K"`` and ``"M"`` (symmetric, the lower triangle, 17 digits), ``"b"``
-        (a dense column); of bodies whose rows are known ``"dofs"`` (row, node, UX … ROTZ) and
-        ``"nodes"`` (node, x, y, z, m): what `read_matrices` takes. Of an AO model ``"json"``, see
-        `AOModel.to_json`, and ``"deck"``: its masses and springs, along x, as elements MASS,
-        SPRING1 and SPRING2 for CalculiX and Abaqus, node 1 the contact; include it in a model
-        with ``*INCLUDE``.
+        The files written: ``"K"`` and ``"M"`` (symmetric, lower triangle, 17 digits) and ``"b"``
+        (a dense column). If the dofs of a body's rows are known, also ``"dofs"`` (row, node,
+        UX … ROTZ) and ``"nodes"`` (node, x, y, z, m), as `read_matrices` takes them. For an AO
+        model also ``"json"``, see `AOModel.to_json`, and ``"deck"``: its masses and springs along
+        x as elements MASS, SPRING1 and SPRING2 for CalculiX and Abaqus, with the contact at node 1,
+        for ``*INCLUDE`` in a model.
 
     Raises
     ------
     InputTypeError
-        If `what` is none of these.
+        If `what` is no body, contact point or AO model.
     InputError
         If `folder` cannot be written to.
 
@@ -81,7 +81,7 @@ def write_matrices(what: FEModel | ContactPoint | AOModel, folder: FilePath) -> 
 
 
 def _deck(star: AOModel) -> str:
-    """The star as point masses and springs; CalculiX reads a point and 20 characters."""
+    """Return a deck of the star's masses and springs, with numbers in CalculiX' 20 characters."""
     places = range(1, star.n + 2)
     lines = ["** An AO model: the contact is node 1, and all move along x.", "*NODE, NSET=STAR"]
     lines += [f"{i}, 0., 0., 0." for i in places]
@@ -98,7 +98,7 @@ def _deck(star: AOModel) -> str:
 
 
 def _write_rows(body: Any, path: Path) -> dict[str, Path]:
-    """Which dof each row is, and where the nodes are."""
+    """Write the files of the dofs of rows and of node coordinates; return their paths."""
     files = {}
     labels = body.labels
     if labels is None and body.free is not None:
@@ -113,7 +113,7 @@ def _write_rows(body: Any, path: Path) -> dict[str, Path]:
     if body.nodes is not None:
         files["nodes"] = path / "nodes.txt"
         numbers = np.arange(1, len(body.nodes) + 1)
-        if body.labels is not None:  # those of nodes that no row has follow on the largest
+        if body.labels is not None:  # nodes without rows get numbers after the largest
             numbers = body.node_labels.copy()
             others = numbers < 0
             numbers[others] = numbers.max() + 1 + np.arange(others.sum())
