@@ -1,4 +1,4 @@
-"""Meshes and matrices as files hold them, and the parts that several readers share."""
+"""Meshes and matrices as files hold them, and functions that several readers share."""
 
 from __future__ import annotations
 
@@ -20,18 +20,19 @@ import numpy.typing as npt
 from ..base import PRINTED, FloatArray, InputError, IntArray, MeshError, decoded, record, sp
 from ..mesh import twins
 
-# Kinds of cells by their numbers of nodes.
+# Kinds of lines and points by their numbers of nodes; names of cells by dimension.
 LINES = {2: "line", 3: "line3"}
 POINTS = {1: "vertex"}
 DIMENSIONS = ("point", "line", "surface", "volume")
 
-# VTK's order of nodes from orders that number the midside nodes of upright edges before the top's.
+# For each node in VTK's order, its number in orders where the midside nodes of upright edges come
+# before those of the top.
 UPRIGHT_FIRST = {
     "hexahedron20": (*range(12), *range(16, 20), *range(12, 16)),
     "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
 }
 
-# Dimension and number of corners of each shape of cells.
+# Dimension and number of corners of cells, by the shape in the name of their kind.
 _SHAPES = {
     **{"other": (0, 0), "vertex": (0, 1), "line": (1, 2)},
     **{"triangle": (2, 3), "quad": (2, 4), "polygon": (2, 0)},
@@ -41,12 +42,12 @@ _SHAPES = {
 # Numbers as Fortran writes them: 1, -1.5, .5E3, 1.D0, and 1.0+3 for 1.0E+3.
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EDed]([+-]?\d+)|([+-]\d+))?")
 
-_SHORT = re.compile(rb"(?<=[\d.])(?=[-+]\d)")  # before the exponent of 1.0+3
+_SHORT = re.compile(rb"(?<=[\d.])(?=[-+]\d)")  # where the E is missing in 1.0+3
 
-# A row's node and component as one number: components are below 64, nodes below 2**40.
+# Bounds, excluded, of the component and node of a matrix row, which `codes` packs into one integer.
 _COMPONENTS, _LARGEST_NODE = 64, 2**40
 
-# Largest ratio of data to the size of an HDF5 file: the compression that zlib reaches.
+# Largest ratio of the size of data to that of their HDF5 file: zlib's strongest compression.
 _COMPRESSION = 1100
 
 
@@ -57,14 +58,14 @@ class RawBlock:
     Attributes
     ----------
     kind : str
-        meshio's name, such as "tetra10", "quad8" or "line"; node order is meshio's (VTK's). "other"
-        for elements without volume whose nodes are not read.
+        meshio's name, such as "tetra10", "quad8" or "line", with nodes in meshio's (VTK's) order;
+        "other" for elements without volume whose nodes are not read.
     cells : ndarray of int, shape (n, nodes per cell)
-        Row numbers of `RawMesh.nodes`.
+        Nodes of each cell, as row numbers of `RawMesh.nodes`.
     labels : ndarray of int, shape (n,), or None
-        Numbers that the file gives to the elements; None for formats without numbers.
+        Numbers of the elements in the file; None for formats without numbers.
     name : str
-        The deck's name of the elements, such as "CPS4"; "" for that of their kind.
+        The deck's name of the element type, such as "CPS4"; "" if it has none but `kind`.
     """
 
     kind: str
@@ -80,7 +81,7 @@ class RawBlock:
 
 @record
 class RawMesh:
-    """Nodes, cells and named groups of a file.
+    """Nodes, cells and named groups as read from a file.
 
     Attributes
     ----------
@@ -88,18 +89,18 @@ class RawMesh:
         Coordinates in the file's unit of length and in global axes.
     blocks : tuple of RawBlock
     node_sets : mapping of str to ndarray of int
-        Row numbers of `nodes`.
+        Named sets of nodes, as row numbers of `nodes`.
     cell_sets : mapping of str to ndarray of int
-        Cell numbers, counted through all blocks from 0, of any dimension.
+        Named groups of cells of any dimension, numbered from 0 through all blocks.
     node_labels : ndarray of int, shape (n_nodes,), or None
-        Numbers that the file gives to the nodes; None for formats without numbers. A number may
-        occur twice, as in two instances of an Abaqus part.
+        Numbers of the nodes in the file; None for formats without numbers. A number may occur
+        twice, as in two instances of an Abaqus part.
     left_out : mapping of str to str
-        Groups that hold more than solids, and the rest of their contents, as in "3 MASS, 20 S4R".
+        Groups that hold more than solids, with the rest of their contents, as in "3 MASS, 20 S4R".
     deck : AbaqusDeck, NastranDeck or None
-        Cards of a deck beyond its mesh; None for formats whose cells may be no more than sides and
-        edges. Its `sections` count the cards on shells and beams, as in "2 PSHELL"; its `read`
-        returns the sections in SI by group, from a `sections.Source`.
+        Cards of a deck beyond its mesh; None for other formats, where cells of lower dimension may
+        just be sides and edges. Its `sections` counts the cards on shells and beams, as in
+        "2 PSHELL"; its `read` takes a `sections.Source` and returns the sections in SI by group.
     """
 
     nodes: FloatArray
@@ -112,17 +113,17 @@ class RawMesh:
 
     @property
     def first(self) -> IntArray:
-        """Number of the first cell of each block, shape (n_blocks + 1,); the last is the count."""
+        """Number of the first cell of each block, then of all cells, shape (n_blocks + 1,)."""
         return firsts(block.cells for block in self.blocks)
 
     @property
     def dims(self) -> IntArray:
-        """Dimension of each cell, through all blocks."""
+        """Dimension of each cell, for all blocks in turn."""
         return np.repeat([block.dim for block in self.blocks], np.diff(self.first))
 
     @property
     def contents(self) -> str:
-        """The elements by their names, as in "100 CPS4"."""
+        """Number of cells by name, as in "100 CPS4"."""
         return listed((of.name or of.kind, len(of.cells)) for of in self.blocks)
 
     @property
@@ -131,17 +132,17 @@ class RawMesh:
         return [np.arange(start, stop) for start, stop in pairwise(self.first.tolist())]
 
     def block_of(self, members: IntArray | int) -> IntArray:
-        """Return the numbers of the blocks that cells are in."""
+        """Return the number of the block that each cell is in."""
         return np.searchsorted(self.first, members, side="right") - 1
 
     def rows(self, members: IntArray) -> Iterator[tuple[RawBlock, IntArray]]:
-        """Yield each block, and the rows in it of those members, numbers of cells, that it has."""
+        """Yield each block, and the rows in it of the cells numbered `members` that it holds."""
         for block, (start, stop) in zip(self.blocks, pairwise(self.first.tolist()), strict=True):
             yield block, members[(members >= start) & (members < stop)] - start
 
     @property
     def cell_labels(self) -> IntArray | None:
-        """Numbers that the file gives to the cells, through all blocks; None if one has none."""
+        """Numbers of all cells in the file; None if a block has no numbers."""
         labels = [block.labels for block in self.blocks if block.labels is not None]
         return np.concatenate(labels) if 0 < len(labels) == len(self.blocks) else None
 
@@ -153,17 +154,17 @@ def nodes_in(kind: str) -> int:
 
 
 def firsts(parts: Iterable[Any]) -> IntArray:
-    """Return the number at which each part begins if all are counted through, and the total."""
+    """Return the number of the first item of each part, counted through all, and the total."""
     return np.cumsum([0, *map(len, parts)], dtype=np.int64)
 
 
 def joined(parts: Iterable[IntArray]) -> IntArray:
-    """Return arrays of integers as one, also if there are none."""
+    """Return the concatenation of integer arrays; an empty array if there are none."""
     return np.concatenate([np.zeros(0, np.int64), *parts])
 
 
 def grouped(members: Iterable[tuple[str, IntArray]]) -> dict[str, IntArray]:
-    """Return groups of sorted numbers from pairs of a name and some members; no empty ones."""
+    """Return sorted members by group name, from pairs of a name and members; no empty groups."""
     found: dict[str, list[IntArray]] = {}
     for name, some in members:
         if len(some):
@@ -172,7 +173,7 @@ def grouped(members: Iterable[tuple[str, IntArray]]) -> dict[str, IntArray]:
 
 
 def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
-    """Return the rows of labels among those that are known, of the same shape; -1 for others."""
+    """Return the row of each wanted label in `known`, in the shape of `wanted`; -1 if absent."""
     if not len(known):
         return np.full(wanted.shape, -1)
     order = None if (known[1:] >= known[:-1]).all() else np.argsort(known, kind="stable")
@@ -182,7 +183,19 @@ def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
 
 
 def cells_of(known: IntArray, labels: IntArray, nodes: IntArray, refuse: Any) -> IntArray:
-    """Return elements by the rows of their nodes' labels; refuse one of which a node is missing."""
+    """Return elements as node rows instead of node labels; refuse an element with unknown nodes.
+
+    Parameters
+    ----------
+    known : ndarray of int
+        Labels of all nodes.
+    labels : ndarray of int, shape (n,)
+        Labels of the elements, for messages.
+    nodes : ndarray of int, shape (n, nodes per element)
+        Labels of the elements' nodes.
+    refuse : callable
+        Makes the error from the row of the element and the reason.
+    """
     rows = rows_of(known, nodes)
     for row, column in np.argwhere(rows < 0)[:1].tolist():
         why = f"element {labels[row]} has node {nodes[row, column]}, which is not there"
@@ -191,18 +204,18 @@ def cells_of(known: IntArray, labels: IntArray, nodes: IntArray, refuse: Any) ->
 
 
 def repeats(labels: IntArray) -> IntArray:
-    """Return the rows whose label another row before them has, in the order of the labels."""
+    """Return the rows whose label occurs in an earlier row, in ascending order of labels."""
     order = np.argsort(labels, kind="stable")
     return np.asarray(order[1:][np.diff(labels[order]) == 0])
 
 
 def labels_of(arrays: Any, name: str, count: int) -> IntArray | None:
-    """Return the numbers of so many nodes or cells in arrays, or datasets, by name; None if none.
+    """Return `arrays[name]`, the file's numbers of `count` nodes or cells; None if it is absent.
 
     Raises
     ------
     ValueError
-        If there are more or fewer.
+        If its length is not `count`.
     """
     if name not in arrays:
         return None
@@ -212,7 +225,7 @@ def labels_of(arrays: Any, name: str, count: int) -> IntArray | None:
 
 
 def listed(counts: Iterable[tuple[str, int]]) -> str:
-    """Return names and how often each is there in all, as in "100 CPS4, 2 S4R"."""
+    """Return the total count of each name as text, as in "100 CPS4, 2 S4R"."""
     found = Counter[str]()
     for name, count in counts:
         found[name] += count
@@ -220,7 +233,7 @@ def listed(counts: Iterable[tuple[str, int]]) -> str:
 
 
 def once(labels: IntArray, places: Any, refuse: Callable[[int], MeshError]) -> IntArray:
-    """Return rows by ascending labels, one for each; refuse a row that repeats one elsewhere."""
+    """Return the first row of each label, by ascending label; refuse a label at two places."""
     _, first, own = np.unique(labels, return_index=True, return_inverse=True)
     for row in np.flatnonzero((places != places[first[own]]).any(axis=1))[:1].tolist():
         raise refuse(row)
@@ -229,7 +242,7 @@ def once(labels: IntArray, places: Any, refuse: Callable[[int], MeshError]) -> I
 
 @contextmanager
 def naming(what: str) -> Iterator[None]:
-    """Begin errors with the argument that a file was given for, or with a part of the file."""
+    """Prefix errors with `what`: the argument that the file was given as, or a part of the file."""
     try:
         yield
     except (ValueError, OverflowError) as error:
@@ -239,20 +252,20 @@ def naming(what: str) -> Iterator[None]:
 
 
 def check_count(what: str, announced: int, there: int) -> None:
-    """Refuse a file that holds more or less than it announces."""
+    """Refuse a file whose announced count of something differs from the count found."""
     if there != announced:
         raise ValueError(f"{announced} {what} are announced, but {there} are there")
 
 
 def read_text(file: Path) -> str:
-    """Return a text file with "\\n" for each end of a line.
+    """Return the content of a text file, with "\\n" for each end of a line.
 
     The encoding is that of the byte order mark; else UTF-8, or Latin-1 if the file is not UTF-8.
 
     Raises
     ------
     MeshError
-        If it is binary.
+        If the file is binary.
     """
     text = decoded(file.read_bytes())
     if text is None:
@@ -261,7 +274,7 @@ def read_text(file: Path) -> str:
 
 
 class Line(NamedTuple):
-    """A line of a deck: its text, str or bytes, its number in the file from 1, and an order."""
+    """A line of a deck: text (str or bytes), file, line number from 1, and place in the deck."""
 
     text: Any
     file: Path
@@ -269,17 +282,17 @@ class Line(NamedTuple):
     order: int
 
     def refused(self, what: str, why: str) -> MeshError:
-        """Return the error for a keyword or entry in it, such as "*NODE"."""
+        """Return the error for the keyword or entry `what`, such as "*NODE", in this line."""
         return MeshError(f"mesh file {str(self.file)!r}, line {self.number}, {what}: {why}")
 
 
 def number(text: str) -> float:
-    """Return a number as Fortran programs write it, such as 1.5, 1.D0 or 1.0+3.
+    """Return a number from its text, which may be Fortran's, such as 1.5, 1.D0 or 1.0+3.
 
     Raises
     ------
     ValueError
-        If it is none, or too large for a double.
+        If the text is no number, or the number is too large for a double.
     """
     found = _NUMBER.fullmatch(text.strip())
     if found is None:
@@ -291,7 +304,7 @@ def number(text: str) -> float:
 
 
 def numbers(texts: npt.NDArray[np.bytes_]) -> FloatArray:
-    """Return texts as numbers, read as `number` reads them; NaN where one is none."""
+    """Return numbers from texts, as `number` reads them; NaN for a text that is no number."""
     whole = texts.tobytes()
     if not any(mark in whole for mark in (b"_", b"n", b"N")):  # Python's 1_0, nan and inf
         spelled = np.frombuffer(whole.replace(b"D", b"E"), texts.dtype)
@@ -310,11 +323,14 @@ def numbers(texts: npt.NDArray[np.bytes_]) -> FloatArray:
 
 
 def columns(lines: Any, width: int, delimiter: str | None = None, **how: Any) -> FloatArray | None:
-    """Return the numbers of lines of so many each, shape (n, width); None if some are not so.
+    """Return a table of `width` numbers per line, shape (n, width); None for any other content.
 
     Parameters
     ----------
     lines : sequence of str, or file
+    width : int
+    delimiter : str, optional
+        Separator of the numbers; blanks by default.
     **how
         Further keywords of `numpy.loadtxt`.
     """
@@ -323,7 +339,7 @@ def columns(lines: Any, width: int, delimiter: str | None = None, **how: Any) ->
             contextlib.suppress(ValueError, OverflowError, RuntimeError),
             warnings.catch_warnings(),
         ):
-            warnings.simplefilter("ignore")  # of no data
+            warnings.simplefilter("ignore")  # that there are no data
             how = {"comments": None, "ndmin": 2, "encoding": "latin-1"} | how
             found = np.loadtxt(lines, delimiter=delimiter, converters=converters, **how)
             table: FloatArray = found.reshape(len(found), -1 if len(found) else width)
@@ -332,12 +348,12 @@ def columns(lines: Any, width: int, delimiter: str | None = None, **how: Any) ->
 
 
 def numbers_of(text: bytes) -> FloatArray:
-    """Return the numbers of a text that holds nothing but numbers and blanks.
+    """Return the numbers of a text of only numbers and blanks.
 
     Raises
     ------
     ValueError
-        If there is anything else.
+        If the text has other contents.
     """
     found = numbers(np.array(text.split(), "S"))
     if np.isnan(found).any():
@@ -346,12 +362,12 @@ def numbers_of(text: bytes) -> FloatArray:
 
 
 def integers(values: npt.NDArray[Any]) -> IntArray:
-    """Return numbers as integers.
+    """Return an array of whole numbers converted to integers.
 
     Raises
     ------
     ValueError
-        If one is not.
+        If a value is no whole number.
     """
     if values.dtype.kind == "f":
         whole = (np.abs(values) < 2.0**53) & (values == np.trunc(values))
@@ -364,7 +380,7 @@ def integers(values: npt.NDArray[Any]) -> IntArray:
 def opened_hdf5(file: Path) -> Iterator[Any]:
     """Open an HDF5 file, and turn h5py's errors about damaged files into a `ValueError`.
 
-    Arrays that are larger than the file can hold are refused before they are read.
+    Arrays that announce more data than the file can hold are refused before they are read.
     """
     try:
         import h5py
@@ -389,7 +405,7 @@ def opened_hdf5(file: Path) -> Iterator[Any]:
 
 @record
 class RawMatrix:
-    """A matrix as its file has it.
+    """A matrix as read from a file.
 
     Attributes
     ----------
@@ -397,15 +413,15 @@ class RawMatrix:
     name : str
         Name of the matrix, in capitals; empty if the file gives none.
     matrix : scipy.sparse.coo_array
-        Its entries in the order of the file.
+        Entries in the order of the file.
     labels : ndarray of int, shape (n, 2), or None
         Node and component of each row.
     triangle : bool
-        True if the file says that it holds one triangle only.
+        True if the file declares that it holds one triangle only.
     unfit : str
-        Why it is neither stiffness nor mass: complex, not square, empty.
+        Reason why it can be neither stiffness nor mass (complex, not square, empty); else "".
     before : int or None
-        Lines before the entries, of a file of one entry a line.
+        Number of lines before the first entry, in files with one entry per line; else None.
     """
 
     file: Path
@@ -418,16 +434,16 @@ class RawMatrix:
 
     @property
     def called(self) -> str:
-        """The file and, where it has names, the matrix in it."""
+        """Name for messages: the file, and the matrix in it if that has a name."""
         return f"{self.file.name}: {self.name}" if self.name else self.file.name
 
     def symmetric(self) -> Any:
-        """Return both triangles as a CSR array.
+        """Return the full symmetric matrix as a CSR array.
 
         Raises
         ------
         InputError
-            If an entry occurs twice, or only some entries have a transposed one.
+            If an entry occurs twice, or some entries have a transposed entry and others have none.
         """
         matrix, places = self.matrix.tocsr(), self.matrix.coords
         if matrix.nnz < self.matrix.nnz:
@@ -437,7 +453,7 @@ class RawMatrix:
             why = f"the entry of {row} and {column} is there twice: are two files joined in it?"
             raise spoilt(self.file, why, line)
         there = matrix.astype(bool)
-        there.data[:] = True  # entries that are 0 are there as well
+        there.data[:] = True  # explicit zeros count as entries
         paired = there.multiply(there.T).nnz - int(there.diagonal().sum())
         off = matrix.nnz - int(there.diagonal().sum())
         if paired == 0 and off:
@@ -452,22 +468,26 @@ class RawMatrix:
 
 
 def at(labels: IntArray | None, row: int) -> str:
-    """Return a row, or column, as its program calls it."""
+    """Return the name of a row or column for messages: its dof if known, else its number."""
     return f"row {row + 1}" if labels is None else "dof {}.{}".format(*labels[row])
 
 
 def codes(labels: IntArray) -> IntArray:
-    """Return nodes and components, shape (n, 2), as single numbers, in the same order."""
+    """Return node and component, shape (n, 2), as one integer for each row, shape (n,)."""
     return labels[:, 0] * _COMPONENTS + labels[:, 1]
 
 
 def labelled(file: Path, name: str, rows: Any, cols: Any, values: Any, **more: Any) -> RawMatrix:
-    """Return the matrix of entries whose rows and columns are pairs of node and component.
+    """Return the matrix of entries whose rows and columns are given by node and component.
 
     Parameters
     ----------
     rows, cols : sequence of two ndarrays of int
-        Nodes and components of the entries.
+        Node and component of the row, or column, of each entry.
+    values : ndarray
+        Values of the entries.
+    **more
+        Further attributes of `RawMatrix`.
 
     Raises
     ------
@@ -486,12 +506,15 @@ def labelled(file: Path, name: str, rows: Any, cols: Any, values: Any, **more: A
 
 
 def passed_over(file: Path, name: str, why: str) -> RawMatrix:
-    """Return a matrix without entries: its file may have others."""
+    """Return an empty matrix for one that is unfit, so that others in its file can be used."""
     return RawMatrix(file, name, sp.coo_array((0, 0)), unfit=why)
 
 
 def entry_line(file: Path, before: int, entry: int) -> int:
-    """Return the line of an entry, both counted from 1, of one entry a line after some lines."""
+    """Return the number of the line that holds an entry, in a file with one entry per line.
+
+    Lines and entries are counted from 1; `before` lines precede the entries.
+    """
     with file.open("rb") as stream:
         for number, line in enumerate(stream, 1):
             entry -= number > before and bool(line.strip())
@@ -501,6 +524,6 @@ def entry_line(file: Path, before: int, entry: int) -> int:
 
 
 def spoilt(file: Path, why: str, line: int | None = None) -> InputError:
-    """Return the error for a file that is not what it should be."""
+    """Return the error that says why a matrix file, or a line of it, is refused."""
     place = "" if line is None else f", line {line}"
     return InputError(f"matrix file {str(file)!r}{place}: {why}")
