@@ -295,8 +295,8 @@ class FEModel(Frozen):
         stiffer = spring_stiffness(solid, springs, free)
         with np.errstate(all="ignore"):
             K, M = stiffness_mass(solid, made_of)
-            along_x = np.arange(3 * solid.n_nodes) % 3 == 0
-            along_x.resize(K.shape[0])
+            along_x = np.zeros(K.shape[0])
+            along_x[: 3 * solid.n_nodes : 3] = 1.0
             own = mass = float(along_x @ (M @ along_x))
             if heavier is not None:
                 heavier.resize(M.shape)
