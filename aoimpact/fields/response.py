@@ -1,4 +1,4 @@
-"""Response of a whole body in a run: its motion, recomputed from the forces on all dofs.
+"""Response of a whole body in a run: its motion on all dofs, recomputed from recorded forces.
 
 A contact force F on a patch deforms the elements about it as far as their shape functions allow. F
 times `Compliance.mesh_field` is the part of this deformation that approximates the field u_B of a

@@ -280,7 +280,7 @@ def _canonical(csr: sp.csr_array) -> sp.csr_array:
 
 
 def with_int32(matrix: Any) -> sp.csr_array:
-    """Return a CSR matrix without duplicates, indices ascending, in the form solvers take."""
+    """Return a sorted CSR matrix without duplicates, with int32 indices if they fit."""
     if matrix.nnz < 2**31:
         matrix.indices = matrix.indices.astype(np.int32, copy=False)
         matrix.indptr = matrix.indptr.astype(np.int32, copy=False)
