@@ -1,4 +1,4 @@
-"""A body from the stiffness and mass matrices that another program has written."""
+"""Bodies from stiffness and mass matrices written by other programs."""
 
 from __future__ import annotations
 
@@ -37,34 +37,34 @@ from .op4 import is_op4, read_op4
 from .raw import RawMatrix, at, codes, columns, naming, repeats, rows_of, spoilt
 from .read import existing, load, read_mesh
 
-# Units of length and mass, in m and kg: from nanometres and -grams to beyond any.
+# Smallest and largest unit of length, m, and of mass, kg: from below nanometres and nanograms.
 _UNITS = 1e-12, 1e12
 
-# Names of matrices: K, KAA, KAAX, KGG, STIFFNESS; M, MAA, MASS.
+# Names of matrices that are recognised: K, KAA, KAAX, KGG, STIFFNESS; M, MAA, MASS.
 _NAMES = {
     role: re.compile(rf"(?:{role}(?:([A-Z])\1)?X?|{word}.*)$")
     for role, word in (("K", "STIF"), ("M", "MASS"))
 }
 
-# Bytes of memory that a byte of a file becomes at most: of text, entries of three numbers each, of
-# which both triangles and their sum are held at once.
+# Largest memory per byte of a file: a text of entries of three numbers each, with both triangles
+# and their sum in memory at once.
 _PER_BYTE = 12
 
-# Abaqus holds a dof by a stiffness of 1e36 on its diagonal.
+# Diagonal stiffness from which a dof is taken as constrained: Abaqus puts 1e36 there.
 _HOLDING = 1e30
 
-# Up to so many dofs with mass, those without are condensed, so that all rows are displacements of
-# nodes: K becomes a full matrix.
+# Largest number of dofs with mass for which dofs without mass are condensed, so that all rows are
+# displacements of nodes. K is then a full matrix.
 _CONDENSED = 6000
 
-# Ansys' words for components; others have no direction.
+# Ansys' names of components; other names have no direction.
 _COMPONENTS = {"UX": 1, "UY": 2, "UZ": 3, "ROTX": 4, "ROTY": 5, "ROTZ": 6}
 
-# A row of a mapping file: the equation, the node, and the component's word or number; or one of a
-# .dof file or of pairs, without an equation.
+# A line of a mapping file: equation, node, and the component's name or number. Lines of .dof files
+# and of pairs have no equation.
 _ROW = re.compile(r"\s*(?:(\d{1,15})\s+)?(-?\d{1,15})(?:\.|[\s,]+)([A-Z]+|\d{1,2})\s*")
 
-# Labels, or None where nodes have none but their order; and coordinates in the file's unit.
+# Node labels, or None if nodes are known by their order only, and coordinates in the file's unit.
 Places = tuple[IntArray | None, FloatArray]
 
 File = FilePath | tuple[FilePath, str]
@@ -83,62 +83,62 @@ def read_matrices(
     damping: Damping | None = None,
     name: str = "",
 ) -> FEModel:
-    """Return the body of stiffness and mass matrices that another program has written.
+    """Return the body given by stiffness and mass matrices that another program has written.
 
-    The format is found from the content: Matrix Market (so Ansys' ``*EXPORT, , MMF``), Abaqus'
-    ``*MATRIX GENERATE`` (MATRIX INPUT or COORDINATE), CalculiX' ``.sti`` and ``.mas`` with the
-    ``.dof`` beside them, Nastran's OP4 (text and binary) and punched DMIG, SciPy's ``.npz``. One
-    triangle or both may be there. Dofs that are constrained (Abaqus' 1e36), and those with neither
-    stiffness nor mass, are left out; internal dofs without mass are condensed, and rotations
-    without mass where there are no coordinates.
+    The format is recognised from the content: Matrix Market (also Ansys' ``*EXPORT, , MMF``),
+    Abaqus' ``*MATRIX GENERATE`` (MATRIX INPUT or COORDINATE), CalculiX' ``.sti`` and ``.mas`` with
+    the ``.dof`` beside them, Nastran's OP4 (text and binary) and punched DMIG, SciPy's ``.npz``.
+    Files may hold one triangle or both. Constrained dofs (1e36 in Abaqus) and dofs with neither
+    stiffness nor mass are left out. Internal dofs without mass are condensed; so are rotations
+    without mass if there are no coordinates.
 
     Parameters
     ----------
     K, M : path, or (path, name)
-        Stiffness and mass; with a name where the file has several matrices. M is left out where
-        the file of K has both. Of several matrices without a name given, the one is taken that
-        begins with K (or STIF), or with M.
+        Stiffness and mass, with the matrix's name if the file has several. M is left out if the
+        file of K has both. Without a name, the matrix whose name begins with K (or STIF), or with
+        M, is taken.
     dofs : path or array_like of int, shape (rows of K, 2), optional
-        Node and component (1 … 6) of each row, where the matrices do not have it: CalculiX'
+        Node and component (1 … 6) of each row, unless the matrices' files have them: CalculiX'
         ``.dof``, the mapping file of Ansys' ``HBMAT`` (equation, node, UX), or lines of node and
         component.
     nodes : path or array_like, optional
         Coordinates in the file's unit: a deck of the same model (``*NODE`` or GRID), a mesh file,
-        lines of label, x, y, z; or an array: (n, 4) with labels, (n, 3) without, in
-        ascending order of the labels. Used where every row is a displacement or rotation.
+        lines of label, x, y, z; or an array, shape (n, 4) with labels or (n, 3) without, in
+        ascending order of the labels. Used if every row is a displacement or rotation.
     length, mass : float, optional
-        The files' units, in m and kg: millimetres and tonnes (with N and s) are ``length=1e-3,
+        Units of the files, in m and kg: millimetres and tonnes (with N and s) are ``length=1e-3,
         mass=1e3``. The unit of time is the second.
     mesh : path, meshio.Mesh or Mesh, optional
-        A mesh file in the files' unit (or a mesh in metres) whose nodes are those of the matrices,
-        by their places; with its `material`. Then the contact is a patch of the surface, of a
-        shell a place on it, the law may be left out, and there are stresses, as of
-        `FEModel.from_mesh`. Where `nodes` is left out they are this file's.
+        A mesh file in the files' unit (or a mesh in metres) with nodes at the places of the
+        matrices' nodes; requires `material`. With it the contact is a patch of the surface (on a
+        shell, a point), the law may be left out, and stresses are available, as with
+        `FEModel.from_mesh`. It also gives the coordinates if `nodes` is left out.
     material : Material, Orthotropic, Shell, Laminate, Beam, or mapping of str to these, optional
-        As for `FEModel.from_mesh`, for contact and stress.
+        Material of `mesh` for contact and stress, as for `FEModel.from_mesh`.
     damping : Rayleigh or ModalDamping, optional
     name : str, optional
 
     Returns
     -------
     FEModel
-        With `labels`, so that ``body.contact(node=123, direction=(0, 0, -1))`` works, and, of
-        known coordinates, `nodes`. ``body.audit()`` shows mass, centre, what is constrained,
-        and whether the units are those of a body.
+        The body, with `labels`, so that ``body.contact(node=123, direction=(0, 0, -1))`` works,
+        and with `nodes` if coordinates are known. ``body.audit()`` shows mass, centre, constraints,
+        and whether the units are plausible.
 
     Raises
     ------
     InputError
-        If a file is spoilt, cut short, of an unknown format, or not of the same model as the
-        other; the message names file and line.
+        If a file is spoilt, cut short, of an unknown format, or of another model than the other
+        file; the message names file and line.
     MissingFileError, MemoryLimitError
-        If a file is not there, or too large for the memory.
+        If a file does not exist, or is too large for the memory.
 
     Warns
     -----
     AOImpactWarning
-        If density or speed of sound are not those of a body: wrong units; if rows of K, M and
-        `nodes` are not in one order; if K has so few digits that a free body is not free.
+        If density or speed of sound are implausible, as with wrong units; if rows of K, M and
+        `nodes` are not in the same order; if K has too few digits for a free body to be free.
 
     Examples
     --------
@@ -195,7 +195,7 @@ def read_matrices(
 
 
 def _read_npz(file: Path) -> list[RawMatrix]:
-    """Read a sparse matrix of SciPy's."""
+    """Return the matrix in a file of `scipy.sparse.save_npz`."""
     try:
         with zipfile.ZipFile(file) as archive:
             whole = sum(one.file_size for one in archive.infolist())
@@ -207,7 +207,7 @@ def _read_npz(file: Path) -> list[RawMatrix]:
     return [RawMatrix(file, "", matrix)]
 
 
-# Formats: their names, the tests of a file's first bytes, and the readers.
+# Test of a file's first bytes and reader, by the name of the format.
 FORMATS: dict[str, tuple[Callable[[bytes], Any], Callable[[Path], list[RawMatrix]]]] = {
     "Matrix Market": (re.compile(rb"(\xef\xbb\xbf)?%%MatrixMarket", re.I).match, read_market),
     "SciPy .npz": (re.compile(rb"PK\x03\x04").match, _read_npz),
@@ -217,7 +217,7 @@ FORMATS: dict[str, tuple[Callable[[bytes], Any], Callable[[Path], list[RawMatrix
     "Abaqus MATRIX INPUT": (is_nodal, read_nodal),
 }
 
-# Marks at the beginning of other programs' files, and the alternative.
+# For formats that are not read, a mark in a file's first bytes and the advice in the message.
 _OTHERS = {
     b"MATLAB 5.0": "of MATLAB; load it with scipy.io.loadmat and make FEModel(K=, M=)",
     b"\x89HDF": "of HDF5; read it with h5py and make FEModel(K=, M=)",
@@ -228,7 +228,7 @@ _OTHERS = {
 
 
 def load_matrices(file: Path) -> list[RawMatrix]:
-    """Return the matrices of a file, whose format is found from its content.
+    """Return the matrices in a file; its format is recognised from the content.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def load_matrices(file: Path) -> list[RawMatrix]:
 
 
 def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
-    """Return the matrices that are meant, of the files' ones."""
+    """Return the stiffness and the mass matrix that K and M select from their files."""
     read: dict[Path, list[RawMatrix]] = {}
     found: list[RawMatrix] = []
     for role, given in (("K", K), ("M", M)):
@@ -269,7 +269,7 @@ def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
 
 
 def _named(role: str, file: Path, matrices: list[RawMatrix], wanted: str) -> RawMatrix:
-    """Return the matrix of a file by its given name, or the only one with a fitting name."""
+    """Return the matrix of the `wanted` name, or without it the only one whose name fits."""
     if wanted:
         fit = [one for one in matrices if one.name == wanted]
     elif len(matrices) == 1:
@@ -293,7 +293,7 @@ def _named(role: str, file: Path, matrices: list[RawMatrix], wanted: str) -> Raw
 
 
 def _given_labels(dofs: Any, stiffness: RawMatrix, inertia: RawMatrix) -> IntArray | None:
-    """Return the labels that were given, or that stand beside CalculiX' files."""
+    """Return the labels in `dofs`, or in the ``.dof`` file beside CalculiX' ``.sti``."""
     if dofs is None:
         dofs = stiffness.file.with_suffix(".dof")
         if stiffness.file.suffix.lower() != ".sti" or not dofs.exists():
@@ -314,7 +314,7 @@ _Pair = tuple[Any, Any, IntArray | None]  # K, M, and node and component of each
 
 
 def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -> _Pair:
-    """Return both matrices in the same rows; refuse one given twice or in the other's place."""
+    """Return both matrices with equal rows; refuse one file given twice, or K and M exchanged."""
     K, M = stiffness.matrix, inertia.matrix
     if (stiffness.labels is None) != (inertia.labels is None):
         raise InputError("only one of them lists which dofs its rows are")
@@ -330,7 +330,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
     K, M = stiffness.symmetric(), inertia.symmetric()
     for name, matrix in (("K", K), ("M", M)):
         without = np.flatnonzero((matrix.diagonal() == 0.0) & (abs(matrix).sum(axis=1) > 0.0))
-        if name == "K" and labels is not None:  # internal rows of Abaqus may have none
+        if name == "K" and labels is not None:  # Abaqus' internal rows may lack it
             without = without[labels[without, 0] > 0]
         for row in without[:1].tolist():
             more = f"and of {len(without) - 1} more rows: is the file cut short?"
@@ -338,7 +338,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
     if K.nnz == M.nnz and not (K - M).data.any():
         raise InputError("K and M have the same entries; give M its own file")
     largest, heaviest = (float(abs(one.diagonal()).max(initial=0.0)) for one in (K, M))
-    if 0.0 < largest < heaviest:  # a body that is struck has some frequency above 1 rad/s
+    if 0.0 < largest < heaviest:  # true bodies exceed 1 rad/s
         raise InputError(f"K up to {largest:.3g}, M up to {heaviest:.3g}: are they exchanged?")
     return K, M, labels
 
@@ -348,13 +348,13 @@ def _kept(K: Any, M: Any, labels: IntArray | None, rows: Any) -> _Pair:
 
 
 def _free(K: Any, M: Any, labels: IntArray | None, length: float, mass: float) -> _Pair:
-    """Return both in SI units, without dofs that are held, or have neither stiffness nor mass."""
-    # Rows with NaN are neither held nor empty: the body refuses them.
+    """Return K and M in SI units, without constrained dofs and dofs with neither entry."""
+    # Rows with NaN are kept, and refused by the body.
     keep = ~((K.diagonal() >= _HOLDING) | ((abs(K) + abs(M)).sum(axis=1) == 0.0))
     if not keep.any():
         raise InputError("no dof has stiffness or mass and is free to move")
     K, M, labels = _kept(K, M, labels, keep)
-    if labels is not None:  # rotations belong to moments, of one length more
+    if labels is not None:  # rows of rotations are moments, force × length
         D = sp.diags_array(np.where(labels[:, 1] > 3, length, 1.0))
         K, M = D @ K @ D, D @ M @ D
     return sp.csr_array(mass * K), sp.csr_array(mass * M), labels
@@ -363,8 +363,8 @@ def _free(K: Any, M: Any, labels: IntArray | None, length: float, mass: float) -
 def _condensed(K: Any, M: Any, labels: IntArray | None, *, rotations: bool) -> _Pair:
     """Condense inner dofs without mass: K_aa - K_ai K_ii⁻¹ K_ia, which is exact.
 
-    Larger models keep these dofs; then no coordinates are known of their rows. Rotations are inner
-    dofs if `rotations`, and else kept.
+    Models beyond `_CONDENSED` keep these dofs, and rows then have no coordinates. Rotations count
+    as inner dofs only if `rotations` is true.
     """
     light = abs(M).sum(axis=1) == 0.0
     inner = np.zeros_like(light)
@@ -391,7 +391,7 @@ def _condensed(K: Any, M: Any, labels: IntArray | None, *, rotations: bool) -> _
 def _coordinates(
     called: str, given: dict[str, Any], places: Places, length: float
 ) -> dict[str, Any]:
-    """Return `nodes` and `free` of a body whose rows are displacements and rotations."""
+    """Return `nodes` and `free` of the body if all rows are displacements or rotations."""
     numbers, where = places
     labels, size = given["labels"], given["K"].shape[0]
     if labels is None:
@@ -411,7 +411,7 @@ def _coordinates(
         cure = "Is it another model's file? Of CalculiX' C3D8I, with inner nodes, leave nodes out"
         of = f"{len(missing)} nodes of {called}, the first {missing[0]},"
         raise InputError(f"nodes: {of} are not there. {cure}")
-    # Nodes without rows are no supports if the body is free without them.
+    # Nodes without rows count as fixed. Drop them if the body is free without them.
     if len(numbers) > len(used) and FEModel(**given).mass is not None:
         keep = np.isin(numbers, used)
         numbers, where = numbers[keep], where[keep]
@@ -429,7 +429,7 @@ def _coordinates(
 def read_dofs(dofs: Any) -> IntArray:
     """Return node and component of each row, shape (n, 2), from a file or an array.
 
-    A file is CalculiX' ``.dof``, the mapping file of Ansys, or lines of node and component.
+    The file is CalculiX' ``.dof``, the mapping file of Ansys, or lines of node and component.
 
     Raises
     ------
@@ -465,8 +465,8 @@ def read_places(nodes: Any) -> Places:
     Parameters
     ----------
     nodes : path or array_like
-        A deck of Abaqus or CalculiX, or Nastran (GRID), lines of label, x, y, z, or any mesh file
-        (labels 1, 2, …); an array (n, 4) of labels and coordinates, or (n, 3).
+        A deck of Abaqus, CalculiX or Nastran (GRID), lines of label, x, y, z, or another mesh file
+        (labels 1, 2, …); or an array, shape (n, 4), of labels and coordinates, or (n, 3).
 
     Raises
     ------
@@ -482,7 +482,7 @@ def read_places(nodes: Any) -> Places:
     file = file_path("nodes", nodes)
     table = None if b"\0" in existing("mesh file", file)[:4096] else _lines(file)
     if table is None:
-        with held_warnings():  # of elements, which do not matter here
+        with held_warnings():  # about elements, which are not used here
             raw = load(file)
         if raw.deck is None:
             mesh = read_mesh(file)
@@ -505,7 +505,7 @@ def _labelled(where: str, table: FloatArray) -> Places:
 
 
 def _lines(file: Path) -> FloatArray | None:
-    """Return lines of label, x, y, z and perhaps more, as Ansys' NWRITE has them."""
+    """Return label, x, y, z of lines that begin with these, as Ansys' NWRITE; None if others."""
     text = file.read_text(encoding="latin-1")
     rows = [line.replace(",", " ").split()[:4] for line in text.splitlines() if line.strip()]
     if not rows or any(len(row) < 4 or not row[0].isdigit() for row in rows):

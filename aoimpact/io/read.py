@@ -1,9 +1,9 @@
 """Meshes and sections from files of other programs.
 
-Meshes are put in order: kinds joined, stray nodes dropped.
+Elements of the same kind are joined, and nodes that belong to no element are dropped.
 
-A reader of a format returns a `RawMesh`. It raises a `ValueError` with the reason, or a `MeshError`
-that names the file.
+The reader of a format returns a `RawMesh`. It raises a `ValueError` with the reason, or a
+`MeshError` that names the file.
 """
 
 from __future__ import annotations
@@ -64,10 +64,11 @@ from .viameshio import from_meshio, is_meshio
 
 _Reader = Callable[[Path], RawMesh]
 
-# Bytes by which a format is recognised; decks and punched files begin with other entries.
+# Number of bytes searched to recognise a format: decks and punched files may begin with other
+# entries than those that tell.
 _HEAD = 2**20
 
-# Readers by the end of a file's name, in small letters; meshio takes the rest.
+# Readers by the suffix of a file's name in lower case; meshio reads all others.
 _READERS: dict[str, _Reader] = {
     **dict.fromkeys((".bdf", ".nas"), nastran.read),
     **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), exodus.read),
@@ -76,10 +77,11 @@ _READERS: dict[str, _Reader] = {
     ".vtu": vtk.read,
 }
 
-# Surface and line elements of second order as ones of first order, by their nodes.
+# For each surface or line kind of second order, the kind of first order that it is split into and
+# the nodes of each part.
 _SPLIT = {raised: (kind, parts) for kind, (raised, parts) in PARTS.items()}
 
-# Surface elements whose normals are put on one side.
+# Kinds of surface elements, whose normals are made consistent.
 _FLAT = ("quad", "triangle")
 
 
@@ -90,25 +92,25 @@ def read_mesh(
     part: str | Sequence[str] | None = None,
     order: int | None = None,
 ) -> Mesh:
-    """Return the mesh in a file, complete or not at all.
+    """Return the mesh in a file, or refuse the file if it cannot be read completely.
 
     Files of Abaqus and CalculiX (.inp), Exodus, Gmsh (2.2 and 4.1), MED, Nastran and VTK (.vtk,
     .vtu) are read completely, or refused. Meshes of AVS, DOLFIN, Medit, PERMAS, SU2, UGRID and XDMF
-    are read by meshio, and refused if it finds other numbers of nodes and cells than the file
-    announces. Other formats are refused by name.
+    are read by meshio, and refused if the numbers of nodes and cells differ from those that the
+    file announces. Other formats are refused by name.
 
-    The body is made of the cells of the highest dimension, solids if there are any, else surfaces
-    for shells, else lines for beams; with `part` of those in the groups named, of any dimension.
-    Groups of other cells become named node sets. Groups of the body's cells become both sets of
-    nodes and groups of elements. Neighbouring surface elements get normals on the same side. Those
-    of second order become several of first order, on their nodes: line3 two lines, triangle6 four
-    triangles, quad9 four quads, and quad8 as well, with a node added in its middle. Bricks and
-    other elements that repeat nodes become the wedges, pyramids and tetrahedra that they are.
-    Midside nodes in another order than VTK's and elements numbered left-handed throughout are put
-    right.
+    The body consists of the cells of the highest dimension: solids if there are any, else surfaces
+    for shells, else lines for beams; with `part`, of the cells of the named groups, of any
+    dimension. Groups of other cells become node sets. Groups of the body's cells become both node
+    sets and groups of elements. Normals of neighbouring surface elements are put on the same side.
+    Surface and line elements of second order are split into elements of first order: line3 into
+    two lines, triangle6 into four triangles, quad9 into four quads, and quad8 too, with a node
+    added in its middle. Bricks and other elements that repeat nodes are converted to the wedges,
+    pyramids and tetrahedra that they represent. Midside nodes in another order than VTK's are
+    reordered, and so are elements if all of a kind are left-handed.
 
-    A set of an instance of an Abaqus part is called "instance.set", and "set" as well if no other
-    instance has one of that name. Each instance is a group of elements.
+    A set of an instance of an Abaqus part is called "instance.set", and also "set" if no other
+    instance has a set of that name. Each instance is a group of elements.
 
     Groups of a Nastran deck are its properties, such as "property 3", and its sets, such as "SET 5
     nodes" and "SET 5 elements" for SET 5 of the case control, "SET1 5 nodes" for an entry SET1.
@@ -116,33 +118,34 @@ def read_mesh(
     Parameters
     ----------
     source : path, meshio.Mesh or Mesh
+        File or mesh to be read.
     scale : float, optional
         Factor on the coordinates, to metres: 1e-3 for a file in millimetres.
     part : str or sequence of str, optional
-        Groups of elements that make up the body; all elements if left out. See `Mesh.part`. To
-        have stiffeners, give the groups of the skin and of the stiffeners.
+        Groups of elements that make up the body; all elements by default. See `Mesh.part`. For a
+        stiffened skin, give the groups of the skin and of the stiffeners.
     order : int, optional
         2 adds a node in the middle of each edge to elements of first order: tetra becomes tetra10,
-        hexahedron hexahedron20, wedge wedge15 and pyramid pyramid13. Edges stay straight. The new
-        nodes belong to a set of nodes if both ends of their edges do; in a set of nodes on the
-        surface, edges through the inside do not count.
+        hexahedron hexahedron20, wedge wedge15 and pyramid pyramid13. Edges stay straight. A new
+        node joins a set of nodes if both ends of its edge are in the set; if all of the set is on
+        the surface, the edge must be on the surface, too.
 
     Raises
     ------
     MeshError
-        If the file cannot be read (`MissingFileError` if it is not there), has no elements or some
-        of an unsupported kind, or elements that are inverted or flat, or that repeat nodes and are
-        no solid of another kind.
+        If the file cannot be read (`MissingFileError` if it does not exist), has no elements or an
+        unsupported kind, or has elements that are inverted or flat, or that repeat nodes and
+        represent no other solid.
     InputError
-        If there is no group of the name given as `part`, or `order` is another number.
+        If there is no group of the name given as `part`, or `order` is neither 2 nor None.
 
     Warns
     -----
     AOImpactWarning
-        If nodes were dropped or midside nodes put in order, if groups of a file have no elements,
-        if a deck has other elements than those of the body and their sides and edges, or says how
-        thick its shells are or which sections its beams have (see `read_sections`), or if meshio
-        read it and nothing was checked.
+        If nodes were dropped or midside nodes reordered; if groups of the file have no elements; if
+        a deck has elements that are neither in the body nor its sides and edges; if it has sections
+        of shells or beams, which are not read here (see `read_sections`); or if meshio read a file
+        that announces no numbers of nodes and cells.
 
     Examples
     --------
@@ -166,7 +169,7 @@ def read_for(
     part: str | Sequence[str] | None = None,
     order: int | None = None,
 ) -> Mesh:
-    """Return `read_mesh` of a file, with groups of surface and line cells `thin` in the body."""
+    """Return the mesh as `read_mesh` does, with groups `thin` of surface and line cells added."""
     factor = positive("scale", scale)
     parts = part if isinstance(part, (list, tuple)) else [part]
     named = [*thin, *(name for name in parts if isinstance(name, str))]  # others are refused below
@@ -194,7 +197,7 @@ def read_for(
 
 
 def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
-    """Return the elements of a file that are the body's, put in order and checked."""
+    """Return the checked mesh of the elements of a file that make up the body."""
     if np.ndim(raw.nodes) != 2:
         shape = np.shape(raw.nodes)
         raise MeshError(f"coordinates of the mesh must have shape (any, 3), got {shape}")
@@ -208,7 +211,7 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     places = np.asanyarray(raw.nodes)
     if places.shape[1] == 2:
         raise MeshError("the mesh is two-dimensional (x, y); a solid needs x, y and z")
-    if not used.all() and places.dtype.kind == "f":  # those of stray nodes may be anything
+    if not used.all() and places.dtype.kind == "f":  # stray nodes may be NaN
         places = np.array(places, subok=True)  # a masked array stays one, and is refused
         places[~used] = 0.0
     with np.errstate(over="ignore"):  # `Mesh` refuses what is not finite
@@ -234,9 +237,9 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
 
 
 def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
-    """Return a file with elements of second order of shells and beams split at their nodes.
+    """Return a file's mesh with second-order elements of shells and beams split into first order.
 
-    A quad8 gets a node in its middle, in the sets of nodes that hold all others of the element.
+    A quad8 gets a node in its middle, which joins the sets that hold all other nodes of the quad8.
     """
     kinds = {block.kind for block in raw.blocks if len(block.cells)}
     solid = max((block.dim for block in raw.blocks if len(block.cells)), default=0) == 3
@@ -272,8 +275,9 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
 def _warn_of_rest(raw: RawMesh, body: list[Solids], named: bool) -> None:
     """Warn of elements and sections of a deck that the body does not have.
 
-    Who names groups, as those of `read_sections`, knows the sections. Meshers write sides and edges
-    of elements as elements without sections.
+    There is no warning of sections if groups are named, as by users of `read_sections`. In a deck
+    without sections of shells and beams, elements on sides and edges of the body are the mesher's,
+    without a warning.
     """
     if raw.deck is None:
         return
@@ -282,7 +286,7 @@ def _warn_of_rest(raw: RawMesh, body: list[Solids], named: bool) -> None:
         warn(f"{why}: give those of read_sections(path) to FEModel.from_mesh")
 
     def corners(kind: str, cells: IntArray) -> Any:
-        """Return which nodes are corners of which cells, shape (n_cells, n_nodes)."""
+        """Return a matrix with 1 where a node is a corner of a cell, shape (n_cells, n_nodes)."""
         cells = cells[:, : nodes_in(kind.rstrip("0123456789"))]
         starts = np.arange(0, cells.size + 1, cells.shape[1])
         shape = len(cells), len(raw.nodes)
@@ -304,7 +308,7 @@ def _warn_of_rest(raw: RawMesh, body: list[Solids], named: bool) -> None:
 
 
 def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
-    """Return the sets of nodes, and the nodes of other groups of cells of any dimension."""
+    """Return the sets of nodes, and for each other group of cells the set of its nodes."""
     of_cells = (
         (name, block.cells[own].ravel())
         for name, members in raw.cell_sets.items()
@@ -319,14 +323,15 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
 
 
 def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
-    """Return the cells of the body kind by kind, with the numbers that they have in `raw`.
+    """Return the cells of the body by kind, with their numbers in `raw`.
 
-    Those of the highest dimension, and of the groups named those of the group's own highest one.
+    The body consists of all cells of the highest dimension, and of the cells of the highest
+    dimension within each named group.
     """
     dims, parts = raw.dims, []
     chosen = dims == dims.max(initial=0)
     groups = [raw.cell_sets[found] for name in named if (found := called(name, raw.cell_sets))]
-    if groups and raw.deck is not None and dims.max() == 1:  # beside bars there may be rods
+    if groups and raw.deck is not None and dims.max() == 1:  # only bars: others may be rods
         chosen[:] = False
     for members in groups:
         chosen[members[dims[members] == dims[members].max(initial=0)]] = True
@@ -352,7 +357,7 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
 
 
 def _on_one_side(mesh: Mesh) -> Mesh:
-    """Return the mesh with surface elements turned where they lie against their neighbours."""
+    """Return the mesh with surface elements turned over where neighbours have opposite normals."""
     surfaces = [block for block in mesh.blocks if block.kind in _FLAT]
     turned = against_neighbours(mesh.nodes, [block.cells for block in surfaces])
     if not (count := sum(int(each.sum()) for each in turned)):
@@ -366,7 +371,7 @@ def _on_one_side(mesh: Mesh) -> Mesh:
 
 
 def _by_kind(parts: Iterable[Solids]) -> list[Solids]:
-    """Join elements of one kind, in the order of `KINDS` and `THIN`."""
+    """Return the elements with those of equal kind joined, in the order of `KINDS` and `THIN`."""
     found: dict[str, list[Solids]] = {}
     for part in parts:
         found.setdefault(part[0], []).append(part)
@@ -381,7 +386,10 @@ def _by_kind(parts: Iterable[Solids]) -> list[Solids]:
 
 
 def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
-    """Put midside nodes in meshio's order by their places, if they are in another throughout."""
+    """Return cells with midside nodes in meshio's order, found from coordinates.
+
+    One permutation, from a sample of the elements, is applied to all.
+    """
     element = reference_element(kind)
     n = element.n_corners
     if not element.quadratic:
@@ -394,7 +402,7 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntAr
         gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
         gaps = gaps / np.where(size > 0.0, size, 1.0)[:, None, None, None]
     misfit = np.einsum("eabi,eabi->ab", gaps, gaps)
-    if not np.isfinite(misfit).all():  # sizes beyond doubles, which a body refuses
+    if not np.isfinite(misfit).all():  # overflow; the body refuses such sizes
         return cells
     _, order = scipy.optimize.linear_sum_assignment(misfit)
     if np.array_equal(order, np.arange(len(order))):
@@ -411,57 +419,59 @@ def read_sections(
     time: float = 1.0,
     given: Mapping[str, OneMaterial] | None = None,
 ) -> dict[str, OneMaterial]:
-    """Return the sections in a deck, by the groups of elements that they belong to.
+    """Return the sections in a deck, by the names of the groups of elements that have them.
 
-    They are what `FEModel.from_mesh` takes as material. A deck in metres is a body by
-    ``FEModel.from_mesh(path, read_sections(path))``.
+    The result is the material argument of `FEModel.from_mesh`. For a deck in metres,
+    ``FEModel.from_mesh(path, read_sections(path))`` returns the body.
 
     Abaqus and CalculiX: \\*SOLID SECTION, \\*SHELL SECTION (also COMPOSITE), \\*SHELL GENERAL
     SECTION of a material, \\*BEAM SECTION and \\*BEAM GENERAL SECTION; \\*ELASTIC, \\*DENSITY,
     rectangular \\*ORIENTATION. Nastran: PSOLID, PSHELL, PCOMP, PCOMPG, PBAR, PBARL, PBEAM, PBEAML;
-    MAT1, MAT8, MAT11; PARAM,WTMASS. Whatever else changes the answer is refused, such as mass and
-    shear stiffness beside the sections. Loads, supports and steps are not read.
+    MAT1, MAT8, MAT11; PARAM,WTMASS. Anything else that changes the answer is refused, such as added
+    mass and shear stiffness. Loads, supports and steps are not read.
 
-    Beams are of all shapes in Abaqus' library and in Nastran's PBARL but DBOX, or of numbers. They
-    carry shear at the centroid. The centroid is where Abaqus has it from the nodes; the bars of
-    Nastran have it at the nodes, or as WA = WB says. J is Saint-Venant's, from an integral equation
-    on the outline. Shear factors are the shares of the walls along each axis. The walls of
-    ARBITRARY are thin: J = Σ b t³/3, with 4 A²/∮ds/t of a closed section.
+    Beams have all shapes in Abaqus' library and in Nastran's PBARL except DBOX, or section
+    properties given as numbers. The shear centre is taken at the centroid. The centroid is offset
+    from the nodes as in Abaqus; for Nastran's bars it is at the nodes, or offset by WA = WB. J is
+    Saint-Venant's, from an integral equation on the outline. The shear factor along an axis is the
+    share of the walls along it in the area. The walls of ARBITRARY are thin: J = Σ b t³/3, plus
+    4 A²/∮ds/t if the section is closed.
 
-    The modulus across plies, which LAMINA and MAT8 do not have, is E3 = E2, with ν13 = ν12 and
-    ν23 = E2/(2 G23) − 1: fibres in a matrix. Where G23 is too small for that, as of a fabric,
-    E3 = 2 (1 + ν) G with ν = ν13 = ν23 = 0.4 and the smaller of G13 and G23. E3 matters to contact
-    alone. Axis 1 of a shell without an orientation is the projection of x, as in Abaqus.
+    The modulus across plies, which LAMINA and MAT8 do not have, is that of fibres in a matrix:
+    E3 = E2, with ν13 = ν12 and ν23 = E2/(2 G23) − 1. If G23 is too small for this, as for fabrics,
+    E3 = 2 (1 + ν) G with ν = ν13 = ν23 = 0.4 and the smaller of G13 and G23. E3 affects contact
+    only. Axis 1 of a shell without an orientation is the projection of x, as in Abaqus.
 
     Parameters
     ----------
     path : path
+        The deck.
     scale, force, time : float, optional
         The deck's units of length in m, of force in N, and of time in s. The units of modulus and
-        density follow, ``force/scale**2`` and ``force*time**2/scale**4``, as solvers take them.
+        density follow as in solvers: ``force/scale**2`` and ``force*time**2/scale**4``.
         For mm, N, t, s: ``scale=1e-3``; mm, kN, kg, ms: ``scale=1e-3, force=1e3, time=1e-3``;
         mm, kg, s: ``scale=1e-3, force=1e-3``;
         in, lbf, s: ``scale=0.0254, force=4.44822``.
     given : mapping of str to Material, Orthotropic, Shell, Laminate or Beam, optional
-        In SI units, in place of cards: sections by their groups, materials by their names; that of
-        Nastran's MAT1 7 is "material 7".
+        Sections by group and materials by name, in SI units, that replace those of the deck. The
+        name for Nastran's MAT1 7 is "material 7".
 
     Returns
     -------
     dict of str to Material, Orthotropic, Shell, Laminate or Beam
-        In SI units.
+        Sections by group of elements, in SI units.
 
     Raises
     ------
     MeshError
-        If the deck cannot be read, or a section is not understood, with file and line.
+        If the deck cannot be read, or a section is not understood; file and line are named.
     InputError, InputTypeError
 
     Warns
     -----
     AOImpactWarning
-        If materials have plasticity, damping and the like, which is left out, or values that are
-        those of no solid, as in other units.
+        If materials have plasticity, damping and the like, which is left out, or values that no
+        solid has, as with wrong units.
 
     Examples
     --------
@@ -498,7 +508,7 @@ def read_sections(
     for name, one in known.items():
         text("a name of given", name)
         instance(f"given[{name!r}]", one, *get_args(OneMaterial))
-    with held_warnings():  # of the mesh: `read_mesh` has them
+    with held_warnings():  # about the mesh: `read_mesh` gives them
         raw = load(path)
     where = f"mesh file {os.fspath(path)!r}"
     stress, per_speed = newtons / length / length, seconds / length
@@ -527,7 +537,7 @@ def read_sections(
 
 
 def _refuse_turned(raw: RawMesh, found: Mapping[str, OneMaterial], where: str) -> None:
-    """Refuse shells that `read_mesh` turns over, where offset or plies are those of one side."""
+    """Refuse shells that `read_mesh` turns over if their offset or plies depend on the side."""
     sided = [name for name, of in found.items() if isinstance(of, Layers) and of.sided]
     shells = [i for i, block in enumerate(raw.blocks) if sided and block.kind in _FLAT]
     over = against_neighbours(raw.nodes, [raw.blocks[i].cells for i in shells])
@@ -541,8 +551,8 @@ def _refuse_turned(raw: RawMesh, found: Mapping[str, OneMaterial], where: str) -
 def paper_sphere_mesh() -> Mesh:
     """Return the paper's sphere: radius 10 mm, 1053 nodes, 602 tetra10 (section 3, Table 1).
 
-    The paper prints the numbers of nodes and elements, not the mesh; this one has the same. Corner
-    nodes lie at (±R, 0, 0); the node set "surface" holds the nodes on the sphere.
+    The paper prints the numbers of nodes and elements, not the mesh. This mesh has the same
+    numbers. Corner nodes lie at (±R, 0, 0); the node set "surface" holds the nodes on the sphere.
 
     Examples
     --------
@@ -563,11 +573,11 @@ def load(path: FilePath) -> RawMesh:
     Raises
     ------
     MissingFileError
-        If there is no such file.
+        If the file does not exist.
     MeshError
-        If it is empty, or its reader refuses it.
+        If the file is empty, or its reader refuses it.
     MemoryLimitError
-        If there is not enough memory for it.
+        If there is not enough memory to read the file.
     """
     file = file_path("mesh", path)
     where = f"mesh file {str(file)!r}"
@@ -584,18 +594,18 @@ def load(path: FilePath) -> RawMesh:
 
 
 def existing(what: str, file: Path) -> bytes:
-    """Return the beginning of a file that is to be read.
+    """Return the first bytes of a file that is to be read.
 
     Raises
     ------
     MissingFileError
-        If there is no such file.
+        If the file does not exist.
     MeshError
-        If it cannot be opened, is none, or is empty.
+        If it cannot be opened, is no regular file, or is empty.
     """
     where = f"{what} {str(file)!r}"
     try:
-        if file.exists() and not file.is_file():  # to read a pipe might never end
+        if file.exists() and not file.is_file():  # reading a pipe might never end
             raise MeshError(f"{where} is no regular file")
         with file.open("rb") as stream:
             head = stream.read(_HEAD)
