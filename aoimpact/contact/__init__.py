@@ -1,7 +1,6 @@
-"""Where a body is touched: the contact point, its weights b and patch, and its compliance.
+"""Contact of a body: contact point, functional b, patch, compliance, static mode and shifts s.
 
-The static mode and the shifts s of a contact, too. `laws` takes patches and surfaces from here,
-`reduction` the functional b.
+`laws` takes patches and surfaces from here, `reduction` the functional b.
 """
 
 from .compliance import Compliance

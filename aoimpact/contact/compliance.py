@@ -1,4 +1,4 @@
-"""Compliance that a model of a body has in place of the half-space's, or layer's, at a contact."""
+"""Local compliance of a model at a contact, which replaces that of a half-space or layer."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base import FloatArray
 
-# Frequencies that shape the force of an impact, over and below s = 10/T.
+# The frequencies that shape the force of an impact range from s/SPAN to s SPAN, with s = 10/T.
 SPAN = 3.0
 
 
@@ -16,33 +16,35 @@ SPAN = 3.0
 class Compliance:
     """Compliances of a model of a body at a contact point under a unit force.
 
-    Those of a shell or beam are what its elements have in place of an elastic layer. They hardly
-    depend on the radius of the contact.
+    Shell and beam elements replace an elastic layer; their compliances hardly depend on the radius
+    of the contact.
 
     Attributes
     ----------
     removed : float
-        c = G - R, m/N, of the model's own compliance G at the frequency s and that of the body
-        beyond what a contact law contains, R. Negative where the model yields too little.
+        c = G - R, m/N, to be removed from the contact law: the model's compliance G at the
+        frequency s minus the body's compliance R beyond the part contained in a contact law.
+        Negative if the model is too stiff.
     varying : float
-        How much c changes while the contact grows to the radius a, and with frequency, m/N.
+        Change of c while the contact grows to the radius a, and with frequency, m/N.
     deflection : ndarray, shape (n_dofs,)
-        x, the model's displacement under the unit force at the frequency s, m/N.
+        Displacement x of the model under the unit force at the frequency s, m/N.
     s : float
-        rad/s.
+        Frequency (Laplace variable), rad/s.
     radius : float
-        a, m.
+        Contact radius a, m.
     by_width : float
-        dR/d(log a), m/N; 0 for a flat contact, and of shells and beams.
+        dR/d(log a), m/N; 0 for flat contacts and for shells and beams.
     beyond : float
-        R of solids, m/N, at the frequency s.
+        R of solids at the frequency s, m/N.
     splitting : Splitting or None
-        Of solids.
+        Split of the displacement of solids, u = χ u_B + w.
     mesh_field : ndarray, shape (1 or 2, n_nodes, 3), or None
-        The model's approximation of u_B, m/N: the displacement under the force on the nodes less w;
-        where the body has shells or beams, also its rotation, 1/N.
+        The model's approximation of u_B, m/N: its displacement under the nodal forces minus w. For
+        bodies with shells or beams, followed by the rotations, 1/N.
     oblique : ndarray, shape (3, 3), or None
-        c between the direction of the force and two tangents, m/N; None where these are not given.
+        c for forces and displacements along the direction of the force and two tangents, m/N; None
+        without tangents.
     """
 
     removed: float
@@ -57,27 +59,27 @@ class Compliance:
     oblique: FloatArray | None = None
 
     def removed_for(self, radius: float | None) -> float:
-        """Return c for a contact of another radius, m; `removed` where it is not known."""
+        """Return c for another contact radius, m; `removed` if the radius is None."""
         if radius is None or self.by_width == 0.0:
             return self.removed
         return self.removed - self.by_width * math.log(radius / self.radius)
 
     def of_truncated(self, tip: Any, deflection: FloatArray) -> Compliance:
-        """Return the compliances of a model that leaves some of the body's modes out.
+        """Return the compliances of a truncated model, which omits some of the body's modes.
 
-        The compliance left out at s, ΔG = bᵀΔx, is left to the contact law (the residual
-        flexibility of R. H. MacNeal, Comput. Struct. 1, 581 (1971)). Its slope over s² is minus the
-        inertia left out, xᵀMx - x̃ᵀMx̃. Over the frequencies of an impact it changes like that of
-        one mode with this compliance and slope.
+        The contact law takes over the omitted compliance at s, ΔG = bᵀΔx (residual flexibility: R.
+        H. MacNeal, Comput. Struct. 1, 581 (1971)). Its derivative with respect to s² is minus the
+        omitted inertia, xᵀMx - x̃ᵀMx̃. Its change over the frequencies of an impact is estimated by
+        a single mode with this compliance and derivative.
 
         Parameters
         ----------
         tip : ContactPoint
         deflection : ndarray, shape (n_dofs,)
-            x̃, the truncated model's displacement under the unit force at s, m/N.
+            Displacement x̃ of the truncated model under the unit force at s, m/N.
         """
         M, field = tip.body.M, self.mesh_field
-        # By the direction of travel of the contact point, which may be turned.
+        # The sign follows the direction of travel, which may have been reversed.
         left_out = math.copysign(1.0, tip.b @ self.deflection) * self.deflection - deflection
         missing = float(tip.b @ left_out)
         inertia = float(self.deflection @ (M @ self.deflection) - deflection @ (M @ deflection))

@@ -3,12 +3,12 @@
 The pressure p = p₀ √(1 - r²/a²), p₀ = 3F/(2πa²), acts on a disc of radius a. Coordinates are local:
 z points into the half-space z > 0, and r is the distance from the axis.
 
-Isotropic half-space: potentials in spheroidal coordinates about the disc, where they are elementary
-(M. T. Huber, Ann. Phys. 14, 153, 1904). They are continued analytically to z < 0, where a body with
-a concave surface has material.
+Isotropic half-space: the potentials are elementary in spheroidal coordinates about the disc (M. T.
+Huber, Ann. Phys. 14, 153, 1904). They are continued analytically to z < 0, where a body with a
+concave surface has material.
 
-Anisotropic half-space: one integral over the angle of plane waves (A. N. Stroh, Phil. Mag. 3, 625,
-1958; J. R. Willis, J. Mech. Phys. Solids 14, 163, 1966), for z ≥ 0 only.
+Anisotropic half-space: the field is a single integral over the angle of plane waves (A. N. Stroh,
+Phil. Mag. 3, 625, 1958; J. R. Willis, J. Mech. Phys. Solids 14, 163, 1966), for z ≥ 0 only.
 """
 
 from __future__ import annotations
@@ -23,23 +23,22 @@ import numpy as np
 from ..base import ArrayPair, FloatArray
 from ..fem import PLACES, Material, hooke
 
-# Distances from the rim below this share of a are replaced by it: they change the field by its
-# square.
+# Smallest distance from the disc's rim over a. The error of the field is the square of this share.
 _ON_RIM = 1e-9
 
-# Angles of the integral of an anisotropic half-space. The integrand is periodic and smooth, but for
-# points far out just below the surface; at r = 8 a and z = 0.4 a the error is 1e-4.
+# Number of angles in the integral of an anisotropic half-space. The integrand is periodic, and
+# smooth except for far points just below the surface: the error is 1e-4 at r = 8 a, z = 0.4 a.
 _ANGLES = 128
 
-# A rough displacement takes one of so many angles, for inertia: R of a ply changes by 1e-4 of
-# itself (by 1e-2 with one of four).
+# Rough displacements, for inertia terms, use every second angle: R of a ply changes by 1e-4 of its
+# value (by 1e-2 with every fourth angle).
 _EVERY = 2
 
-# Equal roots of Stroh's eigenvalue problem, as of an isotropic material, have no eigenvectors of
-# their own. Shear moduli are changed by this share, which leaves half of the digits.
+# Relative change of shear moduli that separates equal roots of Stroh's eigenvalue problem, which
+# lack independent eigenvectors, as for isotropic materials. Half of the digits remain.
 _APART = 1e-7
 
-# Beyond so many radii the pressure's transform is expanded in a/|z|, to 1e-7.
+# Distance over a beyond which the pressure's transform is a series in a/|z|, accurate to 1e-7.
 _FAR = 30.0
 
 
@@ -49,22 +48,23 @@ class HalfSpace:
     Attributes
     ----------
     radius : float
-        a of the pressure's disc, m.
+        Radius a of the disc under pressure, m.
     stiffness : ndarray, shape (3, 3, 3, 3)
-        C_ijkl in local axes, Pa.
+        Elastic tensor C_ijkl in local axes, Pa.
     modulus, nu : float
-        E*, Pa, and Poisson's ratio; of an anisotropic one those of its isotropic equivalent.
+        Contact modulus E*, Pa, and Poisson's ratio; for anisotropic materials, those of the
+        equivalent isotropic half-space.
     """
 
     radius: float
     stiffness: FloatArray
     modulus: float
     nu: float
-    axis: ClassVar[int] = 2  # of the force
+    axis: ClassVar[int] = 2  # index of the local axis along which the force acts
 
     @property
     def mean_displacement(self) -> float:
-        """Mean of u_z under the pressure itself, m/N: 0.6/(a E*) (Johnson, eq. 3.42a)."""
+        """Mean of u_z weighted with the pressure, m/N: 0.6/(a E*) (Johnson, eq. 3.42a)."""
         return 0.6 / (self.radius * self.modulus)
 
     def displacement(self, y: FloatArray, *, rough: bool = False) -> FloatArray:
@@ -77,7 +77,7 @@ class HalfSpace:
 
     @property
     def softness(self) -> FloatArray:
-        """S_ijkl of ε = S:σ in local axes, 1/Pa."""
+        """Compliance tensor S_ijkl in ε = S:σ, local axes, 1/Pa."""
         flat = np.linalg.pinv(self.stiffness.reshape(9, 9))
         return np.asarray(flat.reshape(self.stiffness.shape))
 
@@ -88,7 +88,7 @@ class HalfSpace:
         return other
 
     def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
-        """Displacement, and stress, which is empty where it is not asked for."""
+        """Return displacement and stress; the latter is empty unless requested."""
         raise NotImplementedError
 
 
@@ -96,26 +96,25 @@ class IsotropicHalfSpace(HalfSpace):
     """The field of an isotropic half-space under a unit force along its normal, or its surface.
 
     With the potential ψ = ∫ p/ρ dA of the pressure, Ψ,z = ψ and F,z = Ψ, the displacement times 4πG
-    is by Boussinesq and, under p as a traction along x, by Cerruti (K. L. Johnson, Contact
-    Mechanics, section 3.1)
+    (K. L. Johnson, Contact Mechanics, section 3.1) is, for p as a pressure (left, Boussinesq) and
+    for p as a traction along x (right, Cerruti),
 
         u_x = -(1 - 2ν) Ψ,x - z ψ,x      u_x = 2 ψ + 2ν F,xx - z Ψ,xx
         u_y = -(1 - 2ν) Ψ,y - z ψ,y      u_y = 2ν F,xy - z Ψ,xy
         u_z = 2 (1 - ν) ψ - z ψ,z        u_z = (1 - 2ν) Ψ,x - z ψ,x.
 
-    Derivatives across the axis are written in D = (1/r) ∂/∂r. D² f follows from D f, and D³ f from
-    that, since r² D² f + 2 D f + f,zz = 0 for a harmonic f. For a = 1 the disc has the spheroidal
-    coordinates s and k, z = s k and r² = (1 + s²)(1 - k²), in which ψ and Ψ lose no digits.
+    Derivatives in x and y are expressed by D = (1/r) ∂/∂r. D² f follows from D f, and D³ f from
+    D² f, since r² D² f + 2 D f + f,zz = 0 for harmonic f. For a = 1, the spheroidal coordinates s
+    and k satisfy z = s k and r² = (1 + s²)(1 - k²); in these ψ and Ψ suffer no cancellation.
 
     Parameters
     ----------
     material : Material
     radius : float
-        a of the pressure's disc, m.
+        Radius a of the disc under pressure, m.
     """
 
-    # A distance from the axis below this share of that from the disc is replaced by it: it changes
-    # the field by its square.
+    # Smallest distance from the axis over √(a² + z²). The error of the field is the square of this.
     on_axis: ClassVar[float] = 1e-4
 
     def __init__(self, material: Material, radius: float) -> None:
@@ -130,7 +129,7 @@ class IsotropicHalfSpace(HalfSpace):
         alpha = np.arctan2(1.0, s)
         d_psi, psi_z = 0.5 * (s / (1.0 + s * s) - alpha), z * alpha - k
         psi = 0.5 * (alpha + r2 * d_psi + z * psi_z)
-        d_whole = (1.0 - k**3) / (3.0 * r2) + z * d_psi  # of Ψ
+        d_whole = (1.0 - k**3) / (3.0 * r2) + z * d_psi  # D Ψ
         scale = 0.75 / (math.pi * self.material.shear_modulus * self.radius)
         dd_whole = -(psi_z + 2.0 * d_whole) / r2
         psi_zz, d_psi_z = alpha - s / root, k / ((1.0 + s * s) * root)
@@ -169,24 +168,24 @@ class IsotropicHalfSpace(HalfSpace):
 class ShearedHalfSpace(IsotropicHalfSpace):
     """The field of an isotropic half-space under a unit force along its surface, in direction x.
 
-    The traction q = q₀ √(1 - r²/a²), q₀ = 3F/(2πa²), acts on a disc of radius a. Parameters as of
-    `IsotropicHalfSpace`, which has the formulas.
+    The traction q = q₀ √(1 - r²/a²), q₀ = 3F/(2πa²), acts on a disc of radius a. For parameters and
+    formulas see `IsotropicHalfSpace`.
     """
 
     axis = 0
-    on_axis = 2e-3  # where the third derivative by D has lost 6 powers of it
+    on_axis = 2e-3  # larger, as rounding in D³ grows with the inverse sixth power
 
     @property
     def mean_displacement(self) -> float:
-        """Mean of u_x under the traction itself, m/N: 0.6 (2 - ν)/(4 G a)."""
+        """Mean of u_x weighted with the traction, m/N: 0.6 (2 - ν)/(4 G a)."""
         return 0.6 * (2.0 - self.nu) / (4.0 * self.material.shear_modulus * self.radius)
 
 
 def _spheroidal(r2: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The coordinates s and k about a disc of radius 1, and s² + k², that of r² and z."""
+    """Spheroidal coordinates s and k about a disc of radius 1, and s² + k², from r² and z."""
     q = r2 + z * z - 1.0
     root = np.maximum(np.sqrt(q * q + 4.0 * z * z), _ON_RIM)
-    # The root of u² - q u - z² that loses no digits, and by it the other one.
+    # s² and -k² are the roots of u² - q u - z²; the larger one is computed without cancellation.
     within = q < 0.0
     large = np.sqrt(np.maximum(0.5 * np.where(within, root - q, root + q), _ON_RIM**2))
     small = np.abs(z) / large
@@ -202,7 +201,7 @@ class AnisotropicHalfSpace(HalfSpace):
     Parameters
     ----------
     stiffness, radius, modulus, nu
-        As of any `HalfSpace`.
+        Attributes of `HalfSpace`.
     """
 
     def __init__(self, stiffness: FloatArray, radius: float, modulus: float, nu: float) -> None:
@@ -210,7 +209,7 @@ class AnisotropicHalfSpace(HalfSpace):
 
     @cached_property
     def _waves(self) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
-        """Direction n, roots p and amplitudes A of Stroh's eigenvalue problem for each angle."""
+        """Direction n, roots p and amplitudes A of Stroh's eigenvalue problem, for each angle."""
         sheared = 1.0 - np.eye(3)
         C = self.stiffness * (1.0 + _APART * np.einsum("ij,kl->ijkl", sheared, sheared))
         m, waves = np.array([0.0, 0.0, 1.0]), []

@@ -1,16 +1,17 @@
-"""Compliance of a shell under a contact: a mesh of plate elements in place of an elastic layer.
+"""Compliance of a shell under a contact: plate elements compared with an elastic layer.
 
 A contact law contains the indentation of a half-space, and a shell contains bending and transverse
-shear. A layer of the same thickness has a compliance R beyond the half-space that is finite, while
-that of a shear-deformable plate grows without bound as the load narrows, by ln(t/a)/(2π S), and so
-does that of a mesh with smaller elements. As for solids (`extraction`), the excess c = G - R is
-taken out of the law, here of an infinite layer: the mesh about the contact is solved for K + s²M
-with the motion of the infinite plate at its rim, and R is that of elastodynamics. So c holds
-what the elements make of bending and shear near the load, and nothing of the body's other bounds.
+shear. Beyond the half-space, an elastic layer has a finite compliance R. The compliance of a
+shear-deformable plate, however, grows without bound as the load narrows, by ln(t/a)/(2π S), and so
+does that of a mesh with ever smaller elements. As for solids (`extraction`), the excess c = G - R
+is removed from the contact law. Here both G and R belong to infinite plates: for G the mesh about
+the contact is solved with K + s²M and the motion of the infinite plate at its rim, and R follows
+from elastodynamics. So c contains only what the elements make of bending and shear near the load,
+independently of the body's boundaries.
 
-The displacement of one face under a pressure on it, at the wave number k, is the sum of half the
-symmetric and half the antisymmetric motions of Rayleigh and Lamb (K. F. Graff, Wave motion in
-elastic solids, 1975, section 8.1), with ξ² = k² + s²/c_p² and η² = k² + s²/c_s²:
+The displacement of one face under a pressure on this face, at the wave number k, is half the sum of
+the symmetric and antisymmetric motions of Rayleigh and Lamb (K. F. Graff, Wave motion in elastic
+solids, 1975, section 8.1), with ξ² = k² + s²/c_p² and η² = k² + s²/c_s²:
 
     H = s²ξ/(2μ c_s²) Σ 1/((k² + η²)² T(ξt/2) - 4k²ξη T(ηt/2)),   T = tanh and coth.
 """
@@ -28,47 +29,49 @@ from ..base import BoolArray, ComplexArray, FloatArray, IntArray
 from ..fem import Laminate, Layers, Material, Shell, thin_stiffness_mass
 from ..mesh import plane_of, sides
 
-# Wave numbers of the integrals over k: how many, and how far beyond 1/λ and 1/a.
+# Integrals over wave numbers k: number of points, lower limit over 1/λ, upper limit over 1/a.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
 
-# A laminate's plate takes one in so many of these waves.
+# The plate of a laminate uses every eighth of these wave numbers.
 _SKIPPED = 8
 
-# The mesh about the contact reaches over so many of its edges, or lengths λ if these are less.
+# Radius of the mesh about the contact, in element edges or in bending lengths λ, whichever is less.
 _EDGES, _LENGTHS = 6.0, 8.0
 
-# k a below which the transform of Hertz's pressure is its series.
+# k a below which a series replaces the transform of Hertz's pressure, against cancellation.
 _SERIES = 1e-2
 
-# For laminates: wave numbers, directions, elements through the thickness, and the finest's share.
+# Excess of laminates: numbers of wave numbers, of directions and of elements through the thickness,
+# and thickness of the finest element over t.
 _FEW_WAVES, _TURNS, _GRADES, _FINEST = 60, 4, 24, 5e-3
 
-# Directions and wave numbers of the motion of a laminate's plate, and directions of its mean. A
-# force that is spread over a sixth of the distance has waves up to 42 over the distance.
+# Motion of a laminate's plate: numbers of directions and wave numbers, distance over the width of
+# the spread force, number of directions for the mean compliance. A force spread over a sixth of the
+# distance r has wave numbers up to 42/r.
 _AROUND, _RINGS, _SPREAD, _MEANS = 48, 160, 6.0, 16
 
-# λ, in thicknesses, of bending that is slow. Waves in laminates are computed to (t/λ)^4 1e-10.
+# λ/t of slow bending. The relative rounding error of waves in laminates grows as (λ/t)^4.
 _LONG_WAVES = 30.0
 
-# Directions among which that of the least bending stiffness is sought.
+# Number of directions searched for the smallest bending stiffness.
 _DIRECTIONS = 36
 
 
 def layer_compliance(material: Material, thickness: float, radius: float, s: float) -> float:
     """Return the compliance of an infinite layer beyond that of the half-space, m/N.
 
-    The mean displacement under Hertz's pressure of a force e^{st} on one face, weighted with that
-    pressure, less the static one of a half-space, 0.6/(a E*).
+    This is the pressure-weighted mean displacement under Hertz's pressure of a unit force e^{st} on
+    one face, minus the static one of a half-space, 0.6/(a E*).
 
     Parameters
     ----------
     material : Material
     thickness : float
-        t, m.
+        Thickness t, m.
     radius : float
-        a, m.
+        Contact radius a, m.
     s : float
-        rad/s, positive.
+        Frequency (Laplace variable), rad/s, positive.
     """
     k = _waves(radius, thickness, bending_length(Shell(thickness, material), s))
     mu, h = material.shear_modulus, 0.5 * thickness
@@ -76,8 +79,8 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
     xi, eta = np.sqrt(k**2 + fast2), np.sqrt(k**2 + slow2)
     one, other = (k**2 + eta**2) ** 2, 4.0 * k**2 * xi * eta
     by_xi, by_eta = np.tanh(h * xi), np.tanh(h * eta)
-    # one - other and by_eta - by_xi without the digits that both have in common, nearly all of them
-    # where k is far above s over the speed of waves.
+    # one - other and by_eta - by_xi, rearranged against cancellation, which is nearly complete for
+    # k far above s over the wave speed.
     apart = slow2 - fast2
     rayleigh = 16.0 * k**6 * apart + (24.0 * slow2 - 16.0 * fast2) * slow2 * k**4
     rayleigh = (rayleigh + 8.0 * k**2 * slow2**3 + slow2**4) / (one + other)
@@ -90,7 +93,7 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
 def plate_compliance(layers: Layers, radius: float, s: float) -> float:
     """Return the mean displacement of the infinite plate under Hertz's pressure, m/N.
 
-    By the theory of first order: Mindlin's plate where the layers are isotropic.
+    First-order shear deformation theory is used: Mindlin's plate for a single isotropic layer.
     """
     k = _waves(radius, layers.total_thickness, bending_length(layers, s))
     if not _isotropic(layers):
@@ -110,14 +113,14 @@ def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
     ----------
     layers : Shell or Laminate
     s : float
-        rad/s, positive.
+        Frequency (Laplace variable), rad/s, positive.
     x : ndarray, shape (n, 2)
-        m, none at the origin; the first axis is that of the layers.
+        Points other than the origin, m, in axes whose first is that of the layers.
     """
     if not _isotropic(layers):
         return _motion_of_waves(layers, s, x)
     D, S, m, inertia = _numbers(layers)
-    # Roots of S D ζ⁴ - s²(m D + S I) ζ² + m s²(S + I s²) = 0: k² = -ζ² is a pole.
+    # The poles k² = -ζ² are roots of S D ζ⁴ - s²(m D + S I) ζ² + m s²(S + I s²) = 0.
     half = 0.5 * s**2 * (m / S + inertia / D)
     root = np.sqrt(half**2 - m * s**2 * (S + inertia * s**2) / (S * D) + 0j)
     roots, r = np.array([[half + root], [half - root]]), np.linalg.norm(x, axis=1)
@@ -132,7 +135,7 @@ def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
 def _motion_of_waves(layers: Layers, s: float, x: FloatArray) -> FloatArray:
     """`plate_motion` as an integral over plane waves in all directions.
 
-    The force is spread by a Gaussian whose second and fourth moments vanish.
+    The force is spread by a modified Gaussian whose second and fourth moments vanish.
     """
     away = np.linalg.norm(x, axis=1)
     width = away.min() / _SPREAD
@@ -152,8 +155,9 @@ def _motion_of_waves(layers: Layers, s: float, x: FloatArray) -> FloatArray:
 def layer_compliance_of(layers: Layers, radius: float, s: float) -> float:
     """Return R, the compliance of infinite layers beyond the half-space under the contact, m/N.
 
-    For a laminate it is that of its plate plus what elasticity has beyond, which changes little
-    where bending waves are long, and is lost in rounding where they are very long.
+    For laminates, R is the compliance of the plate minus its excess over elasticity theory. The
+    excess hardly varies for long bending waves, and is lost in rounding for very long ones; its
+    frequency is therefore bounded from below.
     """
     material = layers.plies[0].material
     if isinstance(material, Material) and _isotropic(layers):
@@ -172,23 +176,23 @@ def mesh_compliance(
     s: float,
     couples: FloatArray | None = None,
 ) -> float:
-    """Return G, the compliance of an infinite plate that is meshed as the shell is there, m/N.
+    """Return G, the compliance of an infinite plate with the shell's mesh about the contact, m/N.
 
     Parameters
     ----------
     nodes : ndarray, shape (n_nodes, 3)
-        m.
+        Coordinates, m.
     cells : list of ndarray of int
-        Elements about the contact, of each kind.
+        Nodes of the elements about the contact, one array per kind.
     layers : Shell or Laminate
     forces : ndarray, shape (n_nodes,)
-        Shares of a unit force along the normal.
+        Nodal shares of a unit force along the normal.
     point, normal : ndarray, shape (3,)
-        Of the contact.
+        Contact point, m, and normal there.
     s : float
-        rad/s.
+        Frequency (Laplace variable), rad/s.
     couples : ndarray, shape (n_nodes, 3), optional
-        Those of the functional, m.
+        Nodal couples of the unit force, m.
     """
     axes = plane_of(normal, layers.reference)
     load = np.zeros((len(nodes), 6))
@@ -200,14 +204,14 @@ def mesh_compliance(
     chosen = [_facing(np.searchsorted(used, group), x[used]) for group in cells if len(group)]
     x, load = x[used], load[used]
     plate: Layers = Laminate(layers.plies, (1.0, 0.0, 0.0), layers.offset)
-    if _isotropic(layers):  # with its middle at the nodes
+    if _isotropic(layers):  # without offset
         plate = Shell(layers.total_thickness, layers.plies[0].material)
     K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
     rim = rim_nodes(x, chosen) & ~load.any(axis=1)
-    # Where bending makes no membrane force, only w and its rotations move.
+    # Without coupling of bending and membrane, only w, θx and θy are nonzero.
     moving = np.full(6, plate.stiffness[:3, 3:6].any()) | (np.abs(np.arange(6) - 3) < 2)
     free = np.outer(~rim, moving)
-    free[:, 5] = moving[5]  # rotation about the normal is no part of a plate's motion
+    free[:, 5] = moving[5]  # the infinite plate prescribes no drilling rotation at the rim
     free, moved = np.flatnonzero(free), np.zeros((len(used), 6))
     A = (K + s**2 * M).tocsr()[free]
     moved[rim, :5] = plate_motion(plate, s, x[rim])
@@ -217,14 +221,14 @@ def mesh_compliance(
 
 
 def _facing(cells: IntArray, x: FloatArray) -> IntArray:
-    """Elements with their nodes in the order that has their normals out of the plane."""
+    """Elements with their nodes ordered counter-clockwise in the plane."""
     one, other = x[cells[:, 1]] - x[cells[:, 0]], x[cells[:, 2]] - x[cells[:, 0]]
     turned = one[:, 0] * other[:, 1] < one[:, 1] * other[:, 0]
     return np.where(turned[:, None], cells[:, ::-1], cells)
 
 
 def contact_reach(layers: Layers, edge: float, s: float) -> float:
-    """Return how far the mesh about a contact is taken that has elements of that edge there, m."""
+    """Return the radius of the mesh about a contact, m, from the elements' edge there, m."""
     return min(_EDGES * edge, max(_LENGTHS * bending_length(layers, s), 3.0 * edge))
 
 
@@ -233,9 +237,9 @@ def _isotropic(layers: Layers) -> bool:
 
 
 def _numbers(layers: Layers) -> tuple[float, float, float, float]:
-    """Bending and shear stiffness, mass and rotary inertia per area, of isotropic layers.
+    """Bending and shear stiffness, mass and rotary inertia per area, of a single isotropic layer.
 
-    About the surface in which bending makes no membrane force.
+    They refer to the neutral surface, where bending causes no membrane force.
     """
     m, first, second = layers.inertia.tolist()
     D, S = _bending(layers)[0, 0], layers.stiffness[6, 6]
@@ -243,14 +247,14 @@ def _numbers(layers: Layers) -> tuple[float, float, float, float]:
 
 
 def _bending(layers: Layers) -> FloatArray:
-    """Moments of curvatures without membrane forces, N m, shape (3, 3)."""
+    """Bending stiffness (moments per curvature) without membrane forces, N m, shape (3, 3)."""
     A, B = layers.stiffness[:3, :3], layers.stiffness[:3, 3:6]
     bending: FloatArray = layers.stiffness[3:6, 3:6] - B.T @ np.linalg.solve(A, B)
     return bending
 
 
 def bending_length(layers: Layers, s: float) -> float:
-    """λ = (D/(m s²))^(1/4): how far a bending motion e^{st} reaches where it does least, m."""
+    """Decay length λ = (D/(m s²))^(1/4) of bending e^{st} in the softest direction, m."""
     turns = np.pi / _DIRECTIONS * np.arange(_DIRECTIONS)
     c, d = np.cos(turns), np.sin(turns)
     curved = np.stack([c * c, d * d, 2.0 * c * d])
@@ -259,7 +263,7 @@ def bending_length(layers: Layers, s: float) -> float:
 
 
 def slow_bending(layers: Layers) -> float:
-    """Return s, rad/s, of bending waves that are long for the thickness."""
+    """Return the frequency s, rad/s, whose bending length is `_LONG_WAVES` thicknesses."""
     return (bending_length(layers, 1.0) / (_LONG_WAVES * layers.total_thickness)) ** 2
 
 
@@ -269,7 +273,7 @@ def _waves(radius: float, thickness: float, length: float) -> FloatArray:
 
 
 def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
-    """∫ p̂² H k dk/(2π) with Hertz's pressure p̂ = 3 (sin x - x cos x)/x³, x = k a; over log k."""
+    """∫ p̂² H k dk/(2π) over log k, with Hertz's pressure p̂ = 3 (sin x - x cos x)/x³, x = k a."""
     x = k * radius
     exact = 3.0 * (np.sin(x) - x * np.cos(x)) / np.maximum(x, _SERIES) ** 3
     pressure = np.where(x < _SERIES, 1.0 - x**2 / 10.0, exact)
@@ -279,9 +283,9 @@ def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
 
 @lru_cache(maxsize=8)
 def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
-    """Compliance of a laminate's plate, less the laminate's own beyond its top's half-space, m/N.
+    """Excess of a plate's compliance over that of the elastic laminate beyond a half-space, m/N.
 
-    In the mean over directions of waves.
+    The half-space is that of the top ply. The mean over the directions of waves is taken.
     """
     modulus = layers.half_space(None).plane_strain_modulus
     k = np.geomspace(0.02 / bending_length(layers, s), 25.0 / radius, _FEW_WAVES)
@@ -293,12 +297,13 @@ def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
 
 
 def _plate_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> ComplexArray:
-    """(u, v, w, βx, βy) e^{ikx} under a unit pressure by the plate theory of first order, (n, 5).
+    """Amplitudes (u, v, w, βx, βy) of plane waves e^{ikx} of the plate per unit pressure, (n, 5).
 
-    The waves run at an angle to the layers' x axis.
+    The theory is first-order shear deformation. The waves run at the angle `turn`, rad, to the
+    layers' x axis.
     """
     along, still, (c, d) = np.zeros((8, 5)), np.zeros((8, 5)), (np.cos(turn), np.sin(turn))
-    for strain, moved in ((0, 0), (3, 3)):  # of the membrane, of bending
+    for strain, moved in ((0, 0), (3, 3)):  # membrane, bending
         along[strain, moved] = along[strain + 2, moved + 1] = c
         along[strain + 1, moved + 1] = along[strain + 2, moved] = d
     along[6:, 2] = c, d
@@ -313,16 +318,16 @@ def _plate_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> Comple
 
 
 def _layer_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> FloatArray:
-    """w of the top face under a unit pressure e^{ikx} on it, by elements through the thickness.
+    """Deflection w of the top face of elastic layers per unit pressure e^{ikx} on this face.
 
-    Quadratic, and finer towards the top (E. Kausel and J. M. Roësset, Bull. Seism. Soc. Am. 71,
-    1743, 1981).
+    Computed by quadratic elements through the thickness, finer towards the top (E. Kausel and J. M.
+    Roësset, Bull. Seism. Soc. Am. 71, 1743, 1981).
     """
     t, z = layers.total_thickness, layers.interfaces
     ends = np.concatenate([z, z[-1] - np.geomspace(_FINEST * t, t, _GRADES)])
     ends = np.unique(np.round(ends / t, 6)) * t
     n = 3 * (2 * len(ends) - 1)
-    bands = np.zeros((4, 9, n))  # of K0, K1, K2 and M: the diagonals, from the main one down
+    bands = np.zeros((4, 9, n))  # lower diagonals of K0, K1, K2 and M
     along, still, (c, d) = np.zeros((6, 3)), np.zeros((6, 3)), (np.cos(turn), np.sin(turn))
     along[[0, 3, 5], [0, 1, 2]] = c
     along[[1, 3, 4], [1, 0, 2]] = d
@@ -351,13 +356,13 @@ def _layer_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> FloatA
 def _by_wave_number(
     along: FloatArray, still: FloatArray, stiffness: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """K0, K1 and K2 of BᴴCB = K0 + ik K1 + k² K2 with B = ik along + still."""
+    """K0, K1 and K2 in BᴴCB = K0 + ik K1 + k² K2, with B = ik along + still."""
     mixed = still.T @ stiffness @ along
     return still.T @ stiffness @ still, mixed - mixed.T, along.T @ stiffness @ along
 
 
 def rim_nodes(nodes: FloatArray, cells: Sequence[IntArray]) -> BoolArray:
-    """Return which nodes are on edges that belong to a single element, shape (n_nodes,)."""
+    """Return a mask of the nodes on edges that belong to a single element, shape (n_nodes,)."""
     ends, number = sides(nodes, cells)[:2]
     rim = np.zeros(len(nodes), dtype=bool)
     rim[ends[np.bincount(number)[number] == 1]] = True
