@@ -1,7 +1,7 @@
-"""Nastran's entries as mesh, groups, sections and matrices: views of the same bulk data.
+"""Meshes, groups, sections and matrices from the bulk data of Nastran decks.
 
-An entry of a new name that is an element goes into `_ELEMENTS`, a property into `_DIMENSIONS` and
-`_PROPERTIES`, a material into `_MATERIALS`.
+To read a new kind of entry, add an element to `_ELEMENTS`, a property to `_DIMENSIONS` and
+`_PROPERTIES`, a material to `_MATERIALS`.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from .raw import (
 )
 from .sections import Axes, Source, across, common, layered, refusing, triad
 
-# Kinds of elements of corners, and with midside nodes, by the names of entries.
+# Kinds of elements, without midside nodes and with them, by the names of their entries.
 _ELEMENTS = {
     ("CTETRA",): ("tetra", "tetra10"),
     ("CHEXA",): ("hexahedron", "hexahedron20"),
@@ -56,7 +56,7 @@ _ELEMENTS = {
     ("CBEAM3",): ("line", "line3"),
 }
 
-# Fields of elements: those of solids are number, property and nodes.
+# Largest number of data fields of an element's entry; solids have number, property and nodes.
 _FIELDS = {
     **dict.fromkeys(("CTRIA3", "CTRIAR"), 13),
     **dict.fromkeys(("CQUAD4", "CQUADR", "CTRIA6"), 14),
@@ -68,20 +68,20 @@ _READ = {name for names in _ELEMENTS for name in names} | {
     *(f"CORD{i}{kind}" for i in "12" for kind in "RCS"),
 }
 
-# Properties by the dimension of their elements.
+# Names of properties by the dimension of their elements.
 _DIMENSIONS = {
     1: re.compile("P(BAR|BARL|BEAM|BEAML|BEAM3|BCOMP|B[MR]SECT|BEND|ROD|TUBE)"),
     2: re.compile("P(SHELL|COMPG?|SHEAR|L?PLANE|SHLN[12])"),
     3: re.compile("P(SOLID|LSOLID|COMPL?S)"),
 }
 
-# Constraints between nodes, which a mesh cannot hold.
+# Names of constraints between nodes, which a mesh cannot hold.
 _CONNECTIONS = re.compile(
     "MPC|MPCY|RBAR|RBAR1|RBE1|RBE2|RBE2GS|RBE3|RBODY|RJOINT|RROD|RSPLINE|RSSCON|RTRPLT|RTRPLT1"
     "|RBAX3D|RBJOINT|RSPINR|RSPINT|RWELD|RCROSS|CONNECT"
 )
 
-# Elements of other kinds than solids, surfaces and lines in space.
+# Names of elements other than solids, surfaces and lines in space.
 _OTHERS = re.compile(
     "CAABSF|CACINF[34]|CAXIF[234]|CAXISYM|CBARG|CBEAR|CBELT|CBUSH|CBUSH1D|CBUSH2D|CBUTT|CCONEAX"
     "|CCRSFIL|CDAMP[1-5]D?|CDUM[1-9]|CELAS[1-4]D?|CFAST|CFILLET|CFLUID[234]|CFTUBE|CGAP|CGAPG"
@@ -90,8 +90,8 @@ _OTHERS = re.compile(
     "|CSPR|CSSHL[HLMP]?|CTRAX[36]|CTRIAX|CTRIAX6|CTRIX[36]|CVISC|CWELD|CWSEAM|GENEL"
 )
 
-# Entries without influence on the mesh: materials, loads, tables and so on. They are named by their
-# beginnings; near to GRID, CORD and C… (elements) by the whole names.
+# Entries without influence on the mesh: materials, loads, tables and so on. The pattern has the
+# beginnings of their names, but whole names (with $) where GRID, CORD or C… (elements) are similar.
 _SKIPPED = re.compile(
     "(AB|AC|ADAPT|AE|AIRBAG|AL|AMLREG|ASET|ASSIG|ATB|ATTACH|ATV|AX|BAR|BC|BD|BEAD|BEAMOR|BEDGE|BFRIC|BG|BIAS"
     "|BJOIN|BLD|BLSEG|BMFACE|BN|BOLT|BOUTPUT|BRKSQL|BS|CO(NCTL|HESIV|HFRIC|HSEIV|MBINE|MBWLD"
@@ -113,20 +113,20 @@ _SKIPPED = re.compile(
     "|VIEW|WALL|WET|WINDOW|YLD|YPARAM$|YZONE)"
 )
 
-# Largest difference between axes of displacements and the basic ones.
+# Largest difference between the axes of a node's displacements and the basic axes.
 _TURNED = 1e-9
 
-# Matrices that the case control adds to those of the elements.
+# Case-control commands that add matrices to those of the elements.
 _ADDED = re.compile(rb"\s*([ABKM]4?2(?:GG|PP))\b")
 
 _SET = re.compile(r"SET\s+(\d+)\s*=(.*)")
 
-# A number of a set, or a range and the numbers behind it, such as 1 THRU 20 BY 2 EXCEPT 7 9.
+# A number in a set, or a range and the numbers after it, such as 1 THRU 20 BY 2 EXCEPT 7 9.
 _MEMBER = re.compile(
     r"(\d+)(?: THRU (\d+)(?: BY 0*([1-9]\d*))?((?: EXCEPT| \d+(?!\d| THRU))*))?(?: |$)"
 )
 
-# Members of a set of bulk data by its type; sets of other types are of neither.
+# What a set of bulk data holds, by its type; sets of other types hold neither.
 _BOTH = ("nodes", "elements")
 _MEMBERS = {"GRID": _BOTH[:1], "NODE": _BOTH[:1], "ELEM": _BOTH[1:], "ELEMENT": _BOTH[1:]}
 
@@ -134,28 +134,28 @@ _MEMBERS = {"GRID": _BOTH[:1], "NODE": _BOTH[:1], "ELEM": _BOTH[1:], "ELEMENT": 
 def read(file: Path) -> RawMesh:
     """Return the mesh of a Nastran deck.
 
-    Elements with the same property make a group such as "property 3". Where a shell's and a bar's
-    property have one number, the bars are "property 3 lines". A set (SET of the case control; SET1,
-    SET3, SET of bulk data) becomes "SET 5 nodes" where all its numbers are those of
-    nodes and "SET 5 elements" where they are those of elements; often both are possible.
+    Elements with the same property make a group such as "property 3". If a property of shells and
+    one of bars have the same number, the bars make the group "property 3 lines". A set (SET of the
+    case control; SET1, SET3, SET of bulk data) becomes "SET 5 nodes" if all its numbers are numbers
+    of nodes, and "SET 5 elements" if all are numbers of elements; often it becomes both.
 
     Raises
     ------
     MeshError
-        If a line is not understood: with file and line.
+        If a line is not understood; file and line are named.
     MemoryLimitError
 
     Warns
     -----
     AOImpactWarning
-        If there are elements or connections that are left out.
+        If elements or connections are left out.
     """
     control, bulk = read_deck(file)
     grids = Grids.of(bulk)
     nodes = grids.coordinates()
     parts = [part for names in _ELEMENTS for part in _elements(bulk, names, grids)]
     for part in parts:
-        if part.block.dim == 3:  # Nastran accepts left-handed solids as well
+        if part.block.dim == 3:  # Nastran also accepts left-handed solids
             element, cells = reference_element(part.block.kind), part.block.cells
             left = jacobian_range(nodes, cells, element)[1] < 0.0
             cells[left] = cells[left][:, element.mirror]
@@ -185,7 +185,7 @@ def read(file: Path) -> RawMesh:
 
 
 def _counted(bulk: BulkData, *patterns: re.Pattern[str]) -> str:
-    """Count the entries whose names match, as in "2 PSHELL"."""
+    """Return the number of entries of each name that matches, as in "2 PSHELL"."""
     fits = (name for name in bulk.names if any(of.fullmatch(name) for of in patterns))
     return listed((name, len(bulk.names[name])) for name in fits)
 
@@ -194,9 +194,10 @@ def _counted(bulk: BulkData, *patterns: re.Pattern[str]) -> str:
 
 
 class Entries(NamedTuple):
-    """Elements of one kind: their entries, nodes with labels, and properties (0: none).
+    """Elements of one kind: their entries, cells with labels, and property numbers (0: none).
 
-    `layout` is the kind for all of whose nodes the entries have fields, such as "quad8".
+    `layout` is the kind with a node in each node field of the entries: "quad8" for CQUAD8, even
+    if midside nodes are blank.
     """
 
     table: Table
@@ -206,7 +207,7 @@ class Entries(NamedTuple):
 
 
 def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[Entries]:
-    """Yield the elements of some entries: those of corners, and those with midside nodes."""
+    """Yield the elements of the named entries: those without midside nodes, then with them."""
     kinds = _ELEMENTS[names]
     corners, most = nodes_in(kinds[0]), nodes_in(kinds[-1])
     table = bulk.table(**{name: _FIELDS.get(name, 2 + most) for name in names})
@@ -231,8 +232,9 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
 def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[str, IntArray]:
     """Return the groups of elements by property.
 
-    Elements of a lower dimension have a group of their own if the deck has a property of that
-    number for them. Without one they are sides and edges to which a mesher gave the number.
+    Of elements with one property number but several dimensions, those of lower dimension make a
+    group of their own if the deck has a property of this number for them. Otherwise they are sides
+    and edges to which a mesher gave the number.
     """
     properties, found = joined(part.properties for part in parts), {}
     known = {dim: {card.text(0).lstrip("+0") for card in _properties(bulk, dim)} for dim in (1, 2)}
@@ -248,35 +250,34 @@ def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[s
 
 
 def _properties(bulk: BulkData, dim: int) -> Iterator[Card]:
-    """Return the properties of elements of a dimension, also those that are not read."""
+    """Return all property entries for elements of a dimension, including those not supported."""
     return bulk.cards(*filter(_DIMENSIONS[dim].fullmatch, bulk.names))
 
 
 # --------------------------------------------------------------- nodes and coordinate systems
 
 
-# A system as its entry gives it: kind, three nodes or the system of three points, and these; and
-# the error of the entry.
+# Definition of a coordinate system: its kind; three nodes (CORD1x) or the system of the points
+# (CORD2x); nine coordinates of three points (CORD2x); and the function that makes its errors.
 _Definition = tuple[tuple[str, tuple[int, ...], tuple[float, ...]], Callable[[str], MeshError]]
 
 
 @record
 class Grids:
-    """Nodes by ascending labels, and the coordinate systems.
-
-    Systems that refer to others are resolved when they are needed.
+    """Nodes by ascending labels, and coordinate systems, which are resolved on demand.
 
     Attributes
     ----------
     table : Table
-        Their GRID entries.
+        GRID entries of the nodes.
     labels : ndarray of int, shape (n,)
+        Numbers of the nodes.
     systems, output_systems : ndarray of int, shape (n,)
         Labels of the coordinate systems of coordinates (CP) and displacements (CD).
     x : ndarray, shape (n, 3)
-        Coordinates in the nodes' own systems.
+        Coordinates in the systems CP.
     definitions : mapping of int to _Definition
-        Coordinate systems by label that are not known yet.
+        Coordinate systems that are not resolved yet, by label.
     """
 
     table: Table
@@ -289,7 +290,7 @@ class Grids:
 
     @classmethod
     def of(cls, bulk: BulkData) -> Grids:
-        """Return the nodes of a deck; a node that is repeated as it was counts once."""
+        """Return the nodes of a deck; identical repetitions of a node count once."""
         for name, entries in bulk.names.items():  # unknown entries might belong to the mesh
             known = (_CONNECTIONS.fullmatch, _OTHERS.fullmatch, _SKIPPED.match)
             if name not in _READ and not any(match(name) for match in known):
@@ -305,13 +306,13 @@ class Grids:
         return cls(table.select(kept), *own, _definitions(bulk))
 
     def by_system(self, systems: IntArray, of: Table) -> Iterator[tuple[Axes, IntArray]]:
-        """Yield each system that entries have by its label, and their rows."""
+        """Yield each coordinate system in `systems`, and the rows that have it."""
         for label in np.unique(systems).tolist():
             own = np.flatnonzero(systems == label)
             yield self.axes(label, partial(of.refused, int(own[0]))), own
 
     def check_output(self, nodes: FloatArray) -> None:
-        """Refuse nodes whose displacements have other axes (CD) than x, y and z."""
+        """Refuse nodes whose displacements (CD) are not along the basic x, y and z."""
         for system, own in self.by_system(np.maximum(self.output_systems, 0), self.table):
             turned = np.abs(system.directions(nodes[own]) - np.eye(3)).max(axis=(1, 2)) > _TURNED
             for row in own[turned][:1].tolist():
@@ -326,12 +327,12 @@ class Grids:
         return x
 
     def axes(self, label: int, error: Callable[[str], MeshError]) -> Axes:
-        """Return a system; `error` is of the entry that refers to it.
+        """Return a coordinate system by its label; `error` is of the entry that refers to it.
 
         Raises
         ------
         MeshError
-            If it is not defined, or defined by itself, or by points on one line.
+            If the system is not defined, refers to itself, or has its points on one line.
         """
         if label in self._known:
             return self._known[label]
@@ -349,7 +350,7 @@ class Grids:
                 [a.basic(x[None]) for a, x in zip(own, self.x[rows], strict=True)]
             )
         ends = points[1] - points[0], points[2] - points[0]
-        axes = triad(*ends, own_error)[[1, 2, 0]]  # z, and a point in the plane of x
+        axes = triad(*ends, own_error)[[1, 2, 0]]  # given: z and a point in the x-z plane
         return self._known.setdefault(label, Axes(kind, points[0], axes))
 
 
@@ -371,9 +372,10 @@ def _definitions(bulk: BulkData) -> dict[int, _Definition]:
 
 
 def _among(text: str, labels: IntArray) -> IntArray:
-    """Return the rows of `labels` in a set; none if a number given by itself is missing.
+    """Return the rows of `labels` in a set; none if a number outside of ranges is missing.
 
-    A number after EXCEPT is left out of the range before it, if it lies there; else it is in.
+    A number after EXCEPT is excluded from the range before it if it lies in this range; otherwise
+    it is a member.
     """
     chosen, alone = np.zeros(len(labels), dtype=bool), list[int]()
     for first, last, step, behind in _MEMBER.findall(text):
@@ -393,7 +395,7 @@ def _among(text: str, labels: IntArray) -> IntArray:
 
 
 def _sets(control: list[Line], bulk: BulkData) -> dict[str, tuple[tuple[str, ...], str]]:
-    """Return the sets by name, such as "SET 5" and "SET1 5": what they hold, and their numbers.
+    """Return the sets by name, such as "SET 5" and "SET1 5": what a set holds, and its numbers.
 
     Raises
     ------
@@ -437,27 +439,28 @@ def _sets(control: list[Line], bulk: BulkData) -> dict[str, tuple[tuple[str, ...
 
 # ----- sections
 
-# Field of surface elements, from their number on, by the kind of all their nodes: angle or system
-# of the material; the offset follows. Thickness at the nodes is in fields 10 to 12 or 13.
+# Index of the field of a surface element's material angle or system, by layout. The next field is
+# the offset; fields 10 to 12 or 13 are thicknesses at the nodes.
 _THETA = {"quad": 6, "triangle": 5, "triangle6": 8, "quad8": 14}
 
 _WTMASS = re.compile(rb"\s*PARAM[\s,*]+WTMASS[\s,]+([^\s,]+)")
 
-# Beginnings of OFFT, or the older flag there: a bar's vector is in the axes of its node, or basic.
+# First letters of a bar's OFFT, or the older flag in this field, that are read: its orientation
+# vector is in the axes of its node, or with B in basic axes.
 _FRAMES = [b"", b"G", b"1", b"2", b"B"]
 
-# A beam's y and z in the axes z and y of its section.
+# Axes y and z of a `Beam`, in rows, in the axes h and v of a figure, Nastran's z and y.
 _AXES = np.array([[-1.0, 0.0], [0.0, 1.0]])
 
-# Relative difference of G from E/(2 (1 + nu)) from which on a material is not isotropic.
+# Relative difference of G from E/(2 (1 + nu)) above which a message says that G is not used.
 _ISOTROPIC = 0.01
 
 
 @dataclass(eq=False)
 class NastranDeck:
-    """Case control and bulk data, nodes, and elements block by block as the mesh has them.
+    """A deck beyond its mesh: case control, bulk data, nodes, and the entries of each mesh block.
 
-    `source` is that of the last `read`.
+    `source` is the argument of the last `read`.
     """
 
     control: list[Line]
@@ -468,11 +471,11 @@ class NastranDeck:
 
     @property
     def sections(self) -> str:
-        """Properties of shells and beams, as in "2 PSHELL"."""
+        """Numbers of properties of shells and beams, as in "2 PSHELL"."""
         return _counted(self.bulk, _DIMENSIONS[1], _DIMENSIONS[2])
 
     def cards(self, cards: Iterable[Card]) -> dict[int, Card]:
-        """Return entries by their numbers."""
+        """Return entries by number; refuse different entries of the same number."""
         found: dict[int, Card] = {}
         for card in cards:
             label = card.integer(0, "its number")
@@ -482,17 +485,17 @@ class NastranDeck:
 
     @cached_property
     def properties(self) -> dict[int, dict[int, Card]]:
-        """All properties by the dimension of their elements, also those that are not read."""
+        """All properties, supported or not, by dimension of their elements and by number."""
         return {dim: self.cards(_properties(self.bulk, dim)) for dim in _DIMENSIONS}
 
     @cached_property
     def materials(self) -> dict[int, Card]:
-        """The materials of solids, also those that are not read."""
+        """All entries of materials, supported or not, by number."""
         return self.cards(self.bulk.cards(*filter(_SOLIDS.fullmatch, self.bulk.names)))
 
     @cached_property
     def weight(self) -> float:
-        """The factor on densities: PARAM,WTMASS of bulk data or of case control."""
+        """Factor on densities: PARAM,WTMASS of bulk data or case control, else 1."""
         found = [card for card in self.bulk.cards("PARAM") if card.text(0) == "WTMASS"]
         for line in self.control:
             if of := _WTMASS.match(line.text):
@@ -504,12 +507,12 @@ class NastranDeck:
         return values[0] if found else 1.0
 
     def entries(self, members: IntArray) -> list[tuple[Table, str]]:
-        """Return the entries of some elements, and their layouts."""
+        """Return the entries of the elements numbered `members`, with layouts, block by block."""
         found = zip(self.parts, self.source.raw.rows(members), strict=True)
         return [(part.table.select(rows), part.layout) for part, (_, rows) in found if len(rows)]
 
     def read(self, source: Source) -> dict[str, OneMaterial]:
-        """Return the sections by group."""
+        """Return the sections in SI units by group, such as "property 3"."""
         self.source = source
         dims = self.source.raw.dims
         found: dict[str, OneMaterial] = {}
@@ -542,7 +545,7 @@ class NastranDeck:
     # ------------------------------------------------------------------- materials
 
     def material(self, label: int, card: Card) -> Solid:
-        """Return a material by its number; the card is the one that names it."""
+        """Return a material by its number; `card` is the property that refers to it."""
         given: Solid | None = self.source.instead(f"material {label}")
         if given is not None:
             return given
@@ -562,14 +565,14 @@ class NastranDeck:
             cure = f"give read_sections(given={{'material {label}': Material(...)}})"
             raise own.error(f"RHO is 0 or blank; write it, or {cure}")
         if bar and own.name == "MAT1" and own.text(1) and own.real(2, "G", 0.0):
-            own = replace(own, fields=[*own.fields[:3], "", *own.fields[4:]])  # whatever NU is
+            own = replace(own, fields=[*own.fields[:3], "", *own.fields[4:]])  # E and G as given
         with refusing(own.error):
             return make(self.source, own, rho)
 
     # ------------------------------------------------------------ fields of elements
 
     def offset(self, own: IntArray, card: Card) -> float:
-        """Return what ZOFFS of all elements is, in metres; refuse thickness at nodes."""
+        """Return the offset ZOFFS common to all elements, m; refuse thickness at nodes."""
         found = []
         for table, layout in self.entries(own):
             last = 14 if layout.startswith("quad") else 13
@@ -582,14 +585,14 @@ class NastranDeck:
         return float(offsets[0]) * self.source.length
 
     def axes(self, label: int, own: IntArray, card: Card) -> FloatArray:
-        """Return the unit axes of a rectangular system in rows."""
+        """Return the unit axes, in rows, of a rectangular coordinate system."""
         found = self.grids.axes(label, partial(self.entries(own)[0][0].refused, 0))
         if found.kind != "R":
             raise card.error(f"system {label} is not rectangular")
         return found.axes
 
     def fibres(self, own: IntArray, card: Card) -> tuple[float, ...]:
-        """Return the direction whose projection is the material's axis on all elements."""
+        """Return a direction whose projection on each element is the material's axis 1 there."""
         normals = self.source.directions(own)
         x = across(self.source.directions(own, edges=True), normals)
         columns = [table.fields[:, _THETA[layout]] for table, layout in self.entries(own)]
@@ -603,7 +606,7 @@ class NastranDeck:
         return common(along, normals)
 
     def towards(self, own: IntArray) -> ArrayPair:
-        """Return the direction of plane 1 of each bar, and its offset; refuse hinges."""
+        """Return a vector in plane 1 of each bar and the bar's offset, m; refuse hinges."""
         nodes, grids = self.source.raw.nodes, self.grids
         for table, layout in self.entries(own):
             if layout == "line3":
@@ -630,7 +633,7 @@ class NastranDeck:
         vectors[~by_node] = table.select(~by_node).reals(4, 3)
         basic = by_node | (frames == b"B") | (grids.output_systems[rows] < 0)
         systems = np.where(basic, 0, grids.output_systems[rows])
-        for system, own in grids.by_system(systems, table):  # X1 to X3 are in that of GA
+        for system, own in grids.by_system(systems, table):  # X1 to X3 are in CD of node GA
             axes = system.directions(nodes[rows[own]])
             vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
         return vectors, ends[:, :3] * self.source.length
@@ -663,7 +666,7 @@ def _shell(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
 
 
 def _laminate(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
-    """Return PCOMP, with four fields a ply, or PCOMPG, with a number before these in each line."""
+    """Return the laminate of PCOMP (four fields per ply) or PCOMPG (a ply number before these)."""
     card.must_be(2, "NSM", 0.0)
     if card.text(7) not in ("", "SYM"):
         raise card.error(f"LAM={card.text(7)} is not supported")
@@ -685,9 +688,9 @@ def _laminate(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
 
 
 def _bar(deck: NastranDeck, card: Card, own: IntArray, shear: float = math.inf) -> OneMaterial:
-    """Return PBAR: y of the deck is z of the section, and z of the deck is against y.
+    """Return the beam of PBAR; the deck's y is z of `Beam`, and its z is opposite to y of `Beam`.
 
-    It is rigid in shear where K1 and K2 are blank, or 0.
+    The beam is rigid in shear if K1 and K2 are 0, or blank with `shear` = inf (PBAR's default).
     """
     card.must_be(6, "NSM", 0.0)
     area, I1, I2, J = card.reals(2, "A I1 I2 J")
@@ -698,7 +701,7 @@ def _bar(deck: NastranDeck, card: Card, own: IntArray, shear: float = math.inf) 
 
 
 def _constant(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
-    """Return PBEAM, of which all cross-sections must be the same, by its PBAR."""
+    """Return the beam of a PBEAM of constant cross-section, by conversion to PBAR."""
     of = [*card.fields, *[""] * 16]
     if of[8] in _STATIONS:  # without C to F
         of[8:8] = [""] * 8
@@ -714,7 +717,7 @@ def _constant(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
 
 
 def _shaped(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
-    """Return PBARL or PBEAML: dimensions, and a mass beside the section's that must be 0."""
+    """Return the beam of PBARL or PBEAML, whose section is given by dimensions; NSM must be 0."""
     count, make = named(NASTRAN, card.text(3))
     if any(card.fields[9 + count :]):
         raise card.error("it has fields after its first cross-section, which is not supported")
@@ -732,10 +735,10 @@ def _beam(deck: NastranDeck, card: Card, own: IntArray, section: Any) -> OneMate
     return deck.source.beam(section, material, z, own, _AXES, moved)
 
 
-# First field of the lines of PBEAM that have a cross-section.
+# First field of a PBEAM's line that begins a further cross-section.
 _STATIONS = ("YES", "YESA", "NO")
 
-# How properties are read; None for bars without bending.
+# Functions that read properties, by name; None for bars without bending, which are left out.
 _PROPERTIES: dict[str, Callable[..., OneMaterial] | None] = {
     "PSOLID": _solid,
     "PSHELL": _shell,
@@ -751,7 +754,7 @@ _PROPERTIES: dict[str, Callable[..., OneMaterial] | None] = {
 
 
 def _isotropic(source: Source, card: Card, rho: float) -> Material:
-    """Return MAT1, of which one of E, G and NU may be blank; of two, solvers make no solid."""
+    """Return the material of a MAT1, where at most one of E, G and NU may be blank."""
     E, G, nu = (card.real(at, "", 0.0) for at in (1, 2, 3))
     if sum(bool(card.text(at)) for at in (1, 2, 3)) < 2 or (G == 0.0 and not card.text(3)):
         raise card.error("write two of E, G and NU")
@@ -770,8 +773,8 @@ def _isotropic(source: Source, card: Card, rho: float) -> Material:
 _MAT8 = "E1 E2 NU12 G12 G1Z G2Z"
 _MAT11 = "E1 E2 E3 NU12 NU13 NU23 G12 G13 G23"
 
-# Materials of solids, numbered together; those that are read, with the places of their density and
-# damping.
+# Names of the entries of materials, which are numbered together. For those that are read: the
+# function, and the indices of the fields of density and damping.
 _SOLIDS = re.compile("MAT([12389]|1[01])")
 _MATERIALS: dict[str, tuple[Callable[..., Solid], int, int]] = {
     "MAT1": (_isotropic, 4, 7),
@@ -780,18 +783,18 @@ _MATERIALS: dict[str, tuple[Callable[..., Solid], int, int]] = {
 }
 
 
-# IFO, the form of a matrix: of a symmetric one a single triangle is there.
+# IFO, the form of a matrix: square, or symmetric with one triangle in the file.
 _SQUARE, _SYMMETRIC = 1, 6
 
-# TIN, the type of its numbers, of real ones at most.
+# TIN, the type of a matrix's numbers: the largest value for real numbers.
 _REAL = 2
 
 
 def read_dmig(file: Path) -> list[RawMatrix]:
-    """Read all matrices of a file.
+    """Return all DMIG matrices of a file.
 
-    An entry is a header (name, 0, IFO, TIN), or a column: its name, node and component, then node,
-    component and value of each row.
+    An entry is a header (name, 0, IFO, TIN), or a column: matrix name, node and component of the
+    column, then node, component and value of each row.
     """
     quads, entry = read_deck(file)[1].quads("DMIG")
     starts = np.diff(entry, prepend=-1) > 0

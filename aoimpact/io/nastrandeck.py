@@ -1,4 +1,4 @@
-"""Nastran's bulk data: the lines of all files, replicated and joined to entries with fields."""
+"""Parser of Nastran decks: lines of all files, replication, and entries with their fields."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ import numpy.typing as npt
 from ..base import BoolArray, FloatArray, IntArray, MeshError, decoded, record, require
 from .raw import Line, number, numbers, read_text
 
-# Bytes of memory for each byte of a deck: its text, lines, columns and fields.
+# Memory needed per byte of a deck: its text, lines, columns and fields.
 _PER_BYTE = 22
 
-# Columns of a line that Nastran reads.
+# Number of columns of a line that Nastran reads.
 _COLUMNS = 80
 
-# Characters of a field in a line with commas at most.
+# Largest number of characters of a field in a line with commas.
 _LONG = 32
 
-# Entries that one line of replication may stand for.
+# Largest number of entries that one line of replication may make.
 _MOST = 1_000_000
 
-# Lines that a name of INCLUDE may go over.
+# Largest number of lines of a file name of INCLUDE.
 _LONGEST = 50
 
 _INCLUDE = re.compile(r"\s*INCLUDE(?=[\s='\"])\s*=?\s*('[^']*'|\"[^\"]*\"|[^'\"\s].*)", re.I)
@@ -42,23 +42,23 @@ _BULK = re.compile(
 )
 _TIMES = re.compile(rb"=(?:(\d+)|\((\d+)\))")
 _INCREMENT = re.compile(rb"\*\(?([^()]+)\)?")
-_MARK = re.compile(rb"[+*](?![\d.])")  # of a continuation: "+" or "+A1", not "+1.5"
+_MARK = re.compile(rb"[+*](?![\d.])")  # mark of a continuation: "+" or "+A1", not "+1.5"
 INTEGER = re.compile(rb"[-+]?\d{1,18}")
 
-# Entries with defaults for the blank fields of others.
+# For each kind of entry, the entry that holds the defaults of its blank fields.
 _DEFAULTS = {"GRID": "GRDSET", "CBAR": "BAROR", "CBEAM": "BEAMOR"}
 
-# Entries of four fields, of which one may have two.
+# Kinds of entries with four fields, of which two may share a line.
 _PAIRS = ["CROD", "CTUBE", "CORD1R", "CORD1C", "CORD1S"]
 
 _NAME = re.compile(rb"[A-Z][A-Z0-9]*")
 
-# Relative difference from a number with few digits, such as 0.833 for 5/6.
+# Largest relative difference from a required number, which may have few digits: 0.833 for 5/6.
 _DIGITS = 1e-3
 
 
 def is_nastran(content: bytes) -> bool:
-    """Return whether a file is a Nastran deck, by its beginning."""
+    """Return whether the beginning of a file is that of a Nastran deck."""
     return _BULK.search(decoded(content) or "") is not None
 
 
@@ -68,16 +68,14 @@ def is_nastran(content: bytes) -> bool:
 def read_deck(file: Path) -> tuple[list[Line], BulkData]:
     """Return the lines of case control, and the bulk data.
 
-    Lines are in capitals, without comments, tabs and blank lines; ASCII, with "?" for any other
-    character.
-
-    A deck without BEGIN BULK is bulk data throughout.
+    Lines are returned in capitals, without comments, tabs and blank lines, with "?" for characters
+    beyond ASCII. A deck without BEGIN BULK is all bulk data.
 
     Raises
     ------
     MeshError
-        If a file that it includes is not there, if it has several parts, such as superelements, or
-        if a line is neither the beginning of an entry nor the continuation of one.
+        If an included file does not exist, if the deck has several parts, such as superelements,
+        or if a line neither begins nor continues an entry.
     MemoryLimitError
     """
     lines = _all_lines(file)
@@ -96,7 +94,7 @@ def read_deck(file: Path) -> tuple[list[Line], BulkData]:
 
 
 def _all_lines(main: Path) -> list[Line]:
-    """Return the lines of a deck up to ENDDATA, those of included files in their places."""
+    """Return the lines of a deck up to ENDDATA, with included files inserted."""
     found = list[Line]()
 
     def add(file: Path, within: tuple[Path, ...]) -> bool:
@@ -115,7 +113,7 @@ def _all_lines(main: Path) -> list[Line]:
             if name != b"INCLUDE":
                 found.append(line)
                 continue
-            # A name in quotes may go on over several lines.
+            # A quoted file name may continue over several lines.
             ahead = re.sub(r"\$.*", "", "\n".join(written.split("\n")[i : i + _LONGEST]))
             if (given := _INCLUDE.match(ahead)) is None:
                 raise line.refused("INCLUDE", "it needs the name of a file, in quotes")
@@ -125,7 +123,7 @@ def _all_lines(main: Path) -> list[Line]:
             folders = (file.parent, main.parent)
             places = [folder / of for folder in folders if os.path.isfile(folder / of)]
             if not places:
-                # Before CEND there are statements for the solver alone.
+                # Statements before CEND matter to the solver only.
                 if any(after.lstrip()[:4] == b"CEND" for after in lines[i:]):
                     continue
                 raise line.refused("INCLUDE", f"there is no file {of!r}")
@@ -144,9 +142,9 @@ def _all_lines(main: Path) -> list[Line]:
 
 
 class Piece(NamedTuple):
-    """A line of bulk data between its head and its tail, which have the marks of continuations.
+    """A line of bulk data: fields between a head and a tail, which hold continuation marks.
 
-    It is `spoilt` if a field is left over or too long to be kept.
+    `spoilt` is true if the line has too many fields, or a field that is too long.
     """
 
     line: Line
@@ -157,10 +155,10 @@ class Piece(NamedTuple):
 
 
 def _with_commas(line: Line, words: list[bytes]) -> Piece:
-    """Return a line with commas, or a copy by replication."""
+    """Return the piece of a line with commas, or of a replicated line, from head and fields."""
     head, *fields = words
     most, tail, more = 4 if b"*" in head else 8, b"", list[bytes]()
-    # Nastran takes the ninth field for data if there are more behind it, unless it is a mark.
+    # Nastran takes the ninth field for data if more fields follow and it is no continuation mark.
     data = most == 8 and len(fields) > 9 and fields[8][:1] not in (b"", b"+", b"*")
     if len(fields) > most and not data:
         fields, (tail, *more) = fields[:most], fields[most:]
@@ -172,7 +170,7 @@ def _with_commas(line: Line, words: list[bytes]) -> Piece:
 
 
 def _pieces(lines: list[Line]) -> list[Piece]:
-    """Return the lines of bulk data, and copies by replication."""
+    """Return the pieces of all lines of bulk data, with replicated lines inserted."""
     found: list[Piece] = []
     rule: list[bytes] = []
     for line in lines:
@@ -193,7 +191,7 @@ def _pieces(lines: list[Line]) -> list[Piece]:
 
 
 def _words(line: bytes) -> list[bytes]:
-    """Return head and fields of a line with or without commas."""
+    """Return head and fields of a line of replication, with or without commas."""
     free = b"," in line[:10] or b" " not in line
     words = line.split(b",") if free else [line[k : k + 8] for k in range(0, 72, 8)]
     return [one.strip() for one in words]
@@ -202,10 +200,10 @@ def _words(line: bytes) -> list[bytes]:
 def _copies(
     line: Line, entry: list[bytes], rule: list[bytes]
 ) -> tuple[list[list[bytes]], list[bytes]]:
-    """Return the entries that a line of replication stands for, and the rule that they follow.
+    """Return the entries that a line of replication makes, and the fields that are its rule.
 
-    "=" is the field of the entry before, "==" all of its further fields, and "*2" or "*(2)" the
-    field with an increment. "=5" and "=(5)" repeat the line above five times.
+    "=" copies a field of the previous entry, "==" copies all its further fields, and "*2" or "*(2)"
+    adds an increment to the field. "=5" and "=(5)" apply the rule of the line above five times.
     """
     head, *fields = _words(line.text)[:9]
     times = _TIMES.fullmatch(head)
@@ -226,7 +224,7 @@ def _copies(
 
 
 def _next(entry: list[bytes], rule: list[bytes]) -> list[bytes]:
-    """Return the fields after those of an entry, by a line of replication."""
+    """Return the fields of the next entry by the rule of a line of replication."""
     found: list[bytes] = []
     for old, new in zip_longest(entry, rule, fillvalue=b""):
         if new == b"==":
@@ -240,15 +238,16 @@ def _next(entry: list[bytes], rule: list[bytes]) -> list[bytes]:
 
 
 def read_bulk_data(lines: list[Line]) -> BulkData:
-    """Join lines to entries.
+    """Return the entries of bulk data, joined from their lines.
 
-    A continuation without a mark, or with the mark of the line before it, continues that line; any
-    other is looked for by its mark. Both ends of a mark may differ in the first character.
+    A continuation without a mark, or with the mark at the end of the line before, continues that
+    line. Any other continues the one line that ends in its mark. The first characters of the two
+    marks may differ.
 
     Raises
     ------
     MeshError
-        If a line is neither the beginning of an entry nor the continuation of one.
+        If a line neither begins nor continues an entry.
     """
     pieces = _pieces(lines)
     parents: dict[bytes, list[int]] = {}
@@ -280,7 +279,7 @@ def read_bulk_data(lines: list[Line]) -> BulkData:
                 why = "large fields before it fill only half a line; add '*'"
                 raise own[-1].line.refused("continuation", why)
             half, at = half != (b"*" in own[-1].head), child.pop(at, None)
-        # meshio writes CTETRA_, CHEXA_ and so on for elements with midside nodes.
+        # meshio writes CTETRA_, CHEXA_ etc. for elements with midside nodes.
         name = own[0].head.strip().removesuffix(b"*").strip().removesuffix(b"_")
         if not _NAME.fullmatch(name):
             text = own[0].line.text[:24].decode()
@@ -293,7 +292,7 @@ def read_bulk_data(lines: list[Line]) -> BulkData:
 
 @record
 class Card:
-    """An entry of bulk data by itself, with its fields from field 2 on."""
+    """One entry of bulk data; `fields` begins with field 2, after the name."""
 
     name: str
     fields: list[str]
@@ -304,11 +303,11 @@ class Card:
         return self.line.refused(self.name, why)
 
     def text(self, at: int) -> str:
-        """Return a field; blank beyond the last one."""
+        """Return a field as text; "" beyond the last field."""
         return self.fields[at] if at < len(self.fields) else ""
 
     def real(self, at: int, what: str, default: float | None = None) -> float:
-        """Return a field as a number; refuse a blank one without a default."""
+        """Return a field as a number, or `default` if blank; refuse a blank without a default."""
         if not self.text(at):
             if default is None:
                 raise self.error(f"{what} is blank")
@@ -319,18 +318,18 @@ class Card:
             raise self.error(str(wrong)) from None
 
     def integer(self, at: int, what: str, default: int = 0) -> int:
-        """Return a field as an integer, such as 4, +4 or 04."""
+        """Return a field as an integer, which may be written 4, +4 or 04; `default` if blank."""
         text = self.text(at)
         if text and not INTEGER.fullmatch(text.encode()):
             raise self.error(f"{what} must be an integer, got {text!r}")
         return int(text or default)
 
     def reals(self, first: int, names: str) -> list[float]:
-        """Return numbers by their names, none of them blank."""
+        """Return consecutive fields from `first` on as numbers; refuse blanks, by their names."""
         return [self.real(first + i, name) for i, name in enumerate(names.split())]
 
     def must_be(self, at: int, what: str, wanted: float) -> None:
-        """Refuse another value than the one that a blank field stands for."""
+        """Refuse a field unless it is blank or has the `wanted` value, that of a blank field."""
         value = self.real(at, what, wanted)
         if abs(value - wanted) > _DIGITS * abs(wanted):
             raise self.error(f"{what}={value:g} is not supported; only {wanted:g} is")
@@ -338,12 +337,12 @@ class Card:
 
 @record
 class BulkData:
-    """Entries of bulk data by name, each with the lines that continue it."""
+    """Entries of bulk data by name; an entry is a list of its lines."""
 
     names: dict[str, list[list[Piece]]]
 
     def _fields(self, name: str, entry: list[Piece]) -> list[bytes]:
-        """Return the fields of an entry, from field 2 on."""
+        """Return all fields of an entry, from field 2 on."""
         for piece in entry:
             if piece.spoilt:
                 why = f"the line has too many fields, or one of more than {_LONG} characters"
@@ -351,10 +350,10 @@ class BulkData:
         return [field for piece in entry for field in piece.fields]
 
     def table(self, **widths: int) -> Table:
-        """Return the entries of some names, which have so many data fields at most.
+        """Return the entries of some names, given as name=largest number of data fields.
 
-        Blank fields have the values of GRDSET, BAROR and BEAMOR. Two rods or systems in one entry
-        are two, the second ones at the end.
+        Blank fields are filled from GRDSET, BAROR and BEAMOR. If an entry holds two rods or
+        coordinate systems, the second makes a row at the end of the table.
         """
         found = [(name, of) for name in widths for of in self.names.get(name, ())]
         found.sort(key=lambda one: one[1][0].line.order)
@@ -386,7 +385,7 @@ class BulkData:
         return every
 
     def quads(self, name: str) -> tuple[Table, IntArray]:
-        """Return the data fields of entries of any length by fours, and the entry of each four."""
+        """Return the fields of entries of any length in rows of four, and each row's entry."""
         rows, entries, lines = list[list[bytes]](), list[int](), list[Line]()
         for i, entry in enumerate(self.names.get(name, ())):
             fields = self._fields(name, entry)
@@ -398,7 +397,7 @@ class BulkData:
         return table, np.array(entries, int)
 
     def cards(self, *names: str) -> Iterator[Card]:
-        """Yield entries one by one, name by name."""
+        """Yield the entries of some names as cards, name by name."""
         for name in names:
             for entry in self.names.get(name, ()):
                 texts = [field.decode() for field in self._fields(name, entry)]
@@ -407,13 +406,14 @@ class BulkData:
 
 @record
 class Table:
-    """Entries of one kind in the order of the deck.
+    """Entries of similar kinds as arrays, in the order of the deck.
 
     Attributes
     ----------
     names : ndarray of str, shape (n,)
+        Name of each entry.
     lines : ndarray of Line, shape (n,)
-        Where each entry begins.
+        First line of each entry.
     fields : ndarray of bytes, shape (n, width)
         Data fields, from field 2 of an entry on.
     """
@@ -427,25 +427,25 @@ class Table:
 
     @cached_property
     def blank(self) -> BoolArray:
-        """Fields without content, shape (n, width)."""
+        """True for fields without content, shape (n, width)."""
         return np.asarray(self.fields == b"")
 
     def select(self, rows: IntArray | BoolArray) -> Table:
-        """Return some of the entries."""
+        """Return a table of the entries in `rows`, numbers or a mask."""
         return Table(self.names[rows], self.lines[rows], self.fields[rows])
 
     def refused(self, row: int, why: str) -> MeshError:
-        """Return the error for an entry."""
+        """Return the error for the entry in a row."""
         found: MeshError = self.lines[row].refused(str(self.names[row]), why)
         return found
 
     def refuse_first(self, wrong: BoolArray, why: str) -> None:
-        """Raise the error for the first entry that is wrong, if there is one."""
+        """Raise an error for the first entry that is `wrong`, if any."""
         for row in np.flatnonzero(wrong)[:1].tolist():
             raise self.refused(row, why)
 
     def integers(self, first: int, count: int) -> IntArray:
-        """Return fields from `first` on as integers, shape (n, count); blank is 0."""
+        """Return `count` fields from `first` on as integers, shape (n, count); blanks are 0."""
         text = self._filled(first, count)
         try:
             if b"_" in text.tobytes():  # Python's 1_0
@@ -457,7 +457,7 @@ class Table:
         return found
 
     def reals(self, first: int, count: int) -> FloatArray:
-        """Return fields from `first` on as real numbers, shape (n, count); blank is 0."""
+        """Return `count` fields from `first` on as numbers, shape (n, count); blanks are 0."""
         text = self._filled(first, count)
         found = numbers(text.ravel()).reshape(text.shape)
         self._refuse(first, np.isnan(found), "a real number")
