@@ -1,8 +1,8 @@
-"""Decks of Abaqus and CalculiX: their mesh, groups and sections.
+"""Meshes, groups and sections from decks of Abaqus and CalculiX.
 
-A keyword that is not understood is refused unless it is known to have no influence on mesh and
-groups. A new one that makes nodes, elements or sets goes into `_READ`, a section into `_SECTIONS`;
-all others have a kind in `_KINDS`.
+A keyword that is not read is refused unless it is known to have no influence on mesh and groups.
+To read a new keyword, add it to `_READ` if it makes nodes, elements or sets, and to `_SECTIONS` if
+it is a section; `_KINDS` classifies all other keywords.
 """
 
 from __future__ import annotations
@@ -27,12 +27,11 @@ from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
 from .sections import Axes, Source, across, layered, refusing, triad
 
-# Sets of nodes or of elements.
+# Which kind of set: "NSET" of nodes, "ELSET" of elements.
 Which = Literal["NSET", "ELSET"]
 
-# Beginnings of the names of all other keywords of Abaqus and CalculiX: materials, sections,
-# interactions, loads, steps, output. They have no influence on nodes, elements and sets; surfaces
-# are no groups here.
+# Beginnings of the names of keywords without influence on nodes, elements and sets: materials,
+# sections, interactions, loads, steps, output. Surfaces are not read as groups.
 _BEGINNINGS = """
     ACOUSTIC ACTIVATE ADAPTIVEMESH AMPLITUDE ANISOTROPIC ANNEAL AQUA BASE BIAXIAL BLOCKAGE BOND
     BOUNDARY BRITTLE BUCKL BULKVISC C-ADDED CALIBRATION CAP CASTIRON CAVITY CECHARGE CECURRENT
@@ -62,35 +61,35 @@ _BEGINNINGS = """
     UNDEX UNIAXIAL UNLOADING USER VALUES VARIABLEMASS VIEWFACTOR VOID VOLUMETRIC WAVE WIND XFEM
 """
 
-# Kinds of keywords by their names, beyond those that are read; the first that fits counts.
+# Patterns of keywords, by kind, beyond those in `_READ` and `_SECTIONS`; the first match counts.
 _KINDS = {
-    # They change nodes, elements or sets in ways that the reader does not follow.
+    # Keywords that change nodes, elements or sets in ways that are not implemented.
     "unsupported": (
         "ADAPTIVEMESHREFINEMENT|ADJUST|DISPLAYBODY|(EL|N)(COPY|GEN)|IMPERFECTION|IMPORT((EL|N)SET)?"
         "|NFILL|NMAP|REFINEMESH|SYMMETRICMODELGENERATION"
     ),
-    # They connect nodes, or take elements away during an analysis, which a mesh cannot hold.
+    # Keywords that connect nodes or remove elements during an analysis, which a mesh cannot hold.
     "connection": (
         "COUPLING|DISTRIBUTINGCOUPLING|EMBEDDEDELEMENT|EQUATION|FASTENER|KINEMATICCOUPLING"
         "|MODELCHANGE|MPC|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
     ),
     "material": "MATERIAL|ELASTIC|DENSITY",
-    # Options of a material that change its answer and are left out.
+    # Material behaviour that changes the answer and is left out.
     "inelastic": (
         "(CYCLIC|RATEDEPENDENT|)PLASTIC|CYCLICHARDENING|RATEDEPENDENT|CREEP|DAMPING|VISCO.*"
         "|HYSTERESIS|DAMAGE.*|(BRITTLE|CONNECTOR|SHEAR|TENSILE|)FAIL.*|SUPERELASTIC.*|HYPER.*"
         "|(CAP|CASTIRON|CLAY|CONCRETEDAMAGED|CONNECTOR|POROUSMETAL)PLASTICITY|BRITTLECRACKING"
         "|NOCOMPRESSION|NOTENSION|USERMATERIAL"
     ),
-    # They add to a section: to that of their ELSET, or to the one before them.
+    # Additions to a section: that of their ELSET, or else the section before them.
     "addition": (
         "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
         "|SHEARCENTER|BEAM(ADDED|FLUID)INERTIA|BEAMSECTIONOFFSET"
     ),
-    # They add mass or stiffness between sections and beside them.
+    # Mass or stiffness that belongs to no section.
     "beside": "FOUNDATION|MASSADJUST",
-    # Sections of elements that are no part of a body, and what else has "section" in its name. Any
-    # other such name, and one that begins as the body's do, may be a section that is misspelt.
+    # Sections of elements that are no part of a body, other names with SECTION, and names with
+    # harmless beginnings. Any other name with SECT is refused, as it may be a misspelt section.
     "harmless": (
         "(COHESIVE|CONNECTOR|DISCRETE|EULERIAN|FLUID(PIPE)?|FRAME|GASKET|MEMBRANE|SURFACE"
         "|USER|INTEGRATEDOUTPUT|PRE-TENSION|CHANGESOLID)SECTIONS?|BEAMSECTIONGENERATE"
@@ -99,12 +98,13 @@ _KINDS = {
     ),
 }
 
-# Nodes of C3D27 in meshio's order, where the middle comes before those of faces 1 to 6, and of B32,
-# where it comes before the second end.
+# For each node in meshio's order, its number in Abaqus' element: in C3D27 the middle node comes
+# before those of faces 1 to 6, in B32 before the second end.
 _ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0, 2, 1)}
 
-# Types of elements, their kinds by their first digits, and the dimension of solids, shells and
-# beams; membranes, rigid and plane elements and trusses are none. B33 has the nodes of B31.
+# Patterns of element types; the kind by the digits that the pattern captures; and the dimension: 3
+# solids, 2 shells, 1 beams, 0 others (membranes, rigid and plane elements, trusses). B33 has the
+# nodes of B31.
 _TYPES: tuple[tuple[str, dict[int, str], int], ...] = (
     (r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}", SOLIDS, 3),
     (r"(?:U?S|STRI)(65|3|4|6|8|9)(?!\d)[A-Z0-9]*", SURFACES | {65: "triangle6"}, 2),
@@ -113,7 +113,8 @@ _TYPES: tuple[tuple[str, dict[int, str], int], ...] = (
     (r"B3([123])R?H?(?:OS)?H?", {1: "line", 2: "line3", 3: "line"}, 1),
 )
 
-# Elements of a number of nodes that may vary, or of shapes that no mesh of solids has.
+# Pattern of element types whose nodes are not read: of variable number of nodes, or of shapes that
+# no mesh of solids has.
 _LISTED = (
     r"(?:B2\d|PIPE|ELBOW|FRAME|MASS$|ROTARYI$|HEATCAP$|SPRING|DASHPOT|JOINT|CONN|GAP|DGAP|DCOUP"
     r"|ITS|ITT|ISL|IRS|LS\d|COH|GK|SC[68]R|CSS8|SFM|MAX|MCL|CCL|CIN|CPEG|CGAX|CAXA|CGPE|SAX|SAXA"
@@ -121,16 +122,16 @@ _LISTED = (
     r"|DRAG|KSP|WARP|D$|V?U\d|Z\d)[A-Z0-9-]*"
 )
 
-# Least share of an orientation's axis along the normals of the shell that it is for.
+# Smallest component, along the shell's normals, of the orientation axis that should be normal.
 _ALONG = 1e-3
 
-# Sine of the angle to the normal below which x is no direction on a shell: 0.1 degrees.
+# Sine of 0.1°: the smallest angle between x and a shell's normal for x to be projected as axis 1.
 _NORMAL = 1.745e-3
 
-# A beam's y and z in axes 1 and 2 of its section.
+# Axes y and z of a `Beam`, in rows, in the axes 1 and 2 of Abaqus' section.
 _AXES = np.array([[0.0, -1.0], [1.0, 0.0]])
 
-# Largest difference of an angle between two orientations over a shell, rad.
+# Largest variation over a shell's elements of the angle between two orientations, rad.
 _ANGLE = 1e-4
 
 # Advice for an orientation that Abaqus and CalculiX interpret differently.
@@ -140,23 +141,23 @@ _CURE = "write the fibres as axis 1, and 3 in the second line"
 def read(file: Path) -> raw.RawMesh:
     """Return the mesh of a deck of Abaqus or CalculiX.
 
-    A set of an instance is called "instance.set", and "set" as well where no other has one of that
-    name. An instance is the group of its solids. Nodes of the assembly itself, which are
+    A set of an instance is called "instance.set", and also "set" if no other instance has a set of
+    that name. Each instance is a group of its elements. Nodes of the assembly itself, which are
     reference points, are left out.
 
     Raises
     ------
     MeshError
-        With file, line and keyword, if something that may concern nodes, elements or sets is not
-        understood.
+        If a line that may concern nodes, elements or sets is not understood; file, line and keyword
+        are named.
     MissingFileError
-        If a file that it includes is not there.
+        If an included file does not exist.
 
     Warns
     -----
     AOImpactWarning
-        If parts have no instance, sets name missing members, or nodes are connected by more than
-        elements.
+        If parts have no instance, sets have undefined members, or nodes are connected by other
+        means than elements.
     """
     with np.errstate(all="ignore"):  # coordinates out of reach are refused later
         return _joined(file, read_keywords(file))
@@ -164,7 +165,7 @@ def read(file: Path) -> raw.RawMesh:
 
 @cache
 def _kind(name: str) -> str:
-    """Return the kind of a keyword; "" if it has none."""
+    """Return the kind of a keyword, "section" or a key of `_KINDS`; "" if it is unknown."""
     if name in _SECTIONS:
         return "section"
     return next((kind for kind, names in _KINDS.items() if re.fullmatch(names, name)), "")
@@ -175,14 +176,16 @@ def _kind(name: str) -> str:
 
 @record
 class AbaqusDeck:
-    """Keywords of a deck beyond its mesh.
+    """A deck beyond its mesh.
 
     Attributes
     ----------
     cards : list of Keyword
+        All keywords of the deck.
     whole : Scope
+        The assembly, or the whole deck if it has no parts.
     blocks : list of _Elements
-        The blocks of the mesh.
+        Elements of each block of the mesh.
     """
 
     cards: list[Keyword]
@@ -191,13 +194,13 @@ class AbaqusDeck:
 
     @property
     def sections(self) -> str:
-        """Keywords on shells and beams, as in "2 *SHELLSECTION"."""
+        """Numbers of sections of shells and beams, as in "2 *SHELLSECTION"."""
         thin = [card.name for card in self.cards if _SECTIONS.get(card.name, (None, 3))[1] < 3]
         return raw.listed((f"*{name}", 1) for name in thin)
 
     @cached_property
     def normals(self) -> Keyword | None:
-        """The first card with normals, which turn beams."""
+        """The first keyword that gives normals at nodes, which turn beams; None without any."""
         for card in self.cards:
             nodes = card.data if card.name == "NODE" else ()
             if card.name == "NORMAL" or any(of.text.rstrip(", ").count(",") > 3 for of in nodes):
@@ -206,7 +209,7 @@ class AbaqusDeck:
 
     @cached_property
     def materials(self) -> dict[str, dict[str, Keyword]]:
-        """The options of each material by their names."""
+        """Keywords of each material, such as ELASTIC, by the material's name and their own."""
         found: dict[str, dict[str, Keyword]] = {}
         own: dict[str, Keyword] = {}
         for card in takewhile(lambda card: card.name != "STEP", self.cards):
@@ -215,15 +218,15 @@ class AbaqusDeck:
             kind = _kind(card.name)
             if kind == "material" and card.name in own:
                 raise card.error("the material has it twice")
-            if kind in ("material", "inelastic"):  # which may be several, or of a contact
+            if kind in ("material", "inelastic"):  # inelastic ones may repeat, or be a contact's
                 own[card.name] = card
         return found
 
     def read(self, source: Source) -> dict[str, OneMaterial]:
-        """Return the sections by group: those that hold elements of their kind."""
+        """Return the sections by group, if the group holds elements of the section's dimension."""
         groups = {key(name): name for name in source.raw.cell_sets}
         dims = np.repeat([block.dim for block in self.blocks], np.diff(source.raw.first))
-        bare = dims.copy()  # of elements without a section
+        bare = dims.copy()  # dimensions of elements without a section, else 0
         found: dict[str, OneMaterial] = {}
         elset = ""
         for card in self.cards:
@@ -242,7 +245,7 @@ class AbaqusDeck:
                 read, dim, options = _SECTIONS.get(card.name, of_set)
                 own = members[dims[members] == dim]
                 if not addition and not len(own):
-                    continue  # of trusses, membranes and the like, which no body has
+                    continue  # section of trusses, membranes etc., which are in no body
                 given = source.instead(name, dim)
                 if read is None and given is None:
                     raise card.error(f"it is not read; take it into {of} by read_sections(given=)")
@@ -276,9 +279,9 @@ class AbaqusDeck:
 
 
 def _sorted(keywords: list[Keyword]) -> Scope:
-    """Give each keyword to its part, its instance or the assembly, and refuse unknown ones.
+    """Return the assembly with parts and instances, or the whole of a deck without parts.
 
-    Return the assembly with parts and instances, or a deck without parts.
+    Each keyword is assigned to its part, instance or the assembly; unknown keywords are refused.
     """
     whole = Scope()
     parts = whole.parts
@@ -317,13 +320,13 @@ def _sorted(keywords: list[Keyword]) -> Scope:
         raise keywords[-1].error(f"*END {within[-1][0]} is missing")
     if parts and loose is not None:
         raise loose.error("in a deck with parts, it must belong to one of them")
-    if not whole.inner:  # parts stand for themselves
+    if not whole.inner:  # without instances, each part is its own instance
         whole.inner = {name: Scope(part.name, name) for name, part in parts.items()}
     return whole
 
 
 def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
-    """Put instances in their places, one after the other, and find all sets."""
+    """Return the mesh of all instances, moved to their places, with all sets."""
     whole = _sorted(cards)
     for name, instance in whole.inner.items():
         scope = whole.parts[instance.part]
@@ -334,7 +337,7 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     whole.read()
     every, bodies = list(whole.blocks()), [*whole.inner.values()] or [whole]
     deck = AbaqusDeck(cards, whole, [block for block, *_ in every])
-    # In a body of shells and beams nothing else with a shape is part of it.
+    # Without solids, only shells and beams are read; all else is of kind "other".
     solid = any(block.dim == 3 for block in deck.blocks)
     kinds = [block.kind if block.dim or solid else "" for block in deck.blocks]
     of = np.repeat(np.arange(len(kinds)), [len(block.labels) for block in deck.blocks])
@@ -360,7 +363,7 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
 
 
 def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
-    """Return all sets by the names that users know: members' numbers among those of all scopes."""
+    """Return all sets of nodes, and of elements, by name; members are numbered over all scopes."""
     sets: dict[tuple[Which, str], list[tuple[str, IntArray]]] = {}
     for name, scope in {"": whole, **whole.inner}.items():
         for (which, inner), pieces in scope.sets.items():
@@ -377,13 +380,13 @@ def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
     found: dict[Which, dict[str, IntArray]] = {"NSET": {}, "ELSET": {}}
     for (which, _), own in sets.items():
         called, members = own[0]
-        if all(np.array_equal(members, other) for _, other in own):  # else of several instances
+        if all(np.array_equal(members, other) for _, other in own):  # else ambiguous
             found[which][called] = members
     return found["NSET"], found["ELSET"]
 
 
 def _warn(file: Path, deck: AbaqusDeck) -> None:
-    """Name in one warning the contents of the deck that are not in the mesh."""
+    """Give one warning that lists the contents of the deck that are not in the mesh."""
     said, whole = list[str](), deck.whole
     names = ((f"*{card.name}", 1) for card in deck.cards if _kind(card.name) == "connection")
     if connections := raw.listed(names):
@@ -409,16 +412,20 @@ class _Elements:
 
     Attributes
     ----------
-    type, kind : str
-        The deck's name, and meshio's; the latter is empty if nodes are not read.
+    type : str
+        Abaqus' name of the element type.
+    kind : str
+        meshio's name; "" if nodes are not read.
     dim : int
-        Dimension of solids, shells and beams; 0 for others.
+        Dimension: 3 solids, 2 shells, 1 beams, 0 others.
     labels : ndarray of int, shape (n,)
+        Numbers of the elements in the deck.
     nodes : ndarray of int, shape (n, nodes per element)
-        First their labels, at last rows of the scope's nodes.
+        Labels of the nodes, which `Scope._number` replaces by rows of the scope's nodes.
     keyword : Keyword
+        The *ELEMENT keyword.
     towards : bool
-        True of beams that name a node more, towards which their section is turned.
+        True for beams with an extra node, towards which axis 1 of their section points.
     """
 
     type: str
@@ -432,37 +439,37 @@ class _Elements:
 
 @dataclass(eq=False)
 class Scope:
-    """Nodes, elements and sets that share their numbers and names.
+    """A namespace of a deck, in which numbers of nodes and elements and names of sets are unique.
 
-    A deck without parts is one scope. Else each instance of a part is one, and so is the assembly,
-    whose sets may name members of the instances.
+    A deck without parts is one scope. Otherwise each instance of a part is a scope, and so is the
+    assembly, whose sets may have members in the instances.
 
     Attributes
     ----------
     name : str
-        As it is written.
+        Name of the part or instance as written in the deck.
     part : str
-        The part that it is, or of which it is an instance, in capitals.
+        Name, in capitals, of this part, or of the part that this is an instance of.
     keyword : Keyword or None
-        *INSTANCE.
+        The *PART or *INSTANCE keyword.
     keywords : list of Keyword
-        Those of `_READ`.
+        Keywords of the scope that are in `_READ`.
     parts, inner : mapping of str to Scope
         Parts and instances of an assembly, by their names in capitals.
     first : mapping of Which to int
-        Number of the first node and element among those of all scopes.
+        Number of the scope's first node and element among those of all scopes.
     places : ndarray, shape (n, 3)
-        In the order of the nodes' numbers.
+        Coordinates of the nodes, in ascending order of their labels.
     turn : ndarray, shape (3, 3)
-        By which it is turned as an instance.
+        Rotation matrix of the instance.
     elements : list of _Elements
-        In the order of the deck.
+        Elements in the order of the deck.
     sets : mapping of (Which, str) to list of Keyword
-        Their pieces, by the names of sets as they are compared.
+        Keywords that add members to a set, by the set's name in the form of `key`.
     missing : mapping of str to int
-        By sets, the first of their numbers that is not defined.
+        For each set with undefined members, the label of the first of these.
     known : mapping of Which to (ndarray of int, ndarray of int)
-        Ascending labels, and the rows of their nodes or elements.
+        Ascending labels of nodes and of elements, and the row of each.
     """
 
     name: str = ""
@@ -483,7 +490,7 @@ class Scope:
     _found: dict[tuple[Which, str], IntArray | None] = field(default_factory=dict)
 
     def read(self) -> Scope:
-        """Read its keywords, once, and return the scope."""
+        """Read the keywords of the scope, unless it has been read, and return the scope."""
         if not self.known:
             for keyword in self.keywords:
                 add, options = _READ[keyword.name]
@@ -493,9 +500,10 @@ class Scope:
         return self
 
     def placed(self, of: Scope, first: dict[Which, int]) -> Scope:
-        """Return it as an instance, moved by the data lines of *INSTANCE, if there are any.
+        """Return a copy of the part as the instance `of`, moved by the data lines of *INSTANCE.
 
-        The first is a translation. The second, two points and an angle, turns the moved body.
+        The first line is a translation. The second (two points of an axis, and an angle) rotates
+        the translated body. Both may be missing.
         """
         places = np.vstack([self.places, np.zeros(3), np.eye(3)])
         if of.keyword is not None and of.keyword.rows:
@@ -515,11 +523,11 @@ class Scope:
         return new
 
     def behind(self) -> dict[Which, int]:
-        """Return the numbers, as `first`, that follow those of its nodes and elements."""
+        """Return the value of `first` for the scope after this one."""
         return {which: self.first[which] + len(self.known[which][0]) for which in self.first}
 
     def blocks(self) -> Iterator[tuple[_Elements, int, IntArray]]:
-        """Yield elements, the number of the first, and those of nodes, among all scopes'."""
+        """Yield elements, the number of their first, and their nodes, numbered over all scopes."""
         for scope in (*self.inner.values(), self):
             start = scope.first["ELSET"]
             for block in scope.elements:
@@ -527,10 +535,10 @@ class Scope:
                 start += len(block.labels)
 
     def _system(self, keyword: Keyword) -> None:
-        """Add rectangular axes.
+        """Set the rectangular axes of the nodes that follow (*SYSTEM).
 
-        They are given by their origin, a point on x, and one in the plane of x and y. Without the
-        last one z stays as it is, and x is projected; without any, the axes are global again.
+        They are given by the origin, a point on x, and a point in the x-y plane. Without the third
+        point, z remains the global z, and x is projected. With the origin alone, axes are global.
         """
         what = "the points a and b in one line, and c in the next"
         points, third = keyword.lines_of(6, 3, what=what)
@@ -549,7 +557,7 @@ class Scope:
         system = key(keyword.options.get("SYSTEM", "R"))
         if system not in ("R", "C", "S", "RECTANGULAR", "CYLINDRICAL", "SPHERICAL"):
             raise keyword.error(f"SYSTEM must be R, C or S, got {system}")
-        if system[0] == "S":  # r, the angle about z, and that from the plane of x and y
+        if system[0] == "S":  # r, angle about z, angle from the x-y plane
             places = np.stack([places[:, 0], 90.0 - places[:, 2], places[:, 1]], axis=1)
         places = replace(self._frame, kind=system[0]).basic(places)
         self._points.append((keyword, labels, places))
@@ -557,7 +565,7 @@ class Scope:
 
     def _element(self, keyword: Keyword) -> None:
         name = key(keyword.options.get("TYPE", ""))
-        # A kind of "" is of elements that are only listed, without their nodes.
+        # Kind "": elements that are known by number and type only, without nodes.
         kind, dim, towards = ("" if re.fullmatch(_LISTED, name) else None), 0, False
         for pattern, kinds, of in _TYPES:
             if found := re.fullmatch(pattern, name):
@@ -571,8 +579,8 @@ class Scope:
             n = raw.nodes_in(kind)
             towards = name[0] == "B" and [len(row) for row in keyword.rows[:1]] == [n + 2]
             table = keyword.connectivity(n + towards)[:, : n + 1]
-        else:  # between instances, nodes have names
-            ends = ["", *(line.text[-1] for line in keyword.data)]  # of the lines before
+        else:  # nodes of the assembly's elements may be names, instance.label
+            ends = ["", *(line.text[-1] for line in keyword.data)]  # end of the previous line
             rows = zip(ends, enumerate(keyword.rows), strict=False)
             numbers = [keyword.integers(i, row[:1]) for end, (i, row) in rows if end != ","]
             kind, table = "", np.reshape(np.array(numbers, dtype=np.int64), (-1, 1))
@@ -591,7 +599,7 @@ class Scope:
         self._define(keyword, which)
 
     def _define(self, keyword: Keyword, which: Which) -> None:
-        """Add to the set that a keyword names, if it names one."""
+        """Add a keyword to the pieces of the set that its option NSET or ELSET names, if any."""
         if which in keyword.options:
             at = which, key(keyword.options[which])
             if not at[1]:
@@ -599,7 +607,7 @@ class Scope:
             self.sets.setdefault(at, []).append(keyword)
 
     def _number(self) -> None:
-        """Sort the nodes by their labels, and find the rows of the elements' nodes."""
+        """Sort the nodes by label, and replace node labels of the elements by rows."""
         labels = raw.joined(labels for _, labels, _ in self._points)
         places = np.concatenate([np.zeros((0, 3)), *(places for _, _, places in self._points)])
 
@@ -624,7 +632,7 @@ class Scope:
         self.known["ELSET"] = labels[order], order
 
     def members(self, which: Which, name: str) -> IntArray:
-        """Return the sorted numbers, among those of all scopes, of a set's members."""
+        """Return the sorted members of a set, numbered over all scopes."""
         at = which, name
         if at not in self._found:
             self._found[at] = None
@@ -637,7 +645,7 @@ class Scope:
         return found
 
     def _resolved(self, which: Which, card: Keyword) -> IntArray:
-        """Return the members that one keyword adds to a set: by numbers, ranges, and other sets."""
+        """Return the members that one keyword adds to a set, by numbers, ranges or other sets."""
         options, names = card.options, list[str]()
         scope = self.inner.get(key(options.get("INSTANCE", "")), self)
         if card.name in ("NODE", "ELEMENT"):
@@ -676,13 +684,13 @@ class Scope:
         return raw.joined(parts)
 
     def _numbered(self, which: Which, labels: IntArray) -> IntArray:
-        """Return the numbers of nodes or elements among those of all scopes; -1 for others."""
+        """Return the numbers over all scopes of nodes or elements by label; -1 if undefined."""
         known, order = self.known[which]
         rows = raw.rows_of(known, labels)
         return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows
 
     def _named(self, which: Which, name: str, card: Keyword) -> IntArray:
-        """Return the members of a name in a piece of a set: a set, instance.set, instance.5."""
+        """Return the members that a name stands for: a set, "instance.set" or "instance.5"."""
         at = which, key(name)
         if at in self.sets:
             orders = [one.line.order for one in self.sets[at]]
@@ -703,7 +711,7 @@ class Scope:
         raise card.error(f"there is no {which} {name}{why}")
 
 
-# Keywords that are read, and their options.
+# Keywords of nodes, elements and sets: functions that read them, and permitted options.
 _OF_SETS = "ELSET GENERATE UNSORTED INTERNAL INSTANCE INPUT FREQUENCY"
 _READ: dict[str, tuple[Callable[[Scope, Keyword], None], str]] = {
     "SYSTEM": (Scope._system, ""),
@@ -721,7 +729,7 @@ _ONE_TEMPERATURE = "it depends on temperature; write its constants for one tempe
 
 
 def _constants(card: Keyword, count: int) -> list[float]:
-    """Return the constants of a card that holds at one temperature."""
+    """Return the `count` constants of a card; refuse constants that depend on temperature."""
     rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
     numbers = [x for row in rows for x in row]
     if len(rows) > -(-(count + 1) // 8) or len(numbers) > count + 1:
@@ -731,7 +739,8 @@ def _constants(card: Keyword, count: int) -> list[float]:
     return numbers[:count]
 
 
-# Kinds of *ELASTIC: the number of their constants, and the materials of these and a density.
+# For each TYPE of *ELASTIC, the number of constants, and the function from these and the density to
+# the material.
 _ELASTIC: dict[str, tuple[int, Callable[..., Solid]]] = {
     **dict.fromkeys(("ISO", "ISOTROPIC"), (2, Source.isotropic)),
     "LAMINA": (6, Source.ply),
@@ -741,7 +750,7 @@ _ELASTIC: dict[str, tuple[int, Callable[..., Solid]]] = {
 
 @record
 class _Section:
-    """A section's card, the turn of the instance where it is, and its cells there."""
+    """A section of a deck in one instance: its card, the instance's rotation, its elements."""
 
     source: Source
     deck: AbaqusDeck
@@ -751,7 +760,7 @@ class _Section:
 
     @property
     def blocks(self) -> list[_Elements]:
-        """The blocks of its elements."""
+        """Blocks that hold elements of the section."""
         return [self.deck.blocks[i] for i in np.unique(self.source.raw.block_of(self.members))]
 
     def material(self, name: str) -> Solid:
@@ -779,15 +788,15 @@ class _Section:
             return make(self.source, *_constants(elastic, count), rho)
 
     def differs(self, of: str, other: str, cure: str) -> None:
-        """Say what CalculiX takes otherwise, if the deck may be for it."""
+        """Add to the warning what CalculiX interprets otherwise, unless the deck has parts."""
         if not self.deck.whole.inner:  # CalculiX has no parts
             self.source.left_out.append(f"{of} as in Abaqus; {other} ({cure})")
 
     def axes(self, name: str) -> tuple[FloatArray, int]:
-        """Return an orientation's unit axes in rows, and the number of the one in its second line.
+        """Return the unit axes of an orientation in rows, and the number of its rotation axis.
 
-        The other axes are turned about this one. Without such a line it is the third; where it is
-        blank there the first, as in Abaqus.
+        The second data line gives this axis and the angle by which the others are rotated about it.
+        Without the line the axis is 3; a blank axis is 1, as in Abaqus.
         """
         found: dict[str, Keyword] = {}
         for one in self.deck.cards:
@@ -815,10 +824,10 @@ class _Section:
         return rotation.apply(axes) @ self.turn.T, int(about)
 
     def along(self, name: str) -> FloatArray:
-        """Return the direction whose projection is axis 1 of a shell with an orientation.
+        """Return the direction whose projection on a shell is axis 1 of the orientation `name`.
 
-        It is the axis that follows the one near the normal, which is the third without a second
-        line. Without a name it is x; z where x is the normal.
+        It is the axis after the orientation's rotation axis (see `axes`), which must be near the
+        normal. Without a name it is the global x, or z if x is the normal.
         """
         normals = self.source.directions(self.members)
         if not name:
@@ -836,7 +845,7 @@ class _Section:
         return np.asarray(axes[near % 3])
 
     def angle(self, name: str, reference: FloatArray) -> float:
-        """Return the angle, degrees, from a direction to axis 1 of a ply's own orientation."""
+        """Return the angle, degrees, from `reference` to axis 1 of a ply's orientation `name`."""
         normals = self.source.directions(self.members)
         first, own = (across(v, normals) for v in (reference, self.along(name)))
         angles = np.arctan2(dot(np.cross(first, own), normals), dot(first, own))
@@ -864,7 +873,7 @@ class _Section:
         fibrous = [
             row[3] for row, of in zip(rows, made, strict=True) if isinstance(of, Orthotropic)
         ]
-        # CalculiX gives plies orientations, Abaqus angles from that of the section.
+        # CalculiX gives each ply an orientation, Abaqus an angle from the section's orientation.
         axis = options.get("ORIENTATION", "")
         if fibrous and all(map(_is_name, fibrous)):
             axis = axis or fibrous[0]
@@ -880,7 +889,7 @@ class _Section:
         return layered(plies, lambda: self.along(axis), 0.0, -nodes, symmetric=symmetric)
 
     def beam(self) -> OneMaterial:
-        """Return a beam; its z axis is the section's axis 1, and y is against axis 2."""
+        """Return a beam; its z axis is the section's axis 1, and y is opposite to axis 2."""
         card, source, options = self.card, self.source, self.card.options
         shape = key(options.get("SECTION", ""))
         rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
@@ -923,7 +932,7 @@ class _Section:
         return source.beam(section, material, z, self.members, _AXES, np.zeros(3))
 
     def radius(self, numbers: list[float]) -> list[float]:
-        """Return the radius of CIRC, which Abaqus writes; CalculiX writes one or two diameters."""
+        """Return the radius of CIRC; Abaqus gives the radius, CalculiX one or two diameters."""
         if len(numbers) == 2 and numbers[0] != numbers[1]:
             raise self.card.error("ellipses are not supported")
         if len(numbers) == 2 or any(block.type.endswith("R") for block in self.blocks):
@@ -937,7 +946,8 @@ def _is_name(text: str) -> bool:
     return text[:1] not in (*"+-.0123456789", "")
 
 
-# Sections: how they are read, the dimension of their elements, and options that they may have.
+# For each section keyword, the function that reads it, the dimension of its elements, and further
+# options that it may have.
 _SHELL = "COMPOSITE OFFSET ORIENTATION SYMMETRIC LAYUP SECTIONINTEGRATION TEMPERATURE POISSON"
 _BEAM = "SECTION TEMPERATURE POISSON ROTARYINERTIA DENSITY"
 _SECTIONS: dict[str, tuple[Callable[[_Section], OneMaterial], int, str]] = {

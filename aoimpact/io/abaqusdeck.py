@@ -1,6 +1,6 @@
-"""Keywords of Abaqus and CalculiX decks, and the data lines under each.
+"""Parser of Abaqus and CalculiX decks: keywords, and the data lines under each.
 
-`*INCLUDE` puts the lines of another file in its place, wherever it stands. Names of keywords and
+`*INCLUDE` is replaced by the lines of another file, even within data lines. Names of keywords and
 options are compared in capitals and without blanks.
 """
 
@@ -19,19 +19,19 @@ import numpy as np
 from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
 from .raw import Line, columns, number, numbers, read_text
 
-# Numbers of a data line that has no room for more.
+# Number of numbers in a full data line.
 _FULL = 16
 
-# Largest number of a node or element: exact as a double.
+# Upper bound of the number of a node or element, which doubles represent exactly.
 MOST = 2**53
 
-# Largest number of inclusions, so that files which include each other twice end as well.
+# Largest number of included files, which stops files that include each other many times.
 _MOST_INCLUDED = 2000
 
-# Keywords whose data may stand in another file.
+# Keywords whose data lines may be in another file (INPUT=).
 _WITH_INPUT = frozenset(("NODE", "ELEMENT", "NSET", "ELSET"))
 
-# Keywords that a mesh begins with.
+# Keywords that the deck of a mesh may begin with.
 _FIRST = frozenset(("HEADING", "NODE", "ELEMENT", "PART", "INCLUDE", "PREPRINT", "NSET", "ELSET"))
 _KEYWORD = re.compile(r"\s*\*(?!\*)")
 _BEGIN = re.compile(r"(?:\s*\*\*.*\n)*\s*\*\s*([A-Za-z][A-Za-z -]*)")
@@ -44,17 +44,17 @@ class Keyword:
     Attributes
     ----------
     name : str
-        In capitals, without star and blanks, as in "SOLIDSECTION".
+        Name in capitals, without star and blanks, as in "SOLIDSECTION".
     given : list of str
-        What follows the name, as in "ELSET=Bar".
+        Options as written after the name, as in "ELSET=Bar".
     line : Line
-        Its order counts the keywords of a deck.
+        Line of the keyword. Its `order` is the number of the keyword in the deck.
     data : list of Line
-        Its data lines, without blanks at their ends, comments and empty lines.
+        Data lines under the keyword, stripped of blanks, without comments and empty lines.
     part : str
-        The part to which it belongs, in capitals; "" outside of parts.
+        Name, in capitals, of the part that the keyword is in; "" outside of parts.
     labels : ndarray of int, shape (n,)
-        Numbers of the nodes or elements that it defines.
+        Numbers of the nodes or elements that the keyword defines.
     """
 
     name: str
@@ -66,7 +66,7 @@ class Keyword:
 
     @cached_property
     def options(self) -> dict[str, str]:
-        """Values by the options' names in capitals; empty for an option without a value."""
+        """Values of the options by names in capitals; "" for an option without a value."""
         found: dict[str, str] = {}
         for each in self.given:
             name, _, value = each.partition("=")
@@ -80,7 +80,7 @@ class Keyword:
 
     @cached_property
     def rows(self) -> list[list[str]]:
-        """The fields of each data line, without empty ones at the end."""
+        """Fields of each data line, without empty fields at the end."""
         return [fields(line.text) for line in self.data]
 
     def error(self, why: str, row: int = -1) -> MeshError:
@@ -90,34 +90,34 @@ class Keyword:
         ----------
         why : str
         row : int, optional
-            Data line that is wrong, from 0; the keyword itself if left out.
+            Number, from 0, of the wrong data line; by default the keyword itself is named.
         """
         return (self.data[row] if row >= 0 else self.line).refused(f"*{self.name}", why)
 
     def check_options(self, *known: str) -> None:
-        """Refuse an option that is not known: it may change the mesh."""
+        """Refuse options that are not in `known`, as they may change the mesh."""
         for name in self.options:
             if name not in known:
                 raise self.error(f"the option {name} is not supported (or a comma before it)")
 
     def integers(self, row: int, texts: Collection[str]) -> list[int]:
-        """Return integers of a data line; the row is the line's number, for errors."""
+        """Return fields as integers; `row` is the number of their data line, for errors."""
         for text in texts:
             if not re.fullmatch(r"[+-]?\d+", text):
                 raise self.error(f"{text!r} is no integer", row)
         return [int(text) for text in texts]
 
     def reals(self, row: int, texts: Iterable[str], least: int = 0) -> list[float]:
-        """Return numbers of a data line; blanks are 0, and so are those up to the least count."""
+        """Return fields as numbers, padded with 0 to at least `least`; blanks are 0."""
         try:
             return padded([number(text) if text else 0.0 for text in texts], least * [0.0])
         except ValueError as error:
             raise self.error(str(error), row) from None
 
     def lines_of(self, *most: int, what: str) -> list[FloatArray]:
-        """Return the numbers of data lines of so many each, for which a text asks.
+        """Return the numbers of data lines, at most `most[i]` in line i; `what` is for messages.
 
-        Those that are left out at the end of a line, and lines at the end, are 0.
+        Numbers left out at the end of a line, and lines left out at the end, are 0.
         """
         rows = padded(self.rows, [[]] * len(most))
         if [len(row) > n for row, n in zip(rows, [*most, -1], strict=False)].count(True):
@@ -125,7 +125,7 @@ class Keyword:
         return [np.array(self.reals(i, rows[i], n)) for i, n in enumerate(most)]
 
     def points(self) -> tuple[IntArray, FloatArray]:
-        """Return labels and coordinates of the data lines of *NODE; the last may be left out."""
+        """Return labels and coordinates from data lines of *NODE; missing coordinates are 0."""
         table = columns([line.text.rstrip(", \t") for line in self.data], 4, ",")
         if table is None:
             table = np.zeros((len(self.rows), 4))
@@ -142,8 +142,8 @@ class Keyword:
     def connectivity(self, n_nodes: int) -> IntArray:
         """Return labels of elements and of their nodes, shape (n, 1 + n_nodes).
 
-        An element begins on a line of its own. It goes on in the next one after a comma, or after
-        16 numbers, with which a line is full.
+        Each element begins a new line. It continues on the next line if a line ends with a comma or
+        is full, with 16 numbers.
         """
         lines, width = [line.text.rstrip(", \t") for line in self.data], 1 + n_nodes
         own = np.array([line.count(",") + 1 for line in lines], dtype=int)
@@ -167,12 +167,12 @@ class Keyword:
 
 
 def padded(row: list[Any], fill: list[Any]) -> list[Any]:
-    """Return a row, and what `fill` has behind it."""
+    """Return a row extended to the length of `fill` by the last items of `fill`."""
     return row + fill[len(row) :]
 
 
 def fields(line: str) -> list[str]:
-    """Return the fields of a line between commas, without blanks about them, nor empty last ones.
+    """Return the comma-separated fields of a line, stripped, without empty fields at the end.
 
     Commas within quotation marks belong to the field.
     """
@@ -187,7 +187,7 @@ def fields(line: str) -> list[str]:
 
 
 def key(name: str) -> str:
-    """Return a name as it is compared: in capitals without blanks, or as it is within quotes."""
+    """Return the form of a name for comparison: capitals without blanks; unchanged if quoted."""
     text = name.strip()
     if len(text) > 1 and text[0] == text[-1] == '"':
         return text[1:-1]
@@ -195,7 +195,7 @@ def key(name: str) -> str:
 
 
 def looks_like_inp(head: bytes) -> bool:
-    """Return whether a file that begins with `head` is a deck of Abaqus or CalculiX."""
+    """Return whether a file with the first bytes `head` is a deck of Abaqus or CalculiX."""
     found = _BEGIN.match((decoded(head) or "").lstrip("\ufeff"))
     return found is not None and key(found[1]) in _FIRST
 
@@ -206,7 +206,7 @@ def read_keywords(main: Path) -> list[Keyword]:
     Raises
     ------
     MissingFileError
-        If an included file is not there.
+        If an included file does not exist.
     MeshError
         If there are data before the first keyword, or files include each other.
     """
@@ -214,7 +214,7 @@ def read_keywords(main: Path) -> list[Keyword]:
     included: list[Path] = []
 
     def include(keyword: Keyword, outer: tuple[Path, ...]) -> None:
-        """Add the file that an option INPUT, or FILE, names."""
+        """Add the contents of the file named by the option INPUT or FILE."""
         options = keyword.options
         given = (options.get("INPUT") or options.get("FILE") or "").strip('"').replace("\\", "/")
         if not given:
@@ -234,14 +234,14 @@ def read_keywords(main: Path) -> list[Keyword]:
             raise keyword.error(f"{str(place)!r} must hold data lines only")
 
     def add(file: Path, outer: tuple[Path, ...]) -> None:
-        """Add the keywords of a file; the last one of `outer` is the file itself."""
+        """Add the keywords of a file; `outer` is the chain of including files, ending with it."""
         lines = read_text(file).split("\n")
         starts = [i for i, line in enumerate(lines) if "*" in line and _KEYWORD.match(line)]
         for start, stop in pairwise([-1, *starts, len(lines)]):
             after = 0
             if start >= 0:
                 text, after = lines[start].strip(), start + 1
-                while text.endswith(",") and after < stop:  # it goes on in the next line
+                while text.endswith(",") and after < stop:  # continued on the next line
                     more, after = lines[after].strip(), after + 1
                     text += "" if more[:2] == "**" else more or " "
                 name, *given = fields(text[1:]) or [""]
