@@ -1,27 +1,29 @@
-"""Compliance of a finite-element body beyond the half-space that touches it at the contact.
+"""Compliance of a finite-element body beyond that of a half-space with the same contact.
 
 The displacement under a contact force is split, u = χ u_B + w. u_B is the field of an elastic
-half-space under Hertz's pressure p on a disc of radius a (`halfspace`). It holds all that is
-singular as a → 0, and is known in closed form. w corrects for the finite body; it is smooth, so
-that the mesh of the body resolves it. It satisfies a(w, v) = L(v) for all v, where a(u, v) =
+half-space under Hertz's pressure p on a disc of radius a (`halfspace`). It is known in closed form
+and contains everything singular as a → 0. w corrects for the finite body; it is smooth, so that the
+mesh of the body resolves it. It satisfies a(w, v) = L(v) for all v, where a(u, v) =
 ∫ ε(u):C:ε(v) + s² ρ u·v dV and
 
     L(v) = ∫ (p - χ σ_B n)·v dA + ∫ σ_B ∇χ·v - C_B g:∇v dV - s² ∫ ρ χ u_B·v dV
            - ∫ (C - C_B) (χ ε_B + g):∇v dV,     g = sym(u_B ⊗ ∇χ).
 
-χ is 1 except in bodies that reach behind the contact, where u_B is singular on the axis, and under
-a layer: with the depth it falls to the modulus of the layer over that of what is below, if that is
-stiffer, so that the stress of χ u_B is nearly continuous. C_B is that of the element at the
-contact. The compliance of the body beyond the half-space's own,
+The cutoff χ is 1 with two exceptions. In bodies that reach behind the contact, χ falls to 0 there,
+as u_B is singular on the axis. Under a layer on a stiffer material, χ falls with depth to the ratio
+of the moduli, layer over material below, so that the stress of χ u_B is nearly continuous. C_B is
+the elastic tensor of the element at the contact. The compliance of the body beyond that of the
+half-space,
 
     R = L(χ u_B) + 2 L(w) - a(w, w),
 
-is stationary in w: a discrete w gives R too small by the energy of its error. So is that between
-two forces, R_ij = L_i(χ u_Bj) + L_i(w_j) + L_j(w_i) - a(w_i, w_j). At supports w = -χ u_B.
+is stationary in w: a discrete w gives R too small by the energy of its error. The same holds for
+the compliance between two forces, R_ij = L_i(χ u_Bj) + L_i(w_j) + L_j(w_i) - a(w_i, w_j). At
+supports w = -χ u_B.
 
-With any functional b of the contact, c = bᵀ(K + s²M)⁻¹b - R is the compliance that the mesh has in
-place of the half-space. The contact law of the real bodies contains the half-space's indentation,
-so c is taken out of it.
+For any functional b of the contact, c = bᵀ(K + s²M)⁻¹b - R is the compliance that replaces the
+half-space's in the mesh. Contact laws contain the indentation of the half-space, so that c is
+removed from the law.
 
 Subtracting a known singular field is the method of G. J. Fix, S. Gulati and G. I. Wakoff, J.
 Comput. Phys. 13, 209 (1973).
@@ -51,25 +53,25 @@ from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, Shea
 from .subdivision import cells_towards, sides_towards
 from .touch import element_at, spread
 
-# A direction is along the normal where 1 - |cos θ| is below this: a milliradian.
+# Largest 1 - |cos θ| of a direction along the normal, a milliradian.
 _ALONG = 1e-6
 
-# Heights over the tangent plane, as a share of the size of a side or of the body, that are none.
+# Largest height over the tangent plane that counts as 0, relative to the face or the body.
 _FLAT = 1e-7
 
-# χ falls from 1 to 0 where the cosine to the outward normal grows from the first value to the
-# second. Seen from the pole of a hemispherical cup, its wall has 0.71 at most.
+# χ falls from 1 to 0 as the cosine between outward normal and position increases from the first to
+# the second value. The wall of a hemispherical cup, seen from its pole, has cosines up to 0.71.
 _BEHIND, _FAR_BEHIND = 0.35, 0.8
 
-# Elements larger than this share of their distance do not interpolate u_B well enough for its
-# inertia, of linear and quadratic elements: R changes by less than 1e-4 of itself.
+# Largest size over distance from the contact of elements that interpolate u_B for its inertia; keys
+# tell quadratic elements. R changes by less than 1e-4 of its value.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
-# Residual of w over its load. R lacks the energy of its error: 0.007/(E* a) on elements 27 times as
-# long as wide, with a residual of 3e-2.
+# Relative residual of w. R lacks the energy of the error of w: 0.007/(E* a) for a residual of 3e-2,
+# on elements 27 times as long as wide.
 _SOLVED = 1e-3
 
-# Step of a central difference over the distance from the contact: errors of 1e-8 and rounding.
+# Step of central differences over the distance from the contact: errors of 1e-8 and rounding.
 _DIFFERENCE = 1e-4
 
 
@@ -85,21 +87,21 @@ def extracted(
     Parameters
     ----------
     tip : ContactPoint
-        On a body with a mesh. With tangents a force acts along these as well.
+        Contact point of a body with a mesh. If it has tangents, forces act along these as well.
     normal : ndarray, shape (3,)
-        Outward.
+        Outward normal.
     radius : float
-        a, of the contact itself, m.
+        Contact radius a, m.
     solver : LinearSolver
-        Factors of K + s²M.
+        Solver of K + s²M.
     moved : ndarray, shape (1 or 3, n_dofs), optional
-        A model's responses to unit forces along the direction and the tangents, m/N, at that s; the
-        body's own by the solver if left out.
+        Responses of a model at this s to unit forces along the direction and the tangents, m/N; by
+        default those of the body, from the solver.
 
     Notes
     -----
-    A force at an angle θ to the normal moves a half-space along itself by cos²θ of what it does
-    along the normal, and by sin²θ (2 - ν)/(2 - 2ν) of it, Mindlin's ratio of the compliances.
+    The compliance of a half-space along a force at an angle θ to the normal is that along the
+    normal times cos²θ + sin²θ (2 - ν)/(2 - 2ν), with Mindlin's ratio of the compliances.
     """
     body, point, direction = tip.body, tip.point, tip.direction
     tangents: Any = () if tip.tangents is None else tip.tangents
@@ -112,11 +114,11 @@ def extracted(
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
     beyond, varying = float(splitting.compliance[0, 0]), _over_width(body, splitting, point, normal)
-    # A contact is wider than half its largest radius while the force is above an eighth.
+    # The contact radius exceeds half its maximum while the force exceeds 1/8 of its maximum.
     varying += abs(splitting.by_width) * math.log(2.0)
-    # c of a wide patch on a thin body depends on frequency, as log s: dc/d(log s) = 2 s² dc/d(s²).
-    # An impact has frequencies ω where s = iω. At ω = s/SPAN it is off by log(SPAN) of that in
-    # phase, and by π/2 of it out of phase, as a dashpot.
+    # c of a wide patch on a thin body varies as log s: dc/d(log s) = 2 s² dc/d(s²). Motions of an
+    # impact have s = iω. At ω = s/SPAN, c differs by log(SPAN) times this slope in phase and by
+    # π/2 times this slope out of phase, like a dashpot.
     slope = 2.0 * splitting.s2 * abs(splitting.inertia - inertia)
     varying += (math.log(SPAN) + 0.5 * math.pi) * slope
     removed = compliance - beyond
@@ -146,58 +148,58 @@ def extracted(
 
 
 def _over_width(body: Any, splitting: Splitting, point: FloatArray, normal: FloatArray) -> float:
-    """Return how much the mean of w under Hertz's pressure changes with the radius, m/N."""
+    """Return the change of the mean of w under Hertz's pressure with the radius, m/N."""
     radius, sunk = splitting.space.radius, -splitting.w[0, 0, : body.mesh.n_nodes] @ normal
     try:
         mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
     except RoomError as edge:
-        # The share of Hertz's pressure beyond a straight edge at x a is 1/2 - 3 x/4 + x³/4, from
-        # none at x = 1 to a half, where a quarter-space is about twice as soft as a half-space.
+        # The share of Hertz's pressure beyond a straight edge at distance x a is 1/2 - 3x/4 + x³/4:
+        # 0 for x = 1, 1/2 for x = 0, where the body is a quarter-space, about twice as soft.
         room = min(edge.room / radius, 1.0)
         return (1.0 - 1.5 * room + 0.5 * room**3) * splitting.space.mean_displacement
     here = body.surface.nearest(point)
     nodes = body.surface.nodes[here.face[0]]
     middle = float(body.surface.shape(here.face, here.uv)[0] @ sunk[nodes])
-    # w is quadratic in the distance from the middle, and by reciprocity in the radius of the
-    # pressure: under it, it has the mean g₀ + 0.8 g₁ a², and in the middle g₀ + 0.4 g₁ a².
+    # w is quadratic in the distance from the middle and, by reciprocity, in the radius of the
+    # pressure: it has the mean g₀ + 0.8 g₁ a² under the pressure, and g₀ + 0.4 g₁ a² at the middle.
     return 2.0 * abs(mean - middle)
 
 
 class Splitting:
-    """The displacement of a body under unit forces at a place of its surface, as χ u_B + w.
+    """Split u = χ u_B + w of a body's displacement under unit forces at a point of its surface.
 
-    L(v) at the nodes, `forces`, and the self terms L(χ u_B) are added up integral by integral. Both
-    have two parts, of which the second counts -s² times: ∫ ρ χ u_B·v dV.
+    The nodal loads L(v), `forces`, and the self terms L(χ u_B) are sums of several integrals. Both
+    have two parts; the second, ∫ ρ χ u_B·v dV, is multiplied by -s².
 
     Parameters
     ----------
     body : FEModel
-        With a mesh.
+        Body with a mesh.
     point : ndarray, shape (3,)
-        On the surface, m.
+        Contact point on the surface, m.
     normal : ndarray, shape (3,)
-        Outward. A force acts against it.
+        Outward normal. The first force acts against it.
     radius : float
-        a, of the contact itself, m.
+        Contact radius a, m.
     solver : LinearSolver
-        Factors of K + s²M.
+        Solver of K + s²M.
     tangents : sequence of ndarray, shape (3,)
-        Directions of more forces, along the surface.
+        Directions of further forces, tangential to the surface.
 
     Attributes
     ----------
     frame : ndarray, shape (3, 3)
-        Rows are the local axes; the last is the inward normal.
+        Local axes as rows; the last is the inward normal.
     space : HalfSpace
-        With u_B of the force along the normal; its radius is a.
+        Half-space of radius a with the field u_B of the normal force.
     behind : bool
         True if the body reaches behind the contact.
     depth, left : float
-        Where χ ceases to fall under a layer, m, and its value there; infinite without one.
+        Depth where χ ceases to fall under a layer, m, and χ there; infinity and 1 without layer.
     s2 : float
         s², (rad/s)².
     w : ndarray, shape (n_forces, 1 or 2, n_nodes, 3)
-        m/N; where the body has shells or beams, also the rotation, 1/N.
+        Displacement w, m/N, and for bodies with shells or beams its rotation, 1/N.
     compliance : ndarray, shape (n_forces, n_forces)
         R, m/N.
     inertia : float
@@ -227,7 +229,7 @@ class Splitting:
         material: Any = material_of(body.material, element_at(body, point)[0])
         own: int | None = each_of(body.material).index(material)
         like = material.half_space(normal)
-        layers = [(math.inf, 1.0)]  # depths of stiffer materials, and E* over theirs
+        layers = [(math.inf, 1.0)]  # depth of each stiffer material, and E* over its modulus
         for piece in (of for of in pieces(mesh, body.material) if of.which != own):
             ratio = like.plane_strain_modulus / piece.of.half_space(normal).plane_strain_modulus
             if ratio < 1.0:
@@ -240,7 +242,7 @@ class Splitting:
             if local[:, 2].min() > -_FLAT * mesh.size:
                 turned, modulus = _turned(material.tensor, self.frame), like.plane_strain_modulus
                 self.space = AnisotropicHalfSpace(turned, radius, modulus, like.nu)
-            else:  # the closed form of a body with the same E*; the rest is polarisation
+            else:  # u_B of an isotropic body with equal E*; C - C_B enters L as polarisation
                 own = None
             own = None if len(tangents) else own
         self.spaces = [(self.space, self.frame)]
@@ -254,8 +256,9 @@ class Splitting:
         self.compliance, self.inertia = 0.5 * (found + found.T), float(parts[1, 0, 0])
         self.by_width = 0.0
         if self.curved:
-            # From R for half the radius with the same w. R is stationary in w, and so right to the
-            # second order. On a surface of curvature 1/ρ, R changes by some log(a)/(E* ρ).
+            # Difference quotient with R for half the radius and the same w; as R is stationary in
+            # w, the error is of second order. On a surface of curvature 1/ρ, R varies as about
+            # log(a)/(E* ρ).
             half = copy.copy(self)
             half.space = self.space.of_radius(0.5 * radius)
             half.spaces = [(half.space, self.frame)]
@@ -267,24 +270,24 @@ class Splitting:
         del self.forces, self.self_term
 
     def half_space_field(self, x: FloatArray, radius: FloatArray | None = None) -> ArrayPair:
-        """Return χ u_B and its stress at places, for a force of 1 N on discs of some radii.
+        """Return χ u_B and its stress at points, for a force of 1 N on discs of given radii.
 
         Parameters
         ----------
         x : ndarray, shape (p, 3)
-            m.
+            Points, m.
         radius : ndarray, shape (n,), optional
-            m; a if left out.
+            Radii of the discs, m; by default a.
 
         Returns
         -------
         displacement, stress : ndarrays, shape (n, p, 3) and (n, p, 3, 3)
-            m and Pa.
+            Displacement, m, and stress, Pa.
         """
         y = (x - self.point) @ self.frame.T
         chi, slope = self._cutoff(x)
         ratio = np.ones(1) if radius is None else self.space.radius / radius
-        # Fields of discs of all radii are alike: u(y; a) = u(y/a; 1)/a and σ(y; a) = σ(y/a; 1)/a².
+        # Similarity of fields for all radii: u(y; a) = u(y/a; 1)/a and σ(y; a) = σ(y/a; 1)/a².
         u, stress = self.space.displacement_stress(ratio[:, None, None] * y)
         u, stress = ratio[:, None, None] * u, ratio[:, None, None, None] ** 2 * stress
         moved, stress = chi[:, None] * u, chi[:, None, None] * stress
@@ -293,9 +296,9 @@ class Splitting:
         return moved @ self.frame, self.frame.T @ stress @ self.frame
 
     def _solved(self, moved_by: FloatArray, solver: LinearSolver) -> ArrayPair:
-        """w by L on the free dofs, and -χ u_B on the constrained ones, where that is `moved_by`.
+        """Solve for w: loads L on free dofs, w = -χ u_B = -`moved_by` on constrained dofs.
 
-        And of R the parts that count once and -s² times.
+        Returns w and the two parts of R, the second of which is multiplied by -s².
         """
         body, n = self.body, len(moved_by)
         w, parts, forces = np.zeros((n, moved_by[0].size)), self.self_term, self.forces
@@ -313,7 +316,7 @@ class Splitting:
         return w, parts + 2.0 * right @ moved.T - taken
 
     def _fields(self, x: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
-        """u_B under each force at places, and its stress if that is asked for, in global axes."""
+        """u_B under each force at points and, if requested, its stress, in global axes."""
         found, tensors = [], []
         for space, frame in self.spaces:
             y = (x - self.point) @ frame.T
@@ -326,13 +329,14 @@ class Splitting:
         return np.array(found), np.array(tensors)
 
     def field(self, x: FloatArray) -> FloatArray:
-        """χ u_B under each force at places, in global axes, m."""
+        """χ u_B under each force at points, in global axes, m."""
         return self._cutoff(x)[0][..., None] * self._fields(x)[0]
 
     def at_nodes(self) -> FloatArray:
-        """χ u_B at the nodes, and its rotation at those of shells and beams, by differences.
+        """χ u_B at the nodes, and its rotation at nodes of shells and beams, by differences.
 
-        An added function has the amplitude of χ u_B where a support holds it, and else none.
+        Added shape functions get the amplitude that interpolates χ u_B if a support holds them,
+        otherwise 0.
         """
         nodes, some, shapes = self.mesh.nodes, self.mesh.thin_nodes, self.body.shapes
         found = np.zeros(self.forces.shape[1:])
@@ -340,7 +344,7 @@ class Splitting:
         own, held = found[:, 0].copy(), np.unique(self.body.held[0] // 3)
         held = held[(held >= len(nodes)) & (held < shapes.n_nodes)]
         for block in (of for of in shapes.blocks if of.signs is not None):
-            # At the place of an added function no other one differs from zero.
+            # At the node of an added function, all other added functions are zero.
             row, column = np.nonzero(np.isin(block.cells, held))
             shape, cells = block.element.shape(block.element.nodes[column]), block.cells[row]
             rest = self.field(np.einsum("na,nai->ni", shape, shapes.nodes[cells]))
@@ -357,7 +361,7 @@ class Splitting:
         return found
 
     def _cutoff(self, x: FloatArray) -> ArrayPair:
-        """χ and its gradient at places."""
+        """χ and its gradient at points."""
         y = (x - self.point) @ self.frame.T
         chi, slope = np.ones(x.shape[:-1]), np.zeros(x.shape)
         if self.behind:
@@ -386,7 +390,7 @@ class Splitting:
         t: FloatArray,
         u: FloatArray,
     ) -> None:
-        """∫ t·v, and ∫ t·u in the self terms; t and u of each force, shape (n_forces, n, q, 3)."""
+        """Add ∫ t·v to the forces and ∫ t·u to the self terms; t, u: shape (n_forces, n, q, 3)."""
         t = weight[..., None] * t
         self.self_term[part] += np.tensordot(t, u, axes=((1, 2, 3), (1, 2, 3)))
         self._add_forces(part, nodes, shape.swapaxes(1, 2) @ t)
@@ -396,7 +400,7 @@ class Splitting:
             np.add.at(all_nodes, nodes, added)
 
     def _add_all(self, own: int | None) -> ArrayPair:
-        """Add up all integrals; return what `add_sides` does, and χ u_B at the nodes."""
+        """Add all integrals; return the result of `add_sides`, and χ u_B at the nodes."""
         n, rows = len(self.spaces), 2 if self.mesh.thin else 1
         self.forces = np.zeros((2, n, rows, self.body.shapes.n_nodes, 3))
         self.self_term, self.curved = np.zeros((2, n, n)), False
@@ -407,7 +411,7 @@ class Splitting:
         return bent, moved_by
 
     def add_sides(self) -> FloatArray:
-        """∫ (p - χ σ_B n)·v dA over the surface; returns what ∫ p·u exceeds that of a plane."""
+        """Add ∫ (p - χ σ_B n)·v dA over the surface; return ∫ p·u_B minus its value for a plane."""
         surface, nodes, a = self.body.surface, self.mesh.nodes, self.space.radius
         shapes, inward = self.body.shapes, self.frame[2]
         along = np.array([frame[space.axis] for space, frame in self.spaces])
@@ -420,7 +424,7 @@ class Splitting:
             rows = surface.cell[surface.side == side] - block.first
             on = block.cells[rows][:, face.nodes]
             size = np.ptp(nodes[on], axis=1).max(axis=1)
-            rows = rows[np.abs(height[on]).max(axis=1) > _FLAT * size]  # on a plane σ_B n = p
+            rows = rows[np.abs(height[on]).max(axis=1) > _FLAT * size]  # else p - σ_B n = 0
             corners = block.element.nodes[face.nodes[: face.n_corners]]
             block = shapes.blocks[number]
             for at in sides_towards(shapes.nodes, block, rows, corners, self.point, a):
@@ -428,7 +432,7 @@ class Splitting:
                 y, n = (at.x - self.point) @ self.frame.T, at.area @ inward
                 chi = self._cutoff(at.x)[0][..., None]
                 r2 = y[..., 0] ** 2 + y[..., 1] ** 2
-                # The side that is touched, and not another one of a thin body under the disc.
+                # Pressure acts only on the touched side, not on the opposite side of a thin body.
                 faces = (n < 0.0) & (np.abs(y[..., 2]) < np.maximum(0.5 * a, r2 / a))
                 p = p0 * np.sqrt(np.maximum(1.0 - r2 / (a * a), 0.0)) * -n * faces
                 pressure = p[..., None] * along[:, None, None]
@@ -436,15 +440,15 @@ class Splitting:
                 sunk += np.tensordot(pressure, u, axes=((1, 2, 3), (1, 2, 3)))
                 t = pressure - chi * np.einsum("dnqij,nqj->dnqi", stress, at.area)
                 self._add(0, block.cells[at.rows], at.weight, at.shape, t, chi * u)
-        # A plane contact has no pressure on sides that are out of its plane.
+        # For a plane contact no pressure is integrated, as faces in its plane are left out.
         self.curved = pressed > 0.5
         return sunk - pressed * np.diag([space.mean_displacement for space, _ in self.spaces])
 
     def add_cells(self, at_nodes: FloatArray, own: int | None) -> None:
-        """Integrals over cells near the contact, behind it, and of other materials than there.
+        """Add integrals over cells near the contact, behind it, and of other materials.
 
-        Near the contact u_B is not interpolated well enough for its inertia: what `add_elements`
-        takes for it there is replaced.
+        Near the contact the mesh does not interpolate u_B well enough for its inertia: the
+        contribution of `add_elements` is replaced there.
         """
         nodes, mesh, shapes = self.mesh.nodes, self.mesh, self.body.shapes
         softness = np.array([_turned(of.softness, frame.T) for of, frame in self.spaces])
@@ -477,7 +481,7 @@ class Splitting:
                     continue
                 slope = slope[..., None, :]
                 self._add(0, cells, at.weight, at.shape, (stress * slope).sum(axis=-1), moved)
-                # (C - C_B) χ ε_B + C g, of which nothing but C_B g is left in the own material.
+                # extra = (C - C_B) χ ε_B + C g, which reduces to C_B g in the contact's material.
                 tilted = u[..., None] * slope
                 strain = 0.5 * (tilted + tilted.swapaxes(-1, -2))
                 within = chi[..., None, None] * stress
@@ -489,9 +493,9 @@ class Splitting:
                 self._add_forces(0, cells, -np.einsum("dnqij,nqaj->dnai", extra, at.slopes))
 
     def add_elements(self, moved_by: FloatArray) -> None:
-        """∫ ρ χ u_B·v by the mass matrix, the springs to the ground, and shells and beams.
+        """Add ∫ ρ χ u_B·v by the mass matrix, and springs to the ground, shells and beams.
 
-        These take χ u_B as it is at their nodes: -a(χ u_B, v) by their stiffness.
+        Springs, shells and beams contribute -a(χ u_B, v), from their stiffness and χ u_B at nodes.
         """
         body, moved = self.body, moved_by.reshape(len(moved_by), -1)
         held, free = np.zeros((2, *moved.shape)), body.free
@@ -511,5 +515,5 @@ class Splitting:
 
 
 def _turned(tensor: FloatArray, frame: FloatArray) -> FloatArray:
-    """C_ijkl in the axes that are the rows of `frame`."""
+    """Transform C_ijkl to the axes in the rows of `frame`."""
     return np.asarray(np.einsum("ai,bj,ck,dl,ijkl->abcd", frame, frame, frame, frame, tensor))

@@ -1,7 +1,7 @@
 """The contact functional: the displacement u = bᵀX of a body at its contact.
 
-The paper takes the unit vector of a dof i₀ (eq. 1); any other vector b serves as well: a point
-inside a face, by that face's shape functions, or a patch of the surface under Hertz's pressure.
+The paper uses the unit vector of a dof i₀ (eq. 1). Other vectors b describe a point within a face,
+by the face's shape functions, or a patch of the surface under Hertz's pressure.
 """
 
 from __future__ import annotations
@@ -54,64 +54,65 @@ from .layer import bending_length
 from .thinextraction import excess_of_beam, excess_of_shell, patch_on_shell
 from .touch import Patch, Touch, edge_length, element_at, thickness, to_nodes, touched
 
-# Cosine of the angle with a beam's axis above which a force is along it: 45°.
+# Smallest cosine between a force along a beam and the beam's axis: 45°.
 _ALONG = math.sqrt(0.5)
 
 
-# A patch's radius over the contact's. Two like bodies with patches leave nothing of Hertz's law
-# where the contact has a radius of a = r/1.2: c dF/dδ = 1.2 a/r. The rest is a margin.
+# Radius r of a patch over the contact radius a. With patches on two similar bodies, the compliance
+# removed from Hertz's law is all of it if a = r/1.2, as c dF/dδ = 1.2 a/r. The rest is a margin.
 PATCH_OVER_CONTACT = 1.4
 
-# Largest radius r of a patch that no impact gives, over the thickness h of the body. Beyond the
-# half-space's, a body's motion has waves down to k = 1/h. On these Hertz's pressure does the work
-# of a point force times 1 - (k r)²/5: 1 % less.
+# Largest radius r of a patch over the thickness h of the body if the contact radius is unknown.
+# Beyond the half-space's field, a body moves in waves of k up to 1/h. For these the work of Hertz's
+# pressure is that of a point force times 1 - (k r)²/5, 1 % less.
 _OF_DEPTH = 0.25
 
-# Patches are made so many times wider where a contact turns out to be stiffer than the mesh.
+# Factor by which a patch is widened if the contact turns out stiffer than the mesh under it.
 _WIDER = 2.0
 
-# Radius of the contact, as a share of the element's edge, where no impact gives it. R hardly
-# depends on it: a tenth or four times the true radius changes a force by 0.2 %. On a curved body R
-# follows the logarithm of a radius that is small for the surface's; those of wide patches are not.
+# Assumed contact radius over the element's edge before it is known. R hardly depends on it: 0.1 or
+# 4 times the true radius changes a force by 0.2 %. On a curved body, R depends on log a only while
+# a is small compared with the surface's radius, as the radii of wide patches are not.
 _WITHIN_EDGE = 0.15
 
-# Where the surface has less room than a patch was to have, it is made smaller by at least so much,
-# a little within where the surface was found to end, but no smaller than this many edges of
-# elements: forces on less are those on a point.
+# If a patch does not fit on the surface: largest ratio of successive radii; next radius over the
+# distance at which the surface ends; smallest radius over the element's edge, below which the force
+# acts as at a point.
 _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 
-# Warn if abs(resultant - 1) or couple/size exceeds this; also sin² of the angle with the axis of a
-# tube.
+# Warn if abs(resultant - 1) or couple/size exceeds this; also the largest sin² of the angle between
+# a force and the axis of a tube.
 _NEARLY = 1e-3
 
-# s T of the shift for a contact of duration T. On the paper's beam 8 to 14 are alike, a third of it
-# and three times as much need two more oscillators for the same force. A spread of shifts was
-# measured to be worse for each solve.
+# Product s T of the shift s and the contact duration T. On the paper's beam, values of 8 to 14 are
+# equivalent; 3 times smaller or larger values need two more oscillators for the same force. Several
+# shifts at once were found to be less efficient per solve.
 SHIFT_TIMES_DURATION = 10.0
 
-# Thickness over width, at most, of solid elements that count as a sheet's; with room for rounding.
+# Largest thickness over width of solid elements that count as a sheet, with a margin for rounding.
 _FLAT = 0.1 * (1.0 + 1e-6)
 
 # Range of abs(b) for which bᵀKb and bᵀMb neither overflow nor underflow.
 _SMALLEST, _LARGEST = 1e-50, 1e50
 
-# Share of a translation's energy outside all rigid motions that is rounding: 1e-6 of its size.
+# Largest share of a translation's energy outside the rigid modes that is rounding: amplitude 1e-6.
 _OF_ANOTHER_MOTION = 1e-12
 
 
 @dataclass(frozen=True)
 class ContactSurface:
-    """The surface of a body at its contact.
+    """Material and curvature of a body's surface at its contact.
 
     Attributes
     ----------
     material : Material
+        Isotropic material, or the equivalent one for an orthotropic half-space.
     curvatures : (float, float)
         Principal curvatures, 1/m; positive where the body is convex.
     directions : pair of unit vectors, or None
-        Along which the surface bends so, in the body's coordinates; None where any will do.
+        Principal directions in the body's coordinates; None if they do not matter.
     error : float
-        How wrong each curvature may be, 1/m.
+        Uncertainty of each curvature, 1/m.
 
     Examples
     --------
@@ -126,7 +127,7 @@ class ContactSurface:
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Principal radii, m; infinite where the curvature is less than its error."""
+        """Principal radii of curvature, m; infinite if the curvature is below its error."""
         first, second = (
             math.inf if abs(kappa) <= self.error else 1.0 / kappa for kappa in self.curvatures
         )
@@ -135,10 +136,9 @@ class ContactSurface:
 
 @dataclass(frozen=True, eq=False)
 class ContactPoint(Frozen):
-    """A place on a body, and the direction in which it is touched there.
+    """A contact point of a body: its position, direction and functional b.
 
-    Made by `FEModel.contact`. It stands for the full finite-element model wherever `simulate` takes
-    a body.
+    Made by `FEModel.contact`. `simulate` accepts it as a body, the full finite-element model.
 
     Attributes
     ----------
@@ -148,26 +148,24 @@ class ContactPoint(Frozen):
     direction : ndarray, shape (3,), or None
         Unit vector of the projectile's direction of travel; None for a body without nodes.
     point : ndarray, shape (3,), or None
-        Where, m; on the surface of the mesh.
+        Position, m; on the surface of the mesh.
     node : int or None
-        The node touched, its number in `body.nodes` from 0; None where the contact is spread over
-        several.
+        Index of the touched node in `body.nodes`; None if the force acts on several nodes.
     patch : Patch or None
-        The disc that carries the contact; None for a node or a point.
+        Disc that carries the contact; None for a node or a point.
     normal : ndarray, shape (3,), or None
-        The surface's outward normal; None on an edge, and for a body without a mesh.
+        Outward normal of the surface; None on an edge, and for a body without a mesh.
     directed : bool
-        Whether the direction was given. One that was not turns round where the body is the
-        projectile: see `reversed`.
+        True if the direction was given. A default direction is reversed for the projectile; see
+        `reversed`.
     automatic : bool
-        Whether the radius of the patch was left to be chosen.
+        True if the radius of the patch was chosen automatically.
     contact_radius : float or None
-        a of the contact itself at its largest force, m; a part of the element's edge or of `radius`
-        if it is not known.
+        Contact radius a at the largest force, m; None if not known.
     tangents : ndarray, shape (2, 3), or None
-        Along which friction acts: unit vectors across the direction and each other.
+        Directions of friction: unit vectors perpendicular to the direction and to each other.
     shift : float or None
-        s of the impact that the patch was fitted to, rad/s.
+        Shift s of the impact for which the patch was chosen, rad/s.
 
     Examples
     --------
@@ -195,7 +193,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def key(self) -> tuple[Any, ...]:
-        """A key that is equal for equal places on one body.
+        """Key of a cache, equal for equal contact points of one body.
 
         :meta private:
         """
@@ -206,7 +204,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def translates(self) -> bool:
-        """True if the body may translate along the direction of travel: no support forbids it.
+        """True if the body is free to translate along the direction of travel.
 
         :meta private:
         """
@@ -219,13 +217,16 @@ class ContactPoint(Frozen):
 
     @cached_property
     def reversed(self) -> ContactPoint:
-        """The same place with the direction of travel the other way round.
+        """The contact point for the other role, projectile instead of target.
+
+        The direction of travel is reversed. A given direction on a shell or beam stays, and the
+        other side is touched.
 
         :meta private:
         """
-        known = vars(self).get("extraction")  # found for the impact
+        known = vars(self).get("extraction")  # keeps the compliance found for the impact
         if self.thin is not None and self.directed and self.normal is not None:
-            other = replace(self, normal=-self.normal)  # a projectile: touched on its other side
+            other = replace(self, normal=-self.normal)
             if known is not None and isinstance(self.thin, Layers) and self.thin.sided:
                 known = other._extracted(self.body.inverse(known.s**2))
         else:
@@ -240,7 +241,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def finer(self) -> ContactPoint | None:
-        """The same place of the body with finer elements; None where it has none.
+        """The same contact point of the body with finer elements; None if there is no such body.
 
         :meta private:
         """
@@ -249,12 +250,12 @@ class ContactPoint(Frozen):
         return replace(self, body=body, b=self._on_finer(body))
 
     def _on_finer(self, body: FEModel) -> FloatArray:
-        """The functional on the body with finer elements, by their own shape functions."""
+        """The functional b on the body with finer elements, from their shape functions."""
         point, along, surface = self.point, self.direction, body.surface
         alike = self.body.mesh is body.mesh
-        with held_warnings():  # the point has had its warnings
+        with held_warnings():  # the same warnings were given for the point before
             if alike and self.patch is None and self.on_surface:
-                # Over a patch: at a node a body of more functions yields without bound.
+                # A patch is taken: under a point force, added functions yield without bound.
                 return body.functional(self.body.contact(point=point).along(np.array(along)))
             if alike or point is None or along is None or self.node is not None:
                 return body.functional(self.b)
@@ -265,7 +266,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def functionals(self) -> tuple[ContactPoint, ...]:
-        """The contact point itself and, with tangents, the displacements along them.
+        """The contact point itself and, if there are tangents, one contact point along each.
 
         :meta private:
         """
@@ -278,7 +279,7 @@ class ContactPoint(Frozen):
         )
 
     def along(self, axis: FloatArray) -> FloatArray:
-        """Return the functional of the place's displacement along another axis, (n_dofs,).
+        """Return the functional of the contact's displacement along another axis, (n_dofs,).
 
         :meta private:
         """
@@ -286,9 +287,9 @@ class ContactPoint(Frozen):
 
     @cached_property
     def made_of(self) -> OneMaterial | None:
-        """Material or beam of the element at the contact, or its layers, touched on the top.
+        """Material, beam or layers of the element at the contact; None without a mesh.
 
-        None without a mesh.
+        The layers are those of a shell touched on its top.
 
         :meta private:
         """
@@ -304,12 +305,12 @@ class ContactPoint(Frozen):
 
     @property
     def thin(self) -> Layers | Beam | None:
-        """The shell or beam that is touched; None of a solid, and without a mesh."""
+        """The shell or beam at the contact; None for a solid, and without a mesh."""
         return self.made_of if isinstance(self.made_of, (Layers, Beam)) else None
 
     @property
     def _axis(self) -> FloatArray:
-        """From end to end of the beam element at the contact, m."""
+        """Vector between the ends of the beam element at the contact, m."""
         mesh: Any = self.body.mesh
         point: Any = self.point
         first, last = mesh.nodes[mesh.cells[nearest_line(mesh, point)[0], :2]]
@@ -322,7 +323,7 @@ class ContactPoint(Frozen):
         return abs(float(direction @ self._axis)) / float(np.linalg.norm(self._axis))
 
     def check_wall(self) -> None:
-        """Refuse a force that would bend the wall of a tube of beams, which is rigid.
+        """Refuse a force that would bend the wall of a tube of beam elements, which is rigid.
 
         :meta private:
         """
@@ -336,16 +337,16 @@ class ContactPoint(Frozen):
 
     @cached_property
     def extraction(self) -> Compliance | None:
-        """The compliance that the mesh has in place of the half-space of a contact law.
+        """Local compliance of the mesh, to be replaced by the half-space of a contact law.
 
-        It takes one linear solution for the contact and one for the body beyond the half-space.
-        None for a body without a mesh, and on a sharp edge. The compliance hardly depends on the
-        duration of the contact, which is not known here: the body's own is taken.
+        Requires two linear solutions, for the contact and for the body beyond the half-space. None
+        for a body without a mesh, and on a sharp edge. The compliance hardly depends on the
+        duration of the contact; as this is not known here, `own_contact_time` is used.
 
         Raises
         ------
         InputError
-            If a shell lies on solids there.
+            If the contact is on a shell that lies on solids.
         """
         if not self.on_surface:
             return None
@@ -354,7 +355,7 @@ class ContactPoint(Frozen):
 
     @property
     def on_surface(self) -> bool:
-        """True at a place of a mesh whose surface has a normal.
+        """True for a contact on the surface of a mesh where a normal exists.
 
         :meta private:
         """
@@ -363,7 +364,7 @@ class ContactPoint(Frozen):
 
     @property
     def width(self) -> float:
-        """Radius of the contact itself, m, or about that.
+        """Contact radius, m, or an estimate of it.
 
         :meta private:
         """
@@ -379,7 +380,7 @@ class ContactPoint(Frozen):
 
     @property
     def _covered(self) -> bool:
-        """True if the force presses on solids through a shell that lies on them."""
+        """True if the force acts on a shell that lies on solids."""
         body: Any = self.body
         if not body.mesh.thin:
             return False
@@ -404,7 +405,7 @@ class ContactPoint(Frozen):
         normal: Any = touched(surface, point, None, 0.0).normal
         found = extracted(self, normal, self.width, solver, moved)
         if self.patch is not None and not self.automatic and found.removed < 0.0:
-            raise InputError(  # more than the mesh explains
+            raise InputError(  # a negative compliance is more than errors of the mesh explain
                 f"radius={self.patch.radius:g}: the patch is so wide that the body yields less to "
                 "its mean displacement than under the contact; give a smaller radius, or leave it "
                 "out"
@@ -414,16 +415,16 @@ class ContactPoint(Frozen):
     def at_impact(
         self, contact_radius: float, solver: LinearSolver, moved: FloatArray | None = None
     ) -> ContactPoint:
-        """Return the contact point for a contact of that radius, its compliance computed.
+        """Return the contact point with its compliance computed for a given contact radius.
 
         Parameters
         ----------
         contact_radius : float
-            At the largest force, m.
+            Contact radius at the largest force, m.
         solver : LinearSolver
-            Of K + s²M with s about 10 over the duration of the contact.
+            Solver of K + s²M, with s about 10 over the duration of the contact.
         moved : ndarray, shape (1 or 3, n_dofs), optional
-            The responses to unit forces along the direction and the tangents, where they are known.
+            Known responses to unit forces along the direction and the tangents, m/N.
 
         :meta private:
         """
@@ -434,9 +435,9 @@ class ContactPoint(Frozen):
 
     @cached_property
     def deflections(self) -> dict[Any, FloatArray]:
-        """K⁻¹ b, shape (n_dofs,), by the solver of the factors that gave it; empty at first.
+        """Cache of K⁻¹ b, shape (n_dofs,), keyed by the solver; initially empty.
 
-        Models that are fitted to the contact one after another share it.
+        All models fitted to this contact share the cache.
 
         :meta private:
         """
@@ -444,7 +445,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def contact_surface(self) -> ContactSurface | None:
-        """Material, and curvatures of the surface at the point; None for a body without a mesh.
+        """Material and curvatures of the surface at the point; None for a body without a mesh.
 
         Raises
         ------
@@ -468,7 +469,7 @@ class ContactPoint(Frozen):
     def material(self) -> Material | None:
         """Material of the element at the contact; None without a mesh.
 
-        Of an orthotropic one the isotropic stand-in of its half-space, `Orthotropic.half_space`.
+        For an orthotropic material the isotropic equivalent, see `Orthotropic.half_space`.
         """
         of, normal = self.made_of, self.direction if self.normal is None else self.normal
         if isinstance(of, Beam):
@@ -479,7 +480,8 @@ class ContactPoint(Frozen):
     def depth(self) -> float:
         """Thickness of the body under the point, m; infinite without a mesh.
 
-        That of a beam is the height of the rectangle which bends as stiffly along the force.
+        For a beam, the height of a rectangle with the same area and bending stiffness along the
+        force.
         """
         surface = self.body.surface
         if isinstance(self.thin, Beam) and self.direction is not None:
@@ -494,7 +496,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def flat(self) -> bool:
-        """True if the solid elements under it are those of a sheet.
+        """True if the body under the contact is a sheet of flat solid elements.
 
         :meta private:
         """
@@ -507,10 +509,10 @@ class ContactPoint(Frozen):
         return height <= _FLAT * width and self.depth <= width
 
     def edge_and_wave(self, s: float) -> tuple[float, float]:
-        """Return the lengths of the elements at the contact and of a bending wave at i s there, m.
+        """Return the edge length at the contact, and the bending length λ for a frequency s, m.
 
-        The wave is that of a plate as thick as the body, (D/(m s²))^(1/4). It is infinite of beams
-        that are struck along their axis, and where the thickness is not known.
+        λ = (D/(m s²))^(1/4) belongs to a plate as thick as the body. It is infinite for beams
+        struck along their axis, and for an unknown thickness.
 
         :meta private:
         """
@@ -531,12 +533,12 @@ class ContactPoint(Frozen):
 
     @property
     def resultant(self) -> FloatArray:
-        """Sum of the nodes' forces for a unit contact force, shape (3,): the direction."""
+        """Sum of the nodal forces for a unit contact force, shape (3,)."""
         return np.asarray(self.forces[0].sum(axis=0))
 
     @property
     def forces(self) -> FloatArray:
-        """Forces, and couples, m, on the nodes for a unit contact force, (2, n_nodes, 3).
+        """Nodal forces and couples, m, for a unit contact force, shape (2, n_nodes, 3).
 
         :meta private:
         """
@@ -562,7 +564,7 @@ class ContactPoint(Frozen):
 
     @property
     def node_label(self) -> int | None:
-        """The label of `node`, where nodes have labels, or else `node` itself."""
+        """The label of `node` if nodes have labels, otherwise `node` itself."""
         return None if self.node is None else label_of(self.node, self.body.node_labels)
 
     @property
@@ -572,26 +574,26 @@ class ContactPoint(Frozen):
 
 
 def own_contact_time(tip: ContactPoint) -> float:
-    """Half a period of the body's mass on the stiffness of its contact, s.
+    """Estimate of the contact time, s: half a period of the body's mass on its contact stiffness.
 
-    On a mesh that is the half-space's under the contact's pressure, r E*/0.6; else what K gives a
-    displacement of the contact's nodes alone. Infinite where K gives b no stiffness.
+    The stiffness is r E*/0.6 of a half-space under Hertz's pressure or, without a mesh, that of K
+    for a displacement of the contact's nodes alone. The time is infinite if this stiffness is zero.
     """
     if tip.on_surface:
         assert tip.material is not None
-        # The mean displacement of a half-space under the contact's pressure.
+        # Mean displacement of a half-space under Hertz's pressure.
         compliance = 0.6 / (tip.width * tip.material.plane_strain_modulus)
     else:
         stiffness = quadratic(tip.body.K, tip.b) / float(tip.b @ tip.b) ** 2
         compliance = 1.0 / stiffness if stiffness > 0.0 else math.inf
     body = tip.body
-    # Where the mass is not known, the trace of M, which is not less.
+    # If the mass is unknown, the trace of M is an upper bound.
     mass = float(body.M.diagonal().sum()) if body.mass is None else body.mass
     return math.pi * math.sqrt(mass * compliance)
 
 
 def quadratic(A: Any, b: FloatArray) -> float:
-    """bᵀAb, of the few dofs at a contact."""
+    """bᵀAb for a vector b with few nonzero entries."""
     there = np.flatnonzero(b)
     return float(b[there] @ (A[there] @ b))
 
@@ -606,7 +608,7 @@ def contact_point(
     radius: float | str = "auto",
     expected: float | None = None,
 ) -> ContactPoint:
-    """Return the functional of a place on a body, of a dof, or of one's own; see `FEModel`."""
+    """Return the contact point of a body; for the parameters see `FEModel.contact`."""
     if isinstance(radius, str):
         choice("radius", radius, ("auto",))
     else:
@@ -685,30 +687,30 @@ def _at_point(
 def contact_within(
     tip: ContactPoint, contact_radius: float, *, wider: bool = False
 ) -> ContactPoint:
-    """Return the same contact with a patch for a contact of that radius, m, or of what has room.
+    """Return the contact point with a patch for a given contact radius, or the largest that fits.
 
-    On solids it is a little wider than the contact; for shells see `patch_on_shell`. At the edge of
-    a shell, where there is no room for any, the force acts at a point.
+    On solids the patch is slightly wider than the contact; for shells see `patch_on_shell`. At the
+    edge of a shell, if no patch fits, the force acts at a point.
 
     Parameters
     ----------
     tip : ContactPoint
     contact_radius : float
-        a, m.
+        Contact radius a, m.
     wider : bool, optional
-        True for a wider patch, as a contact needs that is stiffer than the mesh under it.
+        True for a wider patch, required if the contact is stiffer than the mesh under it.
 
     Raises
     ------
     InputError
-        If there is no room for any patch that the mesh shows.
+        If no patch that the mesh can resolve fits on the surface.
     """
     point: Any = tip.point
     layers, radius = tip.thin, PATCH_OVER_CONTACT * contact_radius
     if isinstance(layers, Beam):
         return tip
     if layers is not None:
-        # The side that is touched is not known before the body's role is.
+        # The touched side depends on the body's role, which is not yet known.
         sides = {layers, layers.seen_from(top=False)}
         radius = max(patch_on_shell(side, contact_radius, whole=wider) for side in sides)
     elif wider:
@@ -729,9 +731,9 @@ def _with_room(
     radius: float,
     how: dict[str, Any],
 ) -> ContactPoint:
-    """The contact with a patch of that radius, or of one that has room."""
+    """Return the contact point with a patch of the given radius, or of a smaller one that fits."""
     surface: Any = body.surface
-    with held_warnings():  # the point has had its warnings
+    with held_warnings():  # the same warnings were given for the point before
         least = min(radius, _LEAST_PATCH * edge_length(surface, point))
         while True:
             try:
@@ -746,7 +748,10 @@ def _with_room(
 
 
 def _on_beam(body: FEModel, point: FloatArray, along: FloatArray | None) -> Touch:
-    """A place on a beam, whose axis moves as its element does; off the axis it faces that."""
+    """Return the touch of a point on the axis of a beam element.
+
+    Without a given direction, a point beside the axis is touched towards the axis.
+    """
     mesh: Any = body.mesh
     given, point = point, to_nodes(body, point)
     cell, place, gap = nearest_line(mesh, point)
@@ -794,7 +799,7 @@ def _at_dof(body: FEModel, dof: int) -> ContactPoint:
 
 
 def _of_functional(body: FEModel, b: Any) -> ContactPoint:
-    """The contact of a functional of one's own, with as much of a place as it has."""
+    """Return the contact point of a functional b, with direction and position if it has any."""
     values = finite_array("b", b, shape=(None,)).copy()
     size = float(np.abs(values).max(initial=0.0))
     if len(values) != body.n_dofs:
@@ -810,7 +815,7 @@ def _of_functional(body: FEModel, b: Any) -> ContactPoint:
         return tip
     forces, resultant = tip.forces[0], tip.resultant
     length = float(np.linalg.norm(resultant))
-    with np.errstate(invalid="ignore", divide="ignore"):  # without a resultant
+    with np.errstate(invalid="ignore", divide="ignore"):  # the resultant may be 0
         centre = (forces @ resultant / length**2) @ body.nodes
     couple = float(np.linalg.norm(np.cross(body.nodes - centre, forces).sum(axis=0)))
     if abs(length - 1.0) > _NEARLY or couple > _NEARLY * np.ptp(body.nodes, axis=0).max():
@@ -825,7 +830,7 @@ def _of_functional(body: FEModel, b: Any) -> ContactPoint:
 
 
 def _placed(tip: ContactPoint) -> ContactPoint:
-    """The same functional with the place of the surface that its force presses on, if it does."""
+    """Add the point and normal of the surface on which a functional's force presses, if any."""
     surface, nodes, direction = tip.body.surface, tip.body.nodes, tip.direction
     if surface is None or nodes is None:
         return tip
@@ -837,13 +842,13 @@ def _placed(tip: ContactPoint) -> ContactPoint:
         return tip
     try:
         normal = touched(surface, place.x[0], direction, 0.0).normal
-    except InputError:  # along the surface
+    except InputError:  # the force is tangential to the surface
         return tip
     return replace(tip, point=place.x[0], normal=normal, directed=False)
 
 
 def _at_label(body: FEModel, label: int, along: Any) -> ContactPoint:
-    """A node of a body whose nodes are known by their labels only."""
+    """Return the contact point at a node of a body with labels but without coordinates."""
     labels: Any = body.labels
     rows, b = labelled_rows(labels, label), np.zeros(body.n_dofs)
     b[rows] = body.translation(along)[rows]
@@ -863,8 +868,9 @@ def _on_node(body: FEModel, node: int, along: Any) -> Touch:
 
 
 def _made(body: FEModel, touch: Touch, **how: Any) -> ContactPoint:
-    """The contact point of a touch, its forces on the dofs that are free."""
-    b = body.on_dofs(np.where(np.abs(touch.forces) > ROUNDING, touch.forces, 0.0))  # at a node
+    """Return the contact point of a touch, with its nodal forces on the free dofs."""
+    # Remove rounding, so that a point at a node loads only this node.
+    b = body.on_dofs(np.where(np.abs(touch.forces) > ROUNDING, touch.forces, 0.0))
     if np.abs(b).max(initial=0.0) <= ROUNDING:
         raise InputError(
             f"point {plain(touch.point)} m with direction {plain(touch.direction)}: supports hold "
@@ -879,7 +885,7 @@ def _made(body: FEModel, touch: Touch, **how: Any) -> ContactPoint:
 
 
 def _nearest_node(body: FEModel, point: FloatArray) -> int:
-    """Return the node that is meant by a point of a body without faces."""
+    """Return the node nearest to a point of a body without a mesh; refuse distant points."""
     nodes: Any = body.nodes
     distance = np.linalg.norm(nodes - point, axis=1)
     node = int(np.argmin(distance))
