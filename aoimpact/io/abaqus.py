@@ -486,7 +486,7 @@ class Scope:
     missing: dict[str, int] = field(default_factory=dict)
     known: dict[Which, tuple[IntArray, IntArray]] = field(default_factory=dict)
     _points: list[tuple[Keyword, IntArray, FloatArray]] = field(default_factory=list)
-    _frame: Axes = field(default_factory=Axes)  # the last *SYSTEM
+    _frame: Axes = field(default_factory=Axes)  # axes set by the last *SYSTEM
     _found: dict[tuple[Which, str], IntArray | None] = field(default_factory=dict)
 
     def read(self) -> Scope:

@@ -155,7 +155,7 @@ class Keyword:
             first = np.searchsorted(end - own, (end - own)[row] // width * width)
             why = f"the element must have {n_nodes} nodes; a line goes on after a comma"
             raise self.error(why, int(first))
-        written = ",".join(lines)  # 3.0 is no integer
+        written = ",".join(lines)  # text, as 3.0 must not pass for an integer
         words = written.encode("latin-1", "replace").split(b",") if lines else []
         table = numbers(np.array(words, "S"))
         if re.search(r"[^\d\s,+]", written) or (table != table.clip(1, MOST)).any():

@@ -18,7 +18,7 @@ from ..mesh import right_handed
 from . import raw
 from .raw import RawBlock, RawMesh
 
-# Kinds of elements by Gmsh's numbers, from 1 on.
+# Kinds of elements by Gmsh's type numbers, from 1.
 _NAMES = (
     "line triangle quad tetra hexahedron wedge pyramid line3 triangle6 quad9 tetra10 hexahedron27 "
     "wedge18 pyramid14 vertex quad8 hexahedron20 wedge15 pyramid13"
@@ -139,7 +139,7 @@ def _sections(content: bytes) -> dict[str, bytes]:
         if match is None:
             raise ValueError(f"a section is expected at byte {at}, got {content[at : at + 20]!r}")
         name = match[1].decode()
-        if name in ("NOD", "ELM", "ParametricNodes"):  # versions 1 and 2.2
+        if name in ("NOD", "ELM", "ParametricNodes"):  # of versions 1, 2.2
             raise ValueError(f"the section ${name} is not read; save it as version 4.1")
         if name in ("Nodes", "Elements", "Entities") and name in found:
             raise ValueError(f"the section ${name} is there twice")

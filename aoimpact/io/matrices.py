@@ -314,7 +314,7 @@ _Pair = tuple[Any, Any, IntArray | None]  # K, M, and node and component of each
 
 
 def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -> _Pair:
-    """Return both matrices with equal rows; refuse one file given twice, or K and M exchanged."""
+    """Return both matrices with the same order of rows; refuse equal or exchanged K and M."""
     K, M = stiffness.matrix, inertia.matrix
     if (stiffness.labels is None) != (inertia.labels is None):
         raise InputError("only one of them lists which dofs its rows are")
@@ -338,7 +338,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
     if K.nnz == M.nnz and not (K - M).data.any():
         raise InputError("K and M have the same entries; give M its own file")
     largest, heaviest = (float(abs(one.diagonal()).max(initial=0.0)) for one in (K, M))
-    if 0.0 < largest < heaviest:  # true bodies exceed 1 rad/s
+    if 0.0 < largest < heaviest:  # all frequencies below 1 rad/s
         raise InputError(f"K up to {largest:.3g}, M up to {heaviest:.3g}: are they exchanged?")
     return K, M, labels
 
@@ -348,13 +348,13 @@ def _kept(K: Any, M: Any, labels: IntArray | None, rows: Any) -> _Pair:
 
 
 def _free(K: Any, M: Any, labels: IntArray | None, length: float, mass: float) -> _Pair:
-    """Return K and M in SI units, without constrained dofs and dofs with neither entry."""
+    """Return K and M in SI units, without dofs that are constrained or have only zero entries."""
     # Rows with NaN are kept, and refused by the body.
     keep = ~((K.diagonal() >= _HOLDING) | ((abs(K) + abs(M)).sum(axis=1) == 0.0))
     if not keep.any():
         raise InputError("no dof has stiffness or mass and is free to move")
     K, M, labels = _kept(K, M, labels, keep)
-    if labels is not None:  # rows of rotations are moments, force × length
+    if labels is not None:  # moments have the unit force × length
         D = sp.diags_array(np.where(labels[:, 1] > 3, length, 1.0))
         K, M = D @ K @ D, D @ M @ D
     return sp.csr_array(mass * K), sp.csr_array(mass * M), labels

@@ -520,7 +520,7 @@ class NastranDeck:
             if not name.startswith("property "):
                 continue
             dim = int(dims[members].max())
-            own = members[dims[members] == dim]  # without edges of the same number
+            own = members[dims[members] == dim]  # a mesher's edges may have this number
             if (of := self.source.instead(name, dim)) is not None:
                 found[name] = of
                 continue
@@ -529,7 +529,7 @@ class NastranDeck:
                 if dim == dims.max():
                     why = f"its {name} is not there, or is of elements of another kind"
                     raise self.entries(own)[0][0].refused(0, why)
-                continue  # sides and edges of a mesher
+                continue  # sides and edges written by a mesher
             if card.name not in _PROPERTIES:
                 raise card.error(f"it is not read; give read_sections(given={{{name!r}: ...}})")
             if (read := _PROPERTIES[card.name]) is None:
@@ -565,7 +565,7 @@ class NastranDeck:
             cure = f"give read_sections(given={{'material {label}': Material(...)}})"
             raise own.error(f"RHO is 0 or blank; write it, or {cure}")
         if bar and own.name == "MAT1" and own.text(1) and own.real(2, "G", 0.0):
-            own = replace(own, fields=[*own.fields[:3], "", *own.fields[4:]])  # E and G as given
+            own = replace(own, fields=[*own.fields[:3], "", *own.fields[4:]])  # drop NU
         with refusing(own.error):
             return make(self.source, own, rho)
 
@@ -703,7 +703,7 @@ def _bar(deck: NastranDeck, card: Card, own: IntArray, shear: float = math.inf) 
 def _constant(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
     """Return the beam of a PBEAM of constant cross-section, by conversion to PBAR."""
     of = [*card.fields, *[""] * 16]
-    if of[8] in _STATIONS:  # without C to F
+    if of[8] in _STATIONS:  # C to F are left out
         of[8:8] = [""] * 8
     card, at = replace(card, fields=of), 16
     while of[at] in _STATIONS:
@@ -763,7 +763,7 @@ def _isotropic(source: Source, card: Card, rho: float) -> Material:
     elif not card.text(1):
         E = 2.0 * G * (1.0 + nu)
     elif G and abs(G - (isotropic := 0.5 * E / (1.0 + nu))) > _ISOTROPIC * G:
-        if float(f"{isotropic:.1e}") != G:  # to two digits
+        if float(f"{isotropic:.1e}") != G:  # not just rounded to two digits
             raise card.error(f"G={G:g} is not E/(2 (1 + NU)) = {isotropic:g}; leave G blank")
         left = f"material {card.text(0)} has G={isotropic:g} by E and NU, not {G:g}"
         source.left_out.append(left)

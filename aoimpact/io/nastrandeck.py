@@ -448,7 +448,7 @@ class Table:
         """Return `count` fields from `first` on as integers, shape (n, count); blanks are 0."""
         text = self._filled(first, count)
         try:
-            if b"_" in text.tobytes():  # Python's 1_0
+            if b"_" in text.tobytes():  # 1_0 is a number in Python only
                 raise ValueError
             found: IntArray = text.astype(np.int64)
         except (ValueError, OverflowError):

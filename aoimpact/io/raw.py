@@ -306,7 +306,7 @@ def number(text: str) -> float:
 def numbers(texts: npt.NDArray[np.bytes_]) -> FloatArray:
     """Return numbers from texts, as `number` reads them; NaN for a text that is no number."""
     whole = texts.tobytes()
-    if not any(mark in whole for mark in (b"_", b"n", b"N")):  # Python's 1_0, nan and inf
+    if not any(mark in whole for mark in (b"_", b"n", b"N")):  # 1_0, nan, inf: Python only
         spelled = np.frombuffer(whole.replace(b"D", b"E"), texts.dtype)
         for short in (False, True):
             if short:

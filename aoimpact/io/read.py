@@ -619,7 +619,7 @@ def existing(what: str, file: Path) -> bytes:
 
 
 def _reader(suffix: str, head: bytes) -> _Reader:
-    if looks_like_inp(head[:4096]):  # CalculiX writes .msh
+    if looks_like_inp(head[:4096]):  # CalculiX names decks .msh, too
         return abaqus.read
     if suffix.startswith(".msh"):
         return gmsh.read

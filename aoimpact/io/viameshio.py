@@ -137,7 +137,7 @@ def from_meshio(mesh: Any) -> RawMesh:
     first = RawMesh(mesh.points, blocks).first
     try:
         nodes = [*mesh.point_sets.items()]
-        if (tags := mesh.point_data.get("point_tags")) is not None:  # MED's
+        if (tags := mesh.point_data.get("point_tags")) is not None:  # families of MED
             for tag, names in getattr(mesh, "point_tags", {}).items():
                 nodes += [(name, tags == tag) for name in names]
         node_sets = grouped((str(name), _indices(of)) for name, of in nodes)
@@ -173,7 +173,7 @@ def _cell_groups(
                     name = name if called else names.get((block.dim, tag), name)
                     yield mesh.field_data.get(f"{key} {tag}", name), i, np.asarray(tags) == tag
     for i, (_, tags) in enumerate(zip(blocks, mesh.cell_data.get("cell_tags", ()), strict=False)):
-        for tag, called in getattr(mesh, "cell_tags", {}).items():  # MED's
+        for tag, called in getattr(mesh, "cell_tags", {}).items():  # families of MED
             for name in called:
                 yield name, i, tags == tag
 

@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from .raw import RawBlock, RawMesh, check_count, firsts, integers, nodes_in, numbers_of
 
-# Kinds of cells by VTK's numbers.
+# Kinds of cells by VTK's type numbers.
 _LINEAR = "vertex line triangle quad quad tetra hexahedron hexahedron wedge pyramid"
 _QUADRATIC = "line3 triangle6 quad8 tetra10 hexahedron20 wedge15 pyramid13 quad9 hexahedron27"
 _KINDS = {
@@ -148,7 +148,7 @@ class _Arrays:
             case other:
                 raise ValueError(f"data of format {other!r} are not read")
         size = self.header.itemsize
-        count = int(_from_bytes(content, self.header, 1)[0])  # of bytes, or of blocks
+        count = int(_from_bytes(content, self.header, 1)[0])  # bytes, or compressed blocks
         if self.decompress is None:
             return _from_bytes(content[size:], dtype, count // dtype.itemsize)
         sizes = _from_bytes(content, self.header, 3 + count)[3:]

@@ -109,9 +109,9 @@ def collapse(kind: str, cells: IntArray, numbers: IntArray) -> tuple[list[Solids
     kind : str
         Kind of the given elements.
     cells : ndarray of int, shape (n, nodes per cell)
-        Their nodes.
+        Nodes of each element, of which some may repeat others.
     numbers : ndarray of int, shape (n,)
-        Their numbers among the cells of the file.
+        Numbers of the elements among the cells of the file.
 
     Returns
     -------

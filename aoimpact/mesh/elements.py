@@ -284,7 +284,7 @@ def _quadrature(linear: str, n: int) -> Rule:
 
 _AXES, _ORIGIN = np.eye(3), np.zeros(3)
 _SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
-_BRICK = np.vstack([_SQUARE, _SQUARE + _AXES[2], np.full(3, 0.5)])  # its corners and its middle
+_BRICK = np.vstack([_SQUARE, _SQUARE + _AXES[2], np.full(3, 0.5)])  # eight corners, and the middle
 
 
 def _cell(linear: str, corners: Any, normals: Any, of_brick: str) -> Cell:
@@ -341,7 +341,7 @@ _PYRAMID_5 = (*_TETRAHEDRON_4, (1, 1, 0, 1))
 _PYRAMID_13 = (*_TETRAHEDRON_10, (1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1))
 
 
-_EDGES = "01 12 23 03 45 56 67 47 04 15 26 37"  # of a hexahedron
+_EDGES = "01 12 23 03 45 56 67 47 04 15 26 37"  # corners of a hexahedron's edges, and of its faces
 _FACES = "0347 1256 0145 2367 0123 4567"
 
 # All kinds of elements, by meshio's names: the cell; for each node after the corners, the corners
@@ -513,7 +513,7 @@ def cofactors(j: FloatArray) -> ArrayPair:
 
 
 def meshio_of_all_kinds() -> Any:
-    """Return meshio, made to accept meshes of all `KINDS`: it reads some that it then refuses."""
+    """Return meshio, extended by `KINDS` that its readers return but its `Mesh` rejects."""
     import meshio  # slow to import
     from meshio._mesh import topological_dimension
 

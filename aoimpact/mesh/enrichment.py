@@ -40,7 +40,7 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
         own = block.element
         if found is None:
             faces = [of.nodes[: of.n_corners] for of in reference_faces(own.kind)]
-            for side in faces or [np.arange(2)]:  # a line has none
+            for side in faces or [np.arange(2)]:  # a line has no faces
                 edges = np.stack([side, np.roll(side, 1)], axis=1)
                 corners_of = [*edges, side] if len(side) == 3 else edges
                 others += [_keys(block.cells, corners) for corners in corners_of]

@@ -95,7 +95,7 @@ def pairs(key: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
     No array repeats an index.
     """
     order = np.argsort(key, kind="stable")
-    for step in range(1, max(2, int(np.bincount(key).max()))):  # at least an empty one
+    for step in range(1, max(2, int(np.bincount(key).max()))):  # without pairs, yield empty arrays
         first = np.flatnonzero(key[order[step:]] == key[order[:-step]])
         yield order[first], order[first + step]
         yield order[first + step], order[first]

@@ -71,7 +71,7 @@ class Place:
     x : ndarray, shape (n, 3)
         Coordinates of the points, m.
     distance : ndarray, shape (n,)
-        Distances from the points they were searched from, m.
+        Distances from the points given to the search, m.
     """
 
     face: IntArray
