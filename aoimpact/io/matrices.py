@@ -37,7 +37,7 @@ from .op4 import is_op4, read_op4
 from .raw import RawMatrix, at, codes, columns, naming, repeats, rows_of, spoilt
 from .read import existing, load, read_mesh
 
-# Smallest and largest unit of length, m, and of mass, kg: from below nanometres and nanograms.
+# Smallest and largest unit of length, m, and of mass, kg, which include nanometres and nanograms.
 _UNITS = 1e-12, 1e12
 
 # Names of matrices that are recognised: K, KAA, KAAX, KGG, STIFFNESS; M, MAA, MASS.

@@ -64,8 +64,8 @@ from .viameshio import from_meshio, is_meshio
 
 _Reader = Callable[[Path], RawMesh]
 
-# Number of bytes searched to recognise a format: decks and punched files may begin with other
-# entries than those that tell.
+# Number of bytes searched for entries that identify a format: decks and punched files may begin
+# with other entries.
 _HEAD = 2**20
 
 # Readers by the suffix of a file's name in lower case; meshio reads all others.
@@ -172,7 +172,7 @@ def read_for(
     """Return the mesh as `read_mesh` does, with groups `thin` of surface and line cells added."""
     factor = positive("scale", scale)
     parts = part if isinstance(part, (list, tuple)) else [part]
-    named = [*thin, *(name for name in parts if isinstance(name, str))]  # others are refused below
+    named = [*thin, *(name for name in parts if isinstance(name, str))]  # `select` refuses others
     if order is not None and not (isinstance(order, (int, np.integer)) and order == 2):
         raise InputError(f"order must be 2 or None, got {order!r}")
     if isinstance(source, Mesh):
@@ -259,7 +259,7 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
             if labels is not None:
                 labels = np.append(labels, labels.max() + 1 + np.arange(len(cells)))
             kind, cells = "quad9", np.column_stack([cells, middles])
-        if sound and kind in _SPLIT:  # others are refused later
+        if sound and kind in _SPLIT:  # unsound ones are refused later
             kind, parts = _SPLIT[kind]
             tags = None if block.labels is None else np.repeat(block.labels, len(parts))
             cells = cells[:, np.array(parts)].reshape(-1, len(parts[0]))
@@ -312,7 +312,7 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
     of_cells = (
         (name, block.cells[own].ravel())
         for name, members in raw.cell_sets.items()
-        if name not in raw.node_sets  # the file has a set of nodes of that name
+        if name not in raw.node_sets  # node sets of the file take precedence
         for block, own in raw.rows(members)
     )
     sets = grouped([*raw.node_sets.items(), *of_cells])
@@ -331,7 +331,7 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
     dims, parts = raw.dims, []
     chosen = dims == dims.max(initial=0)
     groups = [raw.cell_sets[found] for name in named if (found := called(name, raw.cell_sets))]
-    if groups and raw.deck is not None and dims.max() == 1:  # only bars: others may be rods
+    if groups and raw.deck is not None and dims.max() == 1:  # unnamed lines may be rods
         chosen[:] = False
     for members in groups:
         chosen[members[dims[members] == dims[members].max(initial=0)]] = True

@@ -392,7 +392,8 @@ _ALL |= {
 }
 THIN = ("quad", "triangle", "line")
 
-# The second-order kind for each kind of first order. In reverse, hexahedron20 replaces 27.
+# The second-order kind for each kind of first order. Being last in reversed order, hexahedron20
+# replaces hexahedron27.
 RAISED = {_ALL[kind][0].linear: kind for kind in reversed(KINDS) if _ALL[kind][1]}
 
 # Kinds of surface elements by their numbers of nodes.
