@@ -161,7 +161,8 @@ def force_errors(stars: list[ao.AOModel], exact: ao.AOModel, projectile: Any) ->
 
 def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
     start = time.perf_counter()
-    # Scene-fitted: factors of K + s²M, for a slender body of K too. ARPACK: of K, or shifted.
+    # Factors for scene-fitted models are of K + s²M, for a slender body also of K; ARPACK's are
+    # of K, or of K shifted.
     mine, theirs = Factors(), Factors()
     krylov = partial(ao.antioscillators, tip, method="krylov", contact_time=CONTACT_TIME)
     eigen = partial(ao.antioscillators, tip, order="frequency")

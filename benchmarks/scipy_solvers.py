@@ -69,7 +69,7 @@ def _half(star: AOModel) -> _Half:
         stiffness[0, 1:] = stiffness[1:, 0] = -star.k
         contact = np.eye(star.n + 1)[0]
         return _Half(np.concatenate([[star.m0], star.m]), stiffness, contact, 0.0, weights)
-    # A massless contact is where its springs hold it: u0 = (Σ k_i u_i - F) / (k0 + Σ k_i).
+    # A massless contact is in balance with its springs: u0 = (Σ k_i u_i - F) / (k0 + Σ k_i).
     contact = star.k / sum_k
     stiffness = np.diag(star.k) - np.outer(star.k, contact)
     centre = weights[1:] + weights[0] * contact

@@ -65,9 +65,9 @@ def simulate_many(
     Parameters
     ----------
     cases : iterable
-        Dicts of `simulate`'s keywords, or pairs (scene, duration) or (scene, keywords), a dict of
-        those of its ``simulate``. Impacts on one contact point share its models if their contacts
-        last about as long and are about as wide; each has its own error. Without `quantity` and
+        Dicts of `simulate`'s keywords, or pairs (scene, duration) or (scene, dict of keywords of
+        its ``simulate``). Impacts on one contact point share its models if their contacts last
+        about as long and are about as wide; each has its own error. Without `quantity` and
         `rtol` models are chosen for the peak force.
     workers : int or executor, optional
         Threads (the core runs without Python's lock), or anything with ``.submit``: executors of

@@ -37,7 +37,7 @@ from .many import check_keywords, run_cases
 
 Column = NDArray[Any]
 
-# Memory per number, bytes: each is in a column of its own and in the structured array.
+# Memory per number, bytes: 8 in its column, and 8 in the structured array of all columns.
 _BYTES_PER_NUMBER = 16.0
 
 # Maximum rows of a printed table, few enough that the note below stays on the screen.

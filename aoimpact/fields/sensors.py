@@ -135,7 +135,7 @@ class History:
         apart = [self.seen(of, self.t) - self.values for of in self.source.others]
         if not apart:
             return np.full_like(self.values, np.nan)
-        # Runs on both sides of this one: their differences must not cancel.
+        # Other runs may lie on both sides of this one: their differences must not cancel.
         return _DIFFERENCES * len(apart) * max(apart, key=lambda of: float(np.abs(of).max()))
 
     def told(self) -> FloatArray:
@@ -193,10 +193,10 @@ class SensedOnce:
 
 
 class Each(Generic[T]):
-    """An object that prepares something once for each body of the runs that are compared."""
+    """Base of objects that prepare data, such as rows on the dofs, once for each body."""
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle without what has been made."""
+        """Pickle without the prepared data."""
         return {one.name: vars(self)[one.name] for one in fields(self)}  # type: ignore[arg-type]
 
     @cached_property

@@ -104,7 +104,7 @@ _NO_NOTE = np.full(3, math.nan)
 # indentations that it is meant for.
 _SHALLOW, _STRIDE = -28.0, 0.35
 
-# Largest magnitude of log δ in that search, and the least work, J, that counts as above 0.
+# Largest magnitude of log δ in the search for the stroke; least work, J, that counts as positive.
 _LONGEST, _LEAST_WORK = 300.0, 1e-300
 
 

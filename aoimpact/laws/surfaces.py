@@ -20,7 +20,8 @@ _NO_MATTER = 0.01
 
 _CURE = "give law="
 
-# Error over largest curvature above which a message names the mesh as the reason for no law.
+# If there is no law, the message names the mesh as the reason above this relative error of the
+# largest curvature.
 _DOUBT = 0.3
 
 

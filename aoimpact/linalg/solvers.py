@@ -87,7 +87,7 @@ class LinearSolver:
 
     @property
     def precondition(self) -> Solve | None:
-        """Approximation of (K + s²M)⁻¹, symmetric and much cheaper; None of a direct method."""
+        """Approximation of (K + s²M)⁻¹, symmetric and much cheaper; None for a direct method."""
         return self.inverse.precondition
 
     @property

@@ -1,4 +1,4 @@
-"""SuperLU: factors of a sparse symmetric positive definite matrix, which come with SciPy."""
+"""Factors of a sparse symmetric positive definite matrix by SuperLU, which is part of SciPy."""
 
 from __future__ import annotations
 
@@ -137,8 +137,8 @@ def check_condition(
         sizes = type(matrix)(parts, shape=matrix.shape)
         largest = float((sizes @ (1.0 / scale) / scale).max())
         x = np.random.default_rng(0).standard_normal(len(scale))
-        # One iteration may underestimate the norm, and needs a safety factor to accept the matrix.
-        # The second decides nothing, and the third is accurate enough.
+        # Inverse iteration estimates 1/λ_min from below. The first estimate accepts the matrix only
+        # with a safety factor, the second never, and the third, accurate enough, without a factor.
         for short in (_UNLUCKY * len(scale) ** 0.5, np.inf, 1.0):
             with np.errstate(invalid="ignore"):  # of an infinite x, which is refused
                 x /= np.linalg.norm(x)

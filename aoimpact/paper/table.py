@@ -33,7 +33,7 @@ class Row(NamedTuple):
     against : str
         Source of the printed number.
     quantity, unit : str
-        Name and unit.
+        Name of the quantity, and its unit.
     printed : str
         Number as the source prints it; empty if it gives none.
     computed : float

@@ -260,7 +260,7 @@ class SceneFile:
         return SceneFile(self.path, data, self.text, self._kept)
 
     def _with(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the data with other values at some places, and without the sweep."""
+        """Return a copy of the data without the sweep, changed to `values` by dotted names."""
         data = copy.deepcopy({name: of for name, of in self.data.items() if name != "sweep"})
         places = {name: place_of(self.data, self.kind, name) for name in values}
         for (name, place), (other, longer) in itertools.permutations(places.items(), 2):

@@ -274,7 +274,7 @@ _PARTS |= {"contacts": ContactResult, "error": ErrorEstimate}
 
 
 def _read_number(binder: SceneBinder, name: str, place: Place) -> Any:
-    """Return the name of a number of the results; note a name without a number."""
+    """Return the name of a number of the results; note a problem if there is no such number."""
     try:
         keeper((name,))
     except InputError as error:

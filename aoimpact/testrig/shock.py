@@ -215,7 +215,7 @@ def shock_spectrum(
 
 
 def _largest(signal: Signal, frequency: float, damping: float, unit: str) -> tuple[float, ...]:
-    """Return the largest response up, down, of any sign during the signal, and after it.
+    """Return the largest positive and negative response, and magnitudes during and after `signal`.
 
     The oscillator z'' + 2ζω z' + ω² z = -u is solved exactly in its eigenvalue λ: q' = λq + u, and
     z = 2 Re(r q). The absolute acceleration z'' + u has λ² r in place of r, the pseudo-velocity

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 STANDARD_GRAVITY = 9.80665  # m/s², ISO 80000-3
 
-# Largest distance of a sample from its even place, over a step, of evenly spaced samples.
+# Samples count as evenly spaced if no time is farther than this from an even grid, in steps.
 UNEVEN = 0.05
 
 # Default number of samples of a simulated force in its hardest contact.

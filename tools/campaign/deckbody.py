@@ -144,7 +144,7 @@ def shared_out(rng: random.Random, numbers: Iterable[int]) -> list[list[int]]:
 
 
 def runs(wanted: Iterable[int], every: Iterable[int]) -> list[list[int]]:
-    """Return the wanted labels in runs without other labels of `every` between them."""
+    """Return the wanted labels in ascending runs: no other label of `every` lies within a run."""
     members, found = set(wanted), list[list[int]]([[]])
     for label in sorted(every):
         found += [[]] * (label not in members)

@@ -27,7 +27,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
 from obliqueoracle import Motion, Rigid, march
 
-# Steps and springs of the oracle, and depth of its row of springs over that of bodies without spin.
+# Steps and springs of the oracle, and indentation that the springs reach, over the largest
+# indentation without spin.
 _STEPS, _SPRINGS, _REACH = 1500, 150, 1.05
 
 # Largest error of an answer over the sum of its estimate and the oracle's error.

@@ -86,7 +86,7 @@ class Oracle:
         self.marks = list[Mark]()
         self._quiet_until = np.full(len(case.contacts), -1.0)
         self._flips = {}
-        self._held = np.zeros(len(case.contacts))  # forces of dashpots when a load sets in
+        self._held = np.zeros(len(case.contacts))  # dashpot forces as a load sets in at t = 0, N
 
     def run(self) -> Outcome:
         """Integrate the record.
@@ -111,7 +111,8 @@ class Oracle:
         more = self._held > found.peaks
         deep = motion.length
         vanish = [law.at(1e-30 * deep)[2] < 0.5 * law.at(deep)[2] for law in self.laws]
-        # A dashpot without force at the touch loses a load faster than any run resolves: no peak.
+        # A damping coefficient that vanishes at indentation 0 lets this force decay faster than any
+        # run resolves: no peak is compared.
         first = np.where(vanish, np.nan, self._held)
         return replace(
             found,

@@ -144,7 +144,7 @@ class Readout:
         return tuple(self._touch(*marks[i : i + 3]) for i in range(0, len(marks) - 2, 2))
 
     def _touch(self, start: Mark, end: Mark, following: Mark) -> Touch:
-        """Return a touch, by its marks and the next one, up to which the bodies are apart."""
+        """Return the touch between two marks; `following`: the end of the bodies' separation."""
         c, length = start.contact, end.time - start.time
         deep = max(self._depths(c, start.time, end.time), default=0.0)
         apart = -min(self._depths(c, end.time, following.time), default=0.0)
