@@ -1,6 +1,6 @@
-"""The static mode of a body at its contact, and the shifts s of K + s²M that fit its contact time.
+"""Static mode of a body at its contact, and shifts s of K + s²M chosen by the contact time.
 
-The mode is that of eqs. (1)-(3) and (11) of the paper.
+The static mode follows eqs. (1)-(3) and (11) of the paper.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from ..fem import displacement, near_static
 from ..linalg import LinearSolver
 from .point import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadratic
 
-# rᵀb/|r||b| of a motion r that b moves. Less is rounding: beside springs to the ground that are
-# just distinguished from none (1e-9 of the diagonal of K) motions are known to some 1e-16/1e-9.
+# Smallest rᵀb/|r||b| of a rigid motion r excited by b; less is rounding. With the weakest springs
+# to the ground that are detected (1e-9 of the diagonal of K), r is accurate to about 1e-16/1e-9.
 _MOVED = 1e-7
 
-# Rounding of a null space: deviation of a motion that is 0 or 1 everywhere.
+# Rounding of a null space: tolerance for entries of a motion that should be 0 or 1.
 _AS_ONE = 1e-6
 
 
@@ -32,15 +32,15 @@ class StaticMode:
     Attributes
     ----------
     phi : ndarray, shape (n_dofs,)
-        φ_st with bᵀφ_st = 1.
+        Static mode φ_st, with bᵀφ_st = 1.
     k0 : float
-        φ_stᵀ K φ_st, N/m; exactly 0 where b moves the body rigidly.
+        Static stiffness φ_stᵀ K φ_st, N/m; exactly 0 if b excites rigid motion.
     m_phi : ndarray, shape (n_dofs,)
         M φ_st.
     mass : float
-        m_st = φ_stᵀ M φ_st, kg.
+        Static mass m_st = φ_stᵀ M φ_st, kg.
     unobservable : ndarray, shape (n_dofs, r)
-        The M-orthonormal rigid motions that do not move the contact point.
+        M-orthonormal rigid motions that do not displace the contact point.
     """
 
     phi: FloatArray
@@ -53,13 +53,13 @@ class StaticMode:
 def static_mode(
     tip: ContactPoint, *, invert: Callable[[float], LinearSolver] | None = None
 ) -> StaticMode:
-    """Return the static mode; for a body that b can move rigidly, that rigid motion.
+    """Return the static mode, or the rigid motion excited by b if there is one.
 
     Parameters
     ----------
     tip : ContactPoint
     invert : callable, optional
-        s² ↦ the solver of K + s²M of its body; `FEModel.inverse` if left out.
+        Function s² ↦ solver of K + s²M of the body; by default `FEModel.inverse`.
 
     Raises
     ------
@@ -80,23 +80,23 @@ def static_mode(
 
 
 def moves_rigidly(tip: ContactPoint) -> bool:
-    """True if a force at the contact moves the body as a whole: for that force it is free."""
+    """Return whether a force at the contact excites rigid motion of the body."""
     rigid = tip.body.rigid_modes
     reach = float(np.linalg.norm(rigid.T @ tip.b))
     return reach > _MOVED * float(np.linalg.norm(tip.b) * np.linalg.norm(rigid))
 
 
 def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatArray, float, bool]:
-    """Return the centre of mass's functional, the body's mass, kg, and whether these are right.
+    """Return the functional of the centre of mass, the body's mass, kg, and whether both are exact.
 
-    Without nodes, the mean over the static mode stands for the centre, and its mass for
-    the body's. That is right if the mode is a translation: all that moves moves as the contact.
+    Without nodes, the mean weighted by the static mode and its mass replace them. These are exact
+    if the mode is a translation, with all entries 0 or 1.
 
     Parameters
     ----------
     tip : ContactPoint
     phi : callable
-        Returns φ_st, shape (n_dofs,).
+        Function that returns φ_st, shape (n_dofs,).
     """
     if tip.direction is not None and tip.body.mass is not None:
         return tip.body.com_functional(tip.direction), tip.body.mass, True
@@ -108,9 +108,9 @@ def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatAr
 
 
 def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
-    """Refuse contact points from which part of their body is a mechanism.
+    """Refuse contact points whose force excites a mechanism of the body.
 
-    A mechanism that no force there moves is accepted: its motion takes no part in the response.
+    A mechanism that these forces do not excite is accepted, as it does not contribute.
 
     Raises
     ------
@@ -131,7 +131,10 @@ def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
 def fitted_shifts(
     tips: Sequence[ContactPoint], contact_time: float | None, duration: float | None
 ) -> list[float]:
-    """Return the shifts s, rad/s, for that contact time at any of the places, and duration."""
+    """Return the shifts s, rad/s, for a contact time, s, and if it is slower, a run's duration, s.
+
+    Without a contact time, the shortest estimate among the contact points is taken.
+    """
     if contact_time is None:
         contact_time = min(own_contact_time(tip) for tip in tips)
         if math.isinf(contact_time):
@@ -154,29 +157,29 @@ def fitted_shifts(
 
 
 def slow_shift(tip: ContactPoint, duration: float) -> float:
-    """Return the shift for motion of that duration, rad/s; of an infinite one a static shift."""
+    """Return the shift, rad/s, for motion of a duration, s; nearly static for infinity."""
     wanted = SHIFT_TIMES_DURATION / positive("duration", duration, unit="s", infinite=True)
     return max(wanted, math.sqrt(near_static(tip.body)))
 
 
 def shortest_contact_time(tip: ContactPoint) -> float:
-    """The shortest contact that the mesh resolves, s: a shorter wave is shorter than an element.
+    """Return the shortest contact time that the mesh resolves, s.
 
-    0 where K gives b no stiffness, and so no waves.
+    It corresponds to waves as long as an element; 0 if bᵀKb = 0, without waves.
     """
     highest = highest_shift(tip)
     return SHIFT_TIMES_DURATION / highest if highest > 0.0 else 0.0
 
 
 def highest_shift(tip: ContactPoint) -> float:
-    """The frequency of the elements at the contact, rad/s: it bounds from below the highest."""
+    """Return √(bᵀKb/bᵀMb), rad/s: a lower bound of the body's highest frequency."""
     refuse_massless([tip])
     body, b = tip.body, tip.b
     return math.sqrt(max(0.0, quadratic(body.K, b) / quadratic(body.M, b)))
 
 
 def refuse_massless(tips: Sequence[ContactPoint]) -> None:
-    """Refuse contact on dofs without mass: no mode of a truncated model has their compliance.
+    """Refuse contact on massless dofs, as modes of a truncated model lack their compliance.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""Quadrature on the sides and cells of a mesh, refined towards a point where the integrand varies.
+"""Quadrature on the faces and cells of a mesh, refined towards a point.
 
-Sides and cells are cut into triangles and tetrahedra in their reference coordinates, which are
-split while they are large for their distance from the point.
+Faces and cells are cut into triangles and tetrahedra in their reference coordinates. These are
+split repeatedly until they are small compared with their distance from the point.
 """
 
 from __future__ import annotations
@@ -17,40 +17,41 @@ import scipy
 from ..base import ArrayPair, FloatArray, IntArray
 from ..mesh import Block, ReferenceElement, cofactors
 
-# Points in each direction of the product rules: exact to degree 5 on triangles, 3 on tetrahedra.
+# Points per direction of the product rules: exact to degree 5 on triangles, 3 on tetrahedra.
 _ON_SIDE, _IN_CELL = 3, 2
 
-# Pieces are split while larger than these multiples of their distance, or of that floor in radii.
-# Near a contact on a curved surface, where the pressure itself is integrated, finer by a factor.
-# Cells half as large change R by less than 2e-4/(E* a), a force by 0.02 %.
+# Largest size of triangles and of tetrahedra over their distance from the point, or over _FLOOR
+# radii a if that is larger. Triangles closer than _NEAR radii are finer by the factor _FINER, as
+# the pressure itself is integrated there. Halving cells changes R by less than 2e-4/(E* a), and a
+# force by 0.02 %.
 _SIDES, _CELLS, _FLOOR = 1.0, 2.4, 0.6
 _NEAR, _FINER = 3.0, 0.3
 
-# Most splits, so that a corner at the point itself ends. Each halves the size.
+# Largest number of splits, each of which halves the size; required for corners at the point itself.
 _MOST_OF_SIDE, _MOST_OF_CELL = 14, 3
 
-# Quadrature points that are evaluated at a time, to stay in the caches.
+# Number of quadrature points per batch, which fits into the caches.
 _AT_ONCE = 20_000
 
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Quadrature points on some sides or cells of a block, q for each.
+    """Quadrature points on n pieces of faces or cells of a block, q for each piece.
 
     Attributes
     ----------
     rows : ndarray of int, shape (n,)
-        The cells' numbers in their block.
+        Index of each piece's cell in its block.
     x : ndarray, shape (n, q, 3)
-        m.
+        Coordinates, m.
     shape : ndarray, shape (n, q, nodes per cell)
         Shape functions.
     slopes : ndarray, shape (n, q, nodes per cell, 3)
-        Their derivatives along x, y, z, 1/m.
+        Derivatives of the shape functions along x, y, z, 1/m.
     weight : ndarray, shape (n, q)
-        Weights of cells, m³; 1 for sides, since `area` is weighted.
+        Weights in cells, m³; 1 on faces, since `area` contains the weights.
     area : ndarray, shape (n, q, 3)
-        Outward vector of the area, m²; zero for cells.
+        Weighted outward area vectors of faces, m²; zero for cells.
     """
 
     rows: IntArray
@@ -69,19 +70,21 @@ def sides_towards(
     point: FloatArray,
     a: float,
 ) -> Iterator[Points]:
-    """Yield points on one side of some cells.
+    """Yield quadrature points on one face of cells.
 
     Parameters
     ----------
     nodes : ndarray, shape (n_nodes, 3)
+        Coordinates, m.
     block : Block
     rows : ndarray of int
-        The cells' numbers in the block.
+        Indices of the cells in the block.
     corners : ndarray, shape (3 or 4, 3)
-        Reference coordinates of the side's corners, counter-clockwise from outside.
+        Reference coordinates of the face's corners, counter-clockwise seen from outside.
     point : ndarray, shape (3,)
+        Point towards which the quadrature is refined, m.
     a : float
-        Radius about the point within which the integrand varies, m.
+        Length over which the integrand varies near the point, m.
     """
     halves = np.stack([corners[[0, i, i + 1]] for i in range(1, len(corners) - 1)])
     yield from _towards(nodes, block, rows, halves, point, a, _SIDES, _MOST_OF_SIDE)
@@ -90,7 +93,7 @@ def sides_towards(
 def cells_towards(
     nodes: FloatArray, block: Block, rows: IntArray, point: FloatArray, a: float
 ) -> Iterator[Points]:
-    """Yield points in some cells of a block; see `sides_towards`."""
+    """Yield quadrature points in cells of a block; for the parameters see `sides_towards`."""
     corners = block.element.cell.corners
     pieces = corners[np.array(_TETRAHEDRA[len(corners)])]
     yield from _towards(nodes, block, rows, pieces, point, a, _CELLS, _MOST_OF_CELL)
@@ -126,7 +129,7 @@ def _towards(
 
 
 def _evaluated(element: ReferenceElement, vertices: FloatArray, shares: FloatArray) -> ArrayPair:
-    """Shape functions and gradients at barycentric points of simplices, each different one once."""
+    """Shape functions and gradients at barycentric points; equal simplices are evaluated once."""
     flat, place = np.unique(vertices.reshape(len(vertices), -1), axis=0, return_inverse=True)
     different = flat.reshape(-1, *vertices.shape[1:])
     shape, gradient = element.evaluate((shares @ different).reshape(-1, 3))
@@ -166,7 +169,7 @@ def _points(
 def _simplex_rule(d: int) -> ArrayPair:
     """Barycentric points (q, d + 1) and weights of Gauss–Jacobi product rules (Stroud, 1971).
 
-    x₁ = r₁, x₂ = r₂ (1 - r₁), … has the Jacobian (1 - r₁)^(d-1) (1 - r₂)^(d-2) …
+    The map x₁ = r₁, x₂ = r₂ (1 - r₁), … has the Jacobian (1 - r₁)^(d-1) (1 - r₂)^(d-2) …
     """
     count = _ON_SIDE if d == 2 else _IN_CELL
     points, weights, rest = np.zeros((1, 0)), np.ones(1), np.ones(1)
@@ -180,25 +183,26 @@ def _simplex_rule(d: int) -> ArrayPair:
 
 
 def _children(d: int, inside: list[list[tuple[int, int]]]) -> FloatArray:
-    """Vertices of the parts of a simplex, each the middle of two of its vertices.
+    """Barycentric coordinates of the vertices of a split simplex's parts.
 
-    Those at its vertices, and the ones between them.
+    The parts are one at each vertex and those `inside`. All vertices are midpoints of two vertices
+    of the simplex, given as pairs.
     """
     unit, each = np.eye(d + 1), range(d + 1)
     pieces = [[(i, j) for j in each] for i in each] + inside
     return np.array([[0.5 * (unit[i] + unit[j]) for i, j in piece] for piece in pieces])
 
 
-# A triangle's four parts; a tetrahedron's four corners and the octahedron between them cut along
-# the diagonal from edge 02 to edge 13 (J. Bey, Computing 55, 355, 1995).
-# Edges about that diagonal, in turn.
+# A triangle is split into four. A tetrahedron is split into four corners, and the octahedron that
+# remains into four along the diagonal from edge 02 to edge 13 (J. Bey, Computing 55, 355, 1995),
+# which these edges surround in order.
 _AROUND = [(0, 1), (0, 3), (2, 3), (1, 2), (0, 1)]
 _CHILDREN = {
     3: _children(2, [[(0, 1), (1, 2), (0, 2)]]),
     4: _children(3, [sorted([*edges, (0, 2), (1, 3)]) for edges in pairwise(_AROUND)]),
 }
 
-# The cells as tetrahedra, by their number of corners. A brick's six lie about the diagonal 0 6.
+# Division of cells into tetrahedra, by number of corners; a brick's six share the diagonal 0 6.
 _BRICK = (1, 2, 3, 7, 4, 5, 1)
 _TETRAHEDRA = {
     4: ((0, 1, 2, 3),),

@@ -1,4 +1,4 @@
-"""Compliance that shell and beam elements have in place of a body's at a contact."""
+"""Local compliance of shell and beam elements at a contact, in excess of that of elastic bodies."""
 
 from __future__ import annotations
 
@@ -32,42 +32,43 @@ from .layer import (
 )
 from .touch import touched
 
-# c is taken at s = 0.87/T, as a share of 10/T. A change of c that goes with ln s changes the peak
-# of a force by its value at 0.87/T under Hertz's law, and at 0.62/T for half a sine, by the
-# equation of motion. On thin sheets, whose force is that of a dashpot, the peak comes some three
+# Frequency at which c is evaluated, s = 0.87/T, over 10/T. If c varies as ln s, the equation of
+# motion shows that the peak force depends on c at 0.87/T under Hertz's law, and at 0.62/T for a
+# half-sine force. On thin sheets, whose force is that of a dashpot, the peak comes about three
 # times sooner.
 _SLOW = 0.087
 
-# Largest c E* √A of full sections. At the depth of the axis, √A/2, a half-space sinks by
-# (1 + ν)(3 - 2ν)/(π (1 - ν²)) = 1.1 (K. L. Johnson, Contact Mechanics, 1985, eq. 3.17). Infinite
-# square prisms have 1.3 to 1.5. Balls of 5 and 10 mm on solids of 10 x 10, 20 x 6 and 6 x 20 mm
-# have the force of beams with 0.9 to 2.0.
+# Largest c E* √A of full sections. At the depth of the axis, √A/2, the displacement of a half-space
+# gives (1 + ν)(3 - 2ν)/(π (1 - ν²)) = 1.1 (K. L. Johnson, Contact Mechanics, 1985, eq. 3.17).
+# Infinite square prisms have 1.3 to 1.5. Forces of balls of 5 and 10 mm on solids of 10 x 10,
+# 20 x 6 and 6 x 20 mm agree with those on beams with 0.9 to 2.0.
 _OF_SECTION = 2.0
 
-# Relative precision of the radius of a patch; c makes good what it is off.
+# Relative precision of the radius of a patch; c compensates for the deviation.
 _NEARLY = 1e-2
 
-# The mesh about a contact at an edge reaches over so many of its edges: with 4 forces change by
-# less than 0.5 %. It is halved so many times at most, and once more; the logarithm has the rest.
+# Contact at an edge: radius of the mesh in element edges (with 4 edges, forces change by less than
+# 0.5 %), and largest number of halvings of the mesh before the last one. Finer meshes are
+# extrapolated by the logarithm of the elements' size.
 _ABOUT, _MOST = 2.0, 3
 
 
 def patch_on_shell(layers: Layers, contact_radius: float, *, whole: bool = False) -> float:
-    """Return the radius of the patch that a force on a shell is spread over, m.
+    """Return the radius of the patch over which the contact force on a shell is spread, m.
 
-    Under a patch of radius r a plate yields like the elastic layers under the contact, and c of the
-    infinite plate is the same at all frequencies: bending adds (a² - r²)/(10π D) ln λ to c, and
-    the plate's shear, which is softer than that of the layers by about ν/(1 - ν) t²/(5 D), the
-    rest. So r² is about a² + ν/(1 - ν) t². Under a larger patch c is 0.
+    The radius r is chosen so that the excess c of the infinite plate over elastic layers does not
+    depend on frequency. Bending contributes (a² - r²)/(10π D) ln λ to c. This balances the
+    contribution of transverse shear, in which the plate is softer than the layers by about
+    ν/(1 - ν) t²/(5 D), for r² of about a² + ν/(1 - ν) t². A still larger patch makes c vanish.
 
     Parameters
     ----------
     layers : Shell or Laminate
-        The contact presses on their top.
+        Layers under the contact, which acts on the top.
     contact_radius : float
-        a, m.
+        Contact radius a, m.
     whole : bool, optional
-        True for the patch under which c is 0, which leaves the whole law.
+        True for the patch with c = 0, so that nothing is removed from the contact law.
     """
     slow_s, t = slow_bending(layers), layers.total_thickness
     span = slow_s, slow_s / _SLOW
@@ -87,25 +88,25 @@ def patch_on_shell(layers: Layers, contact_radius: float, *, whole: bool = False
 
 
 def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[float, float]:
-    """Return what a shell yields more than its layers under a contact, and how unsure that is, m/N.
+    """Return the excess compliance of a shell over its elastic layers, and its uncertainty, m/N.
 
     Parameters
     ----------
     tip : ContactPoint
     layers : Shell or Laminate
-        Under the contact, which presses on their top.
+        Layers under the contact, which acts on the top.
     radius : float
-        a, of the contact itself, m.
+        Contact radius a, m.
     s : float
-        rad/s.
+        Frequency (Laplace variable), 10 over the contact duration, rad/s.
     """
     body, point, normal, mesh = tip.body, tip.point, tip.normal, tip.body.mesh
     t = layers.total_thickness
-    # A unit force along the normal: along the surface the shell does not yield in this way.
+    # Only the component of the force along the normal causes the excess compliance.
     cosine = float(tip.direction @ normal)
     pressed = _pressed(body.surface, tip)
     whole = np.abs(body.on_dofs(pressed) - tip.b / cosine).max() <= ROUNDING
-    # Supports hold a part of it in the body; added functions of solids beside it are no nodes.
+    # If supports carry a part of the force, b replaces it. Added shape functions are left out.
     forces = (pressed if whole else tip.forces / cosine)[:, : mesh.n_nodes]
     shares, couples = forces[0] @ normal, forces[1]
     loaded = shares != 0.0
@@ -118,7 +119,7 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
     level = _around(tip, parts, away < contact_reach(layers, edge, slow))
     groups = [part.cells[level[part.numbers]] for part in parts]
     of_layers = layer_compliance_of(layers, radius, slow)
-    # Compliance of infinite plates beyond that of their layers under a patch of some width.
+    # Excess compliance of the infinite plate over its layers, under a patch at least t/2 wide.
     wide = max(0.5 * t, 0.0 if tip.patch is None else tip.patch.radius)
     excess = plate_compliance(layers, wide, slow) - of_layers
     at_edge = bool((rim_nodes(mesh.nodes, groups) & loaded).any())
@@ -127,8 +128,8 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
     numbers = np.concatenate([of.numbers for of in about])
     halvings, unsure = min(max(0, round(math.log2(edge / t))), _MOST), 0.0
     if at_edge and whole:
-        # The compliance of plates goes with the logarithm of the elements' size. At an edge it is
-        # that of solids where these are as large as t, within a factor of 2.
+        # The compliance of a plate mesh is linear in the logarithm of the elements' size. At an
+        # edge it equals that of a solid if the size is t, within a factor of 2.
         yields = _halved(tip, numbers, slow, halvings)
         unsure = abs(yields[-1] - yields[-2])
         finest = math.log2(edge / t) - halvings
@@ -138,14 +139,14 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
         found -= of_layers + excess
         joints = rigid_ends(mesh.nodes, [(of.cells, of.of) for of in about])
         if whole and any(len(strips) for _, strips, _ in joints):
-            # Where plates meet, the mesh yields more than a fine one by this beyond the skin's own.
+            # Excess of the mesh over a fine one where plates meet, without that of the skin alone.
             alone = _halved(tip, numbers[level[numbers]], slow, halvings)
             yields = _halved(tip, numbers, slow, halvings) - alone
             unsure = abs(yields[-1] - yields[-2])
             found += yields[0] - yields[-1]
     over_webs = np.unique(ends[np.bincount(number)[number] > 2])
     known = 0.5 if at_edge else 1.0 - 0.5 * float(shares[over_webs].sum())
-    # At an edge, or over a web, plates have none to all of what an interior has: half, ± half.
+    # At an edge or over a web the excess is between 0 and that of an interior point: half ± half.
     found += known * excess
     unsure += (1.0 - known) * abs(excess)
     if len(layers.plies) == 1:
@@ -155,23 +156,28 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
 
 
 def _pressed(surface: Surface, tip: Any) -> FloatArray:
-    """Forces and couples, m, of a unit force along the normal on the nodes, (2, n_nodes, 3)."""
+    """Nodal forces and couples, m, of a unit force along the normal, shape (2, n_nodes, 3)."""
     radius = 0.0 if tip.patch is None else tip.patch.radius
     return touched(surface, tip.point, tip.normal, radius).forces
 
 
 def _halved(tip: Any, about: IntArray, s: float, halvings: int) -> FloatArray:
-    """Return what elements yield alone, halved so many times and once more, (times + 2,), m/N.
+    """Return the compliance of a part of the shell for repeatedly halved elements, m/N.
 
     Parameters
     ----------
     tip : ContactPoint
     about : ndarray of int
-        The elements of shells about the contact.
+        Shell elements about the contact, which form the part.
     s : float
-        rad/s.
+        Frequency (Laplace variable), rad/s.
     halvings : int
-        How often, from 0.
+        Number of halvings before the last one.
+
+    Returns
+    -------
+    ndarray, shape (halvings + 2,)
+        Compliance after 0 … halvings + 1 halvings.
     """
     body, cells, found = tip.body, np.sort(about), []
     held = np.hstack(list(body.at_nodes(np.ones(body.n_dofs)) == 0.0)).astype(np.float64)
@@ -190,16 +196,16 @@ def _halved(tip: Any, about: IntArray, s: float, halvings: int) -> FloatArray:
 
 
 def excess_of_beam(beam: Beam) -> tuple[float, float]:
-    """Return what a beam yields more than the half-space of a law, none, and at most less, m/N.
+    """Return the excess compliance of a beam over a half-space, 0, and its uncertainty, m/N.
 
-    A full section yields less between the contact and its axis.
+    The uncertainty is the compliance of a full section between the contact and the beam's axis.
     """
     section = _OF_SECTION / (beam.material.plane_strain_modulus * math.sqrt(beam.numbers.area))
     return 0.0, 0.0 if beam.hollow else section
 
 
 def _around(tip: Any, parts: list[Piece], close: BoolArray) -> BoolArray:
-    """Which elements have close nodes and normals like the contact's."""
+    """Return a mask of elements with a close node and nearly the normal of the contact."""
     mesh = tip.body.mesh
     own = np.zeros(mesh.n_cells, dtype=bool)
     for part in parts:

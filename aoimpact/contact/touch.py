@@ -1,8 +1,8 @@
-"""Place of a contact on a meshed body: a point of its surface, or a patch about it.
+"""Contact region on a meshed body: a point of its surface, or a patch about the point.
 
-A patch carries Hertz's pressure, p ∝ √(1 - ρ²/r²) over a disc of radius r. The weights that spread
-a force over it also give the displacement conjugate to that force: the mean of the surface's
-displacement, weighted by the pressure.
+A patch carries Hertz's pressure, p ∝ √(1 - ρ²/r²) over a disc of radius r. The nodal weights that
+distribute the force also give the displacement conjugate to the force: the mean displacement of the
+surface, weighted by the pressure.
 """
 
 from __future__ import annotations
@@ -25,31 +25,30 @@ from ..fem import (
 )
 from ..mesh import Mesh, Place, Surface, nearest_line, plane_of
 
-# A point this far off the surface, as a fraction of the size of the face there, still means the
-# surface: linear elements cut the corners of a round body by about so much. Beyond the smaller
-# fraction a warning is given.
+# Largest distance of a given point from the surface over the size of the face there, and the
+# distance above which a warning follows. Linear elements deviate about as much from a round body.
 _OFF_SURFACE, _SAID = 0.1, 0.02
 
-# Directions closer than 6° to the surface do not press on it.
+# Smallest |cosine| between a direction that presses on a surface and the normal: 6° off tangential.
 _TANGENT = 0.1
 
-# Distance off the face of a shell, over its own from the nodes, that is rounding.
+# Relative rounding of the distance between the face of a shell and its nodes.
 _FACE = 1e-6
 
 
-# Rings, and points on each, of the quadrature over the disc: exact for polynomials of degree 47.
-# Kinks of the shape functions between faces are what limits it; see tests/fem/test_patch.py.
+# Quadrature over the disc: numbers of rings and of points per ring, exact for polynomials of degree
+# 47. Kinks of the shape functions between faces limit its accuracy; see tests/fem/test_patch.py.
 _RINGS, _AROUND = 24, 64
 
-# Successive rings are turned by this share of the angle between points, so that no two line up with
-# the edges of the faces in the same way.
+# Rotation of each ring against the previous one over the angle between points, so that no two rings
+# are aligned alike with the edges of the faces.
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
-# Steeper than this against the patch's middle, a surface is no disc of a half-space: cos 45°.
+# Smallest cosine between normals on the patch and at its middle: beyond 45° a surface is no plane.
 _STEEPEST = math.sqrt(0.5)
 
-# The mean normal over the patch is found when it turns by less than this, rad; or by less than the
-# second where turns no longer shrink: a point of the disc may lie on an edge between two faces.
+# Iteration for the mean normal over the patch: tolerance of its change, rad; the same if changes no
+# longer shrink, as a point of the disc may lie on an edge between faces; largest number of steps.
 _SETTLED, _ON_AN_EDGE, _TURNS = 1e-6, 1e-4, 12
 
 
@@ -60,9 +59,9 @@ class Patch:
     Attributes
     ----------
     radius : float
-        r, m.
+        Radius r, m.
     faces : int
-        How many faces of elements it touches.
+        Number of element faces that the patch touches.
 
     Examples
     --------
@@ -77,18 +76,19 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """Shares of a force that the nodes take, and where on the surface it acts.
+    """Distribution of a unit force over a patch, at quadrature points and at nodes.
 
     Attributes
     ----------
     weights : ndarray, shape (n_nodes,)
-        Their sum is 1, and their centre lies on the normal through the point.
+        Nodal shares of the force. Their sum is 1, and their centre lies on the normal through the
+        point.
     normal : ndarray, shape (3,)
-        Outward; the mean over the patch.
+        Outward mean normal over the patch.
     under : Place
-        The places of the quadrature on the surface.
+        Quadrature points on the surface.
     share : ndarray, shape (n,)
-        Their shares of the force.
+        Share of the force at each quadrature point.
     """
 
     weights: FloatArray
@@ -98,19 +98,20 @@ class Spread:
 
 
 def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: float) -> Spread:
-    """Return the weights of a patch about a point of the surface.
+    """Return the distribution of a unit force over a patch about a point of the surface.
 
-    Each point of the quadrature over the disc is carried along the normal to the face it lies on,
-    and its weight goes to the nodes by that face's shape functions. So the weights sum to one and
-    have no first moment about the normal, whatever the mesh.
+    Each quadrature point of the disc is projected along the normal onto a face, and its weight is
+    distributed to the nodes by the face's shape functions. So the weights sum to one and have no
+    first moment about the normal for any mesh.
 
     Parameters
     ----------
     point : ndarray, shape (3,)
+        Centre of the patch on the surface, m.
     normal : ndarray, shape (3,)
-        Outward at the point, a first guess: the disc stands on the mean normal under the pressure.
+        Outward normal at the point: initial guess of the mean normal, which is normal to the disc.
     radius : float
-        m.
+        Radius of the disc, m.
 
     Raises
     ------
@@ -133,22 +134,22 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
         turned = float(np.linalg.norm(mean - normal))
         if turned < _SETTLED or 0.5 * before < turned < _ON_AN_EDGE:
             break
-        # Turned no further about the normal than it must be, or the points would not settle.
+        # Keep the disc's axes, as a rotation about the normal would prevent convergence.
         normal, across, before = mean, plane_of(mean, across[0]), turned
     return Spread(_weights(surface, under.face, under.uv, share), normal, under, share)
 
 
 def _weights(surface: Surface, face: IntArray, uv: FloatArray, share: FloatArray) -> FloatArray:
-    """Shares of a force at the nodes, (n_nodes,), of its shares at places."""
+    """Nodal shares of a force, (n_nodes,), from its shares at points of faces."""
     weights = np.zeros(surface.mesh.n_nodes)
     np.add.at(weights, surface.nodes[face], share[:, None] * surface.shape(face, uv))
     return weights
 
 
 def _disc_rule(radius: float) -> ArrayPair:
-    """Points of the disc, shape (n, 2), and shares of the pressure on it, shape (n,).
+    """Quadrature points of the disc, shape (n, 2), and their shares of the force, shape (n,).
 
-    Gauss–Jacobi in ρ²/r², with the weight √(1 - ρ²/r²), and even angles.
+    The rule is Gauss–Jacobi in ρ²/r², with the weight √(1 - ρ²/r²), and equidistant in the angle.
     """
     x, w = scipy.special.roots_jacobi(_RINGS, 0.5, 0.0)
     rho = radius * np.sqrt(0.5 * (1.0 + x))
@@ -171,13 +172,15 @@ class Touch:
     Attributes
     ----------
     point : ndarray, shape (3,)
-        On the surface, m.
+        Contact point on the surface, m.
     direction : ndarray, shape (3,)
+        Unit vector of the force.
     forces : ndarray, shape (2, n_nodes, 3)
-        On the nodes; and couples on those of shells, about places between them, m.
+        Nodal forces, followed by nodal couples, m, of shells and beams.
     normal : ndarray, shape (3,), or None
-        Outward; None on a sharp edge.
+        Outward normal; None on a sharp edge.
     patch : Patch or None
+        Patch over which the force is distributed; None for a point.
     """
 
     point: FloatArray
@@ -188,16 +191,16 @@ class Touch:
 
 
 def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radius: float) -> Touch:
-    """Return the touch at a point of the surface: by its face alone, or by a patch.
+    """Return the unit contact force at a point of the surface, or distributed over a patch.
 
     Parameters
     ----------
     point : ndarray, shape (3,)
-        m; on the surface but for a tenth of the size of a face.
+        Contact point, m; at most a tenth of the size of a face off the surface.
     along : ndarray, shape (3,), or None
-        Unit direction; None: the inward normal.
+        Unit vector of the force; None for the inward normal.
     radius : float
-        m; 0: no patch.
+        Radius of the patch, m; 0 for a point force.
     """
     here = _place(surface, point)
     normal: Any = surface.smooth_normal(here)
@@ -231,9 +234,10 @@ def touched(surface: Surface, point: FloatArray, along: FloatArray | None, radiu
 def _couples(
     surface: Surface, face: IntArray, uv: FloatArray, share: FloatArray, direction: FloatArray
 ) -> FloatArray:
-    """Return the couples of a force that acts with shares of it at places of shell elements.
+    """Return the nodal couples, m, of a unit force with the given shares at points of faces.
 
-    They do the force's work on the deflection between the nodes, see `linked`. Zero on a solid.
+    On shells the couples do the work of the force on the deflection between nodes, see `linked`;
+    on solids they are zero.
     """
     couples = np.zeros((surface.mesh.n_nodes, 3))
     for one in np.unique(face[surface.thin(face)]).tolist():
@@ -244,7 +248,7 @@ def _couples(
 
 
 def _bent(mesh: Mesh, number: int, shape: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return the nodes of a shell element, and `linked` of them for shape functions at places."""
+    """Return the nodes of a shell element, and `linked` for shape functions at its points."""
     block = next(of for of in mesh.blocks if number < of.numbers.stop)
     nodes = block.cells[number - block.first]
     groups = [nodes[None]]
@@ -260,21 +264,22 @@ def _bent(mesh: Mesh, number: int, shape: FloatArray) -> tuple[IntArray, FloatAr
 def motion_between(
     body: Any, nodes: IntArray, weights: FloatArray
 ) -> tuple[IntArray, FloatArray] | None:
-    """Return how a place of a shell or beam moves with the nodes of its element.
+    """Return the displacement of a point of a shell or beam per nodal dof of its element.
 
     Parameters
     ----------
     body : FEModel
     nodes, weights : ndarray, shape (k,)
-        Two or more nodes, and their shape functions at the place.
+        Two or more nodes, and their shape functions at the point.
 
     Returns
     -------
     nodes : ndarray of int, shape (n,)
+        Nodes of the element.
     motion : ndarray, shape (3, n, 2, 3)
-        The displacement by the displacements, and then by the rotations, of each node.
+        Components of the displacement per displacement, then per rotation, of each node.
     None
-        If the place is in a solid.
+        If the point is in a solid.
     """
     mesh = body.mesh
     thin = [block for block in mesh.blocks if block.element.thin]
@@ -294,12 +299,12 @@ def motion_between(
 
 
 def element_at(body: Any, point: FloatArray) -> tuple[int, FloatArray, float]:
-    """Return the element next to a point, the place on its face or axis, m, and how far off it is.
+    """Return the nearest element, the nearest point on its face or axis, m, and its distance, m.
 
     Parameters
     ----------
     body : FEModel
-        With a mesh.
+        Body with a mesh.
     """
     if body.surface is None:
         cell, share, gap = nearest_line(body.mesh, point)
@@ -310,13 +315,15 @@ def element_at(body: Any, point: FloatArray) -> tuple[int, FloatArray, float]:
 
 
 def to_nodes(body: Any, point: FloatArray) -> FloatArray:
-    """Return the place of a shell's or beam's nodes under a point of its face, m; others as given.
+    """Project a point on the face of a shell or beam to the nodes' surface or axis, m.
+
+    Other points are returned unchanged.
 
     Parameters
     ----------
     body : FEModel
     point : ndarray, shape (3,)
-        m.
+        Point, m.
     """
     if body.mesh is None or body.material is None or not body.mesh.thin:
         return point
@@ -332,23 +339,23 @@ def edge_length(surface: Surface, point: FloatArray) -> float:
 
 
 def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
-    """Return how far it is from a point of the surface to the surface opposite, m.
+    """Return the distance from a point of the surface through the body to the opposite surface, m.
 
     Parameters
     ----------
     along : ndarray, shape (3,)
-        Unit vector through the body, either way.
+        Unit vector into or out of the body.
     """
     reach = 2.0 * surface.mesh.size
     found = [
         float(surface.pierced(point[None], axis, reach=reach, outward=False).distance[0])
-        for axis in (along, -along)  # one of them finds the face that is touched, at no distance
+        for axis in (along, -along)  # one of them only finds the touched face, at distance 0
     ]
     return max((d for d in found if 0.0 < d < np.inf), default=np.inf)
 
 
 def _place(surface: Surface, point: FloatArray) -> Place:
-    """Return the place meant by a point on or near the surface, on each face that shares it."""
+    """Return the nearest point on the surface, on each face that has it; refuse far points."""
     here = surface.nearest(point)
     gap, size = float(here.distance[0]), float(surface.edges(here.face[:1])[0])
     if gap > _OFF_SURFACE * size:
@@ -366,9 +373,9 @@ def _place(surface: Surface, point: FloatArray) -> Place:
 
 
 def _pressing(point: FloatArray, along: FloatArray | None, normals: FloatArray) -> FloatArray:
-    """Return the direction, by default against the normal, if it presses on the surface.
+    """Return the direction, by default against the normal; refuse tangential directions.
 
-    On a sharp edge, where faces with several normals meet, it is enough to press on one of them.
+    On a sharp edge, the direction must press on at least one of the faces that meet there.
     """
     if along is None:
         return np.where(np.abs(normals[0]) > ROUNDING, -normals[0], 0.0)
