@@ -356,7 +356,7 @@ class Scene:
             `ReactionAt`, as for `simulate`. For every contact: "peak_force", "peak_time",
             "impulse", "contact_duration" (of the first touch) or "contact_count". For every body
             that is not held at rest: "rebound_velocity" (after the last contact). For a scene of
-            one contact: "restitution". With friction: "peak_friction_force",
+            one contact: "restitution", as of `simulate`. With friction: "peak_friction_force",
             "tangential_restitution" or "final_spin". Each quantity of a list meets `rtol`. Bodies
             given by contact points are reduced as far as `rtol` allows; AO models are truncated if
             `quantity` or `rtol` is given. `Run.models` has the resulting models, `Run.value`

@@ -84,7 +84,8 @@ def simulate(
         "projectile_displacement" or "target_displacement" (of the contact point), the displacement
         of a body's point, given by that point, and `StressAt`, `StrainAt`, `AccelerationAt` or
         `ReactionAt`. Numbers are "peak_force", "peak_time", "impulse", "contact_duration" (of the
-        first contact), "contact_count", "rebound_velocity", "restitution" and, with friction,
+        first contact), "contact_count", "rebound_velocity", "restitution" (velocity at which the
+        bodies part last over that at which they meet first) and, with friction,
         "peak_friction_force", "tangential_restitution" or "final_spin". Bodies given by contact
         points are reduced as far as `rtol` allows; AO models are truncated if `quantity` or `rtol`
         is given. `Result.models` has the resulting models. Only this quantity, or each of a list,
