@@ -1,8 +1,8 @@
 """Low-velocity impact on structures: the force, its duration and the response, each with its error.
 
-Each body, a finite-element mesh or its K and M, is reduced once to its anti-oscillator (AO) model
-at the point of contact (E. Jacquelin, *On the rigid projectile model for low velocity impacts*); an
-impact then takes milliseconds. Units are SI. Two steel balls at 1 m/s:
+Each body, a finite-element mesh or its matrices K and M, is reduced once to an anti-oscillator (AO)
+model at its contact point (E. Jacquelin, *On the rigid projectile model for low velocity impacts*).
+Each impact then takes milliseconds. Units are SI. Two steel balls at 1 m/s:
 
 >>> import aoimpact as ao
 >>> ball = ao.ball(radius=0.01, material=ao.Material(E=210e9, nu=0.3, rho=7800))
@@ -16,30 +16,30 @@ Bodies
     Shell, Laminate, Ply; Beam, RectangularSection, CircularSection, TubularSection, BeamSection
     Mesh, box_mesh, sheet_mesh, sphere_mesh, paper_sphere_mesh; write_matrices
     Rayleigh, ModalDamping
-Where they are touched
+Contact points
     FEModel.contact, ContactPoint
-Models, from a rigid mass to all finite elements
+Models of bodies, from a rigid mass to the full finite-element model
     rigid, antioscillators, modal, interface, full
     AOModel, Body, FullModel
 Contact laws
     Hertz, Linear, PowerLaw, Tabulated, UserLaw, ContactLaw
     HuntCrossley, Tsuji, KuwabaraKono, KelvinVoigt, Thornton, ElasticPlastic, YangSun; restitution
-Impacts, scenes of many bodies, and what integrates them
+Impacts, scenes of many bodies, and time integration
     simulate, Scene; Adaptive, Newmark
     StressAt, StrainAt, AccelerationAt, ReactionAt
 Results
     Result
-Many impacts, and files
+Many impacts, and scene files
     sweep, simulate_many, read_scene
-Which model, and which law
+Choice of the model, and identification of the law
     compare, fit_law
 Errors
     AOImpactError and InputError, InputTypeError, MeshError, SingularError, ConvergenceError;
     AOImpactWarning
 
-On the command line: ``aoimpact run file.toml``, ``compare``, ``paper``; ``--help`` has more.
-Types that functions return, and rare errors, are in the modules that make them, such as
-`aoimpact.results.Run`. Quantities of test rigs are in `ao.testrig`.
+Command line: ``aoimpact run file.toml``, ``aoimpact compare``, ``aoimpact paper``; see ``--help``.
+Types of return values and rare errors are in the modules that create them, such as
+`aoimpact.results.Run`. `ao.testrig` evaluates signals of test rigs.
 ``sphinx-build docs site`` makes the documentation.
 """
 
@@ -47,13 +47,13 @@ import sys as _sys
 from importlib.machinery import PathFinder as _PathFinder
 from pathlib import Path as _Path
 
-# Only beside this file: find_spec would find the core of an editable install elsewhere, too.
+# Searches beside this file only; find_spec would also find the core of an editable install.
 if _PathFinder.find_spec("aoimpact._core", __path__) is None:
-    # A script in the source folder sees that folder before the installed package. The installed one
-    # is meant: it takes the place of this folder.
+    # A script in the source folder imports this folder, without core, before the installed package.
+    # The installed package is meant and replaces this folder.
     _source = _Path(__file__).resolve().parents[1]
     _elsewhere = [entry for entry in _sys.path if _Path(entry).resolve() != _source]
-    # An editable install is on no path: setuptools has a finder of its own for it.
+    # An editable install is not on sys.path, but found by a finder of setuptools.
     _found = (finder.find_spec("aoimpact", _elsewhere) for finder in _sys.meta_path)
     _installed = next(filter(None, _found), None)
     if _installed and _installed.origin and _installed.submodule_search_locations:
@@ -65,9 +65,9 @@ if _PathFinder.find_spec("aoimpact._core", __path__) is None:
             "script by the Python of that environment (.venv/bin/python)"
         )
 
-import lazy_loader as _lazy_loader  # after the message: without an environment it is missing, too
+import lazy_loader as _lazy_loader  # last: it may be missing too, and then the message above helps
 
-# The public names stand in __init__.pyi; each is imported at its first use.
+# The public names are listed in __init__.pyi; each is imported at its first use.
 _find, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)
 
 

@@ -1,4 +1,4 @@
-"""Bodies and fields that several tests need."""
+"""Materials, meshes and motions that several tests share."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def no_solid(E: float = 1.0, rho: float = 1.0, nu: float = 0.3) -> Material:
-    """A material that no solid is of, without the warning; by default with K and M of the shape."""
+    """Return a material outside the range of solids without the warning, by default E = ρ = 1."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", AOImpactWarning)
         return Material(E=E, nu=nu, rho=rho)
@@ -26,15 +26,15 @@ _OCTANTS = np.array(list(product((1.0, -1.0), repeat=3)))
 
 
 def distorted_box(kind: str, lengths: tuple[float, float, float] = (2.0, 1.5, 1.0)) -> Mesh:
-    """A box of `kind` whose nodes, midside nodes too, are pushed about at random.
+    """A box of elements of `kind` with randomly displaced nodes, including midside nodes.
 
-    Nodes on a face move within it, so the box keeps its shape while its elements lose theirs:
-    those of second order become curved.
+    Nodes on a face move within the face, so that the box keeps its shape. Second-order elements
+    become curved.
     """
     mesh = box_mesh(lengths, (2, 2, 2), kind=kind)
     rng = np.random.default_rng(7)
     spacing = np.array(lengths) / 2
-    reach = 0.05 if kind.startswith("pyramid") else 0.09  # these are half as high as a brick
+    reach = 0.05 if kind.startswith("pyramid") else 0.09  # pyramids are half as high as a brick
     push = reach * spacing * rng.uniform(-1.0, 1.0, mesh.nodes.shape)
     for axis, length in enumerate(lengths):
         on_face = (mesh.nodes[:, axis] == 0.0) | (np.abs(mesh.nodes[:, axis] - length) < 1e-12)
@@ -45,10 +45,10 @@ def distorted_box(kind: str, lengths: tuple[float, float, float] = (2.0, 1.5, 1.
 def mixed_box(
     lengths: tuple[float, float, float], counts: tuple[int, int, int], *, order: int = 1
 ) -> Mesh:
-    """A box of bricks below, half of them cut into wedges, and tetrahedra above.
+    """A box with bricks and wedges below, and tetrahedra above.
 
-    In the layer between, pyramids and tetrahedra meet in the middle of each brick. Groups: "low",
-    "wedges", "middle", "high".
+    In the layer between, pyramids and tetrahedra meet at the centre of each brick. The groups are
+    "low" (bricks), "wedges", "middle" and "high".
     """
     found: dict[str, list[FloatArray]] = {}
     groups: dict[str, list[tuple[str, int]]] = {}
@@ -83,7 +83,7 @@ _SECOND = {"tetra": "10", "hexahedron": "20", "wedge": "15", "pyramid": "13"}
 def _pieces_of(
     brick: tuple[int, ...], counts: tuple[int, ...]
 ) -> list[tuple[str, str, FloatArray]]:
-    """The elements of a brick: kinds, groups and corners from 0 to 1."""
+    """The elements that fill a brick: kind, group and corners, with coordinates from 0 to 1."""
     middle = counts[2] // 2
     wedges = brick[0] >= counts[0] // 2
     if brick[2] > middle:
@@ -95,7 +95,7 @@ def _pieces_of(
     for piece in _of_brick("pyramid"):
         below, above = (piece[:4, 2] == 0.0).all(), (piece[:4, 2] == 1.0).all()
         if (below and wedges and middle > 0) or (above and brick[2] < counts[2] - 1):
-            # Tetrahedra above have the diagonal from (0, 0), wedges below the other one.
+            # Faces of tetrahedra above have the diagonal from (0, 0), those of wedges the other.
             start = int(np.flatnonzero(piece[:4, :2].sum(axis=1) == (1.0 if below else 0.0))[0])
             base = np.roll(piece[:4], -start, axis=0)
             apex = piece[4:]
@@ -113,7 +113,7 @@ def _of_brick(kind: str) -> FloatArray:
 
 
 def interior(mesh: Mesh) -> npt.NDArray[np.bool_]:
-    """Which nodes lie on no face of a box."""
+    """Mask of the nodes of a box that lie on no face."""
     inside = np.ones(mesh.n_nodes, dtype=bool)
     for members in mesh.node_sets.values():
         inside[members] = False
@@ -121,17 +121,17 @@ def interior(mesh: Mesh) -> npt.NDArray[np.bool_]:
 
 
 def rigid_motions(nodes: FloatArray) -> FloatArray:
-    """Translations along and small rotations about the axes through the origin, (3 n_nodes, 6)."""
+    """Unit translations, and small rotations about axes through the origin, (3 n_nodes, 6)."""
     columns = [np.tile(axis, (len(nodes), 1)) for axis in np.eye(3)]
     columns += [np.cross(axis, nodes) for axis in np.eye(3)]
     return np.stack([column.reshape(-1) for column in columns], axis=1)
 
 
 def ball_of_octants(radius: float, n: int) -> Mesh:
-    """A ball of 8 n³ tetra10 elements: each octant a tetrahedron in n layers, bent to the sphere.
+    """A ball of 8 n³ tetra10 elements: an octahedron of n layers, mapped to the ball.
 
-    Its corners on the sphere are those of an octahedron, cut by Kuhn's scheme; its numbers of
-    nodes lie between those of `sphere_mesh`.
+    Each octant is a tetrahedron divided by Kuhn's scheme. The numbers of nodes lie between those of
+    `sphere_mesh`.
     """
     grid = np.array(np.meshgrid(*[np.arange(n)] * 3, indexing="ij")).reshape(3, -1).T
     paths = np.stack([np.cumsum(np.eye(4, 3, -1)[[0, *order]], axis=0) for order in _ORDERS])

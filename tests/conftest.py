@@ -1,4 +1,4 @@
-"""What every test relies on: the right package, no display, warnings that count."""
+"""Setup of all tests: the package under test, no display, warnings as errors."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from hypothesis import settings
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# In a clone the folder aoimpact/ has no compiled core unless it was built in place. Then it is the
-# installed package that is tested, here and in the interpreters that tests start.
+# If aoimpact/ has no compiled core, as in a clone without a build in place, the tests and the
+# interpreters that they start use the installed package.
 if not any((ROOT / "aoimpact").glob("_core.*[od]")):  # .so, .pyd
     sys.path[:] = [entry for entry in sys.path if Path(entry or ".").resolve() != ROOT]
     os.environ["PYTHONSAFEPATH"] = "1"
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
-# Tests run side by side: threads of linear algebra that share their cores with others wait for each
-# other, and took six times as long. Set before NumPy is loaded.
+# Tests run in parallel; threads of linear algebra that compete for cores took six times as long.
+# The limit must be set before NumPy is loaded.
 for library in ("OPENBLAS", "MKL", "OMP"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-# A busy machine is no failure, and a test fails for everyone or for no one.
+# No deadline, as machines may be busy; no random seeds, so that failures are reproducible.
 settings.register_profile("aoimpact", deadline=None, derandomize=True)
 settings.load_profile("aoimpact")
 
 
 class Own:
-    """A linear solver of a user's.
+    """A user's linear solver.
 
-    `calls` has the sizes of what it factorised, `solutions` counts what it solved for.
+    `calls` lists the sizes of the factorised matrices; `solutions` counts the right-hand sides.
     """
 
     def __init__(self) -> None:
@@ -60,9 +60,9 @@ def own_solver() -> Own:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    # Here and not in pyproject.toml, where pytest would import the package before the lines above.
+    # Not in pyproject.toml, since pytest would then import the package before the lines above.
     config.addinivalue_line("filterwarnings", "error::aoimpact.AOImpactWarning")
-    # Single nodes are what the paper takes, and what is quickest to compare methods by.
+    # The paper uses contacts at single nodes, which are also fastest for comparing methods.
     config.addinivalue_line(
         "filterwarnings", "ignore:.*touched at a single:aoimpact.AOImpactWarning"
     )

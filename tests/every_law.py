@@ -1,4 +1,4 @@
-"""One of every contact law, for tests that hold for all of them."""
+"""One example of every contact law, for tests of properties that all of them share."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _table(k: float) -> ao.Tabulated:
     return ao.Tabulated(depth, k * depth**1.5)
 
 
-# Of a stiffness [N/m^1.5], a restitution and an exponent; all about as stiff at 10 micrometres.
+# Functions of stiffness, N/m^1.5, restitution and exponent; all laws are similarly stiff at 10 µm.
 LAWS: dict[str, Callable[[float, float, float], ao.ContactLaw]] = {
     "Hertz": lambda k, e, n: ao.Hertz(k),
     "PowerLaw": lambda k, e, n: ao.PowerLaw(k * 1e5 ** (n - 1.5), n),

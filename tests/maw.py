@@ -1,10 +1,10 @@
-"""Tangential impact of elastic spheres by rings on a half-space, after Maw, Barber and Fawcett.
+"""Tangential impact of elastic spheres, by the method of Maw, Barber and Fawcett.
 
-N. Maw, J. R. Barber, J. N. Fawcett, Wear 38, 101 (1976): the contact is divided in rings of
-uniform shear traction, each of which sticks or slips at the end of a step, as is found by trial.
-The influence of a ring is the difference of two discs (K. L. Johnson, Contact Mechanics, eq. 3.29,
-with the pair's tangential modulus for its normal one). It has no springs and no superposition, and
-so nothing in common with the core.
+The contact area is divided into rings of uniform shear traction; trial and error determines which
+rings stick and which slip at the end of each step (N. Maw, J. R. Barber, J. N. Fawcett, Wear 38,
+101, 1976). The influence of a ring is the difference of two discs (K. L. Johnson, Contact
+Mechanics, eq. 3.29, with the tangential modulus of the pair instead of the normal one). There are
+no springs and no superposition, so that nothing is shared with the core.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from aoimpact.base import FloatArray
 
 __all__ = ["MEASURED", "Rings", "impact"]
 
-# Kharaz, Gorham and Salman (2001), 3.9 m/s: angle from the normal, tangential restitution, and spin
-# after the impact in rad/s; an alumina ball of 5 mm on glass.
+# Measurements of Kharaz, Gorham and Salman (2001) for an alumina ball of 5 mm on glass at 3.9 m/s:
+# angle from the normal, °, tangential restitution, spin after the impact, rad/s.
 MEASURED = [
     (3.93, 0.7450, None),
     (20.08, 0.5964, None),
@@ -33,7 +33,7 @@ MEASURED = [
 
 
 def _disc(r: FloatArray, a: FloatArray, modulus: float) -> FloatArray:
-    """Displacement at r under a unit traction on a disc of radius a."""
+    """Surface displacement at r under a unit traction on a disc of radius a."""
     with np.errstate(divide="ignore", invalid="ignore"):
         inside, outside = np.minimum(r / a, 1.0) ** 2, np.minimum(a / r, 1.0) ** 2
         beyond = ellipe(outside) - np.where(outside < 1.0, (1.0 - outside) * ellipk(outside), 0.0)
@@ -42,20 +42,20 @@ def _disc(r: FloatArray, a: FloatArray, modulus: float) -> FloatArray:
 
 
 class Rings:
-    """Contact of a sphere of radius R and a half-space, with motion along one line.
+    """Contact of a sphere of radius R with a half-space, with tangential motion along one line.
 
     Parameters
     ----------
     normal, tangential : float
-        Moduli of the pair, E* and G*, Pa.
+        Contact moduli E* and G* of the pair, Pa.
     R : float
-        m.
+        Radius of the sphere, m.
     mu : float
         Coefficient of friction.
     depth : float
-        The rings end where a contact of this indentation does, m.
+        Indentation, m, whose contact radius is the outer radius of the rings.
     count : int
-        Rings. The error of the force is proportional to 1/count.
+        Number of rings. The error of the force is proportional to 1/count.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class Rings:
         self.traction, self.slips, self.slide = np.zeros(count), np.zeros(count), 0.0
 
     def force(self, depth: float, slide: float) -> float:
-        """Return the force after the next step: at an indentation, having slid so far in all."""
+        """Return the friction force, N, after a step to an indentation and a total slide, m."""
         a, area = math.sqrt(self.R * depth), math.pi * np.diff(self.edge**2)
         share = np.maximum(1.0 - (self.edge / a) ** 2, 0.0) ** 1.5
         bound = self.mu * 2.0 / 3.0 * math.pi * self.pressure * a**3 * -np.diff(share) / area
@@ -103,15 +103,15 @@ def impact(
     Parameters
     ----------
     force : callable
-        Friction force after the next step, of indentation and slide.
+        Friction force after the next step, as a function of indentation and slide.
     k : float
-        Hertz's constant.
+        Hertz's stiffness.
     inertia : float
-        Acceleration of the contact point along the plane, per force: 7/2 of a sphere.
+        Tangential acceleration of the contact point per force: 7/2 for a sphere.
     velocity : tuple of float
-        Normal and tangential, of the contact point.
+        Normal and tangential velocity of the contact point.
     steps : int
-        In Hertz's duration.
+        Number of steps in Hertz's duration.
     """
     v, w = velocity
     deepest = (1.25 * v * v / k) ** 0.4

@@ -1,9 +1,9 @@
 """Impact on a simply supported plate of cross plies, by Navier's waves of 3-D elasticity.
 
-Nothing here comes from the package. Each wave sin(mπx/a) sin(nπy/b) is resolved through the
-thickness by quadratic elements (N. J. Pagano, J. Comp. Mat. 4, 20, 1970, solves the same equations
-in closed form). Its bending mode moves, all else follows at once. The indentation is Hertz's: what
-a half-space of the top ply would yield is taken off each wave's compliance.
+No code of the package is used. Each wave sin(mπx/a) sin(nπy/b) is discretised through the thickness
+by quadratic elements (N. J. Pagano, J. Comp. Mat. 4, 20, 1970, solves the same equations in closed
+form). Its bending mode is dynamic, its other modes are quasi-static. The indentation follows
+Hertz's law; the compliance of a half-space of the top ply is subtracted from that of each wave.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sheet:
-    """One ply: thickness, m; stiffness of xx, yy, zz, xy, yz, xz, Pa; density, kg/m³."""
+    """A ply: thickness, m; elasticity matrix in the order xx, yy, zz, xy, yz, xz, Pa; ρ, kg/m³."""
 
     thickness: float
     stiffness: FloatArray
@@ -33,7 +33,7 @@ class Sheet:
 def orthotropic(
     E: Sequence[float], G: Sequence[float], nu: Sequence[float], angle: int = 0
 ) -> FloatArray:
-    """Stiffness of a ply with fibres along x (0°) or y (90°): G and nu of 12, 13, 23."""
+    """Elasticity matrix of a ply with fibres along x (0°) or y (90°); G, nu for 12, 13, 23."""
     compliance = np.diag([1 / E[0], 1 / E[1], 1 / E[2], 1 / G[0], 1 / G[2], 1 / G[1]])
     for (i, j), of in zip(((0, 1), (0, 2), (1, 2)), nu, strict=True):
         compliance[i, j] = compliance[j, i] = -of / E[i]
@@ -42,7 +42,7 @@ def orthotropic(
 
 
 def waves(plies: Sequence[Sheet], ends: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Stiffness and mass through the thickness of waves k, (n, 2), per area; the top is last."""
+    """Stiffness and mass matrices per area of waves k, (n, 2), with nodes from bottom to top."""
     n = 3 * (2 * len(ends) - 1)
     K, M = np.zeros((len(k), n, n)), np.zeros((n, n))
     upto = np.cumsum([0.0, *(ply.thickness for ply in plies)])
@@ -64,7 +64,7 @@ def waves(plies: Sequence[Sheet], ends: FloatArray, k: FloatArray) -> tuple[Floa
 
 
 def half_space(ply: Sheet, k: FloatArray) -> FloatArray:
-    """Compliance of a half-space of the ply to waves k, by a layer much deeper than they are."""
+    """Compliance of a half-space of the ply to waves k, from a layer much deeper than the waves."""
     deep = [Sheet(40.0, ply.stiffness, ply.rho)]
     ends = 40.0 - np.append(np.geomspace(40.0, 1e-2, 40), 0.0)
     turns = np.linspace(0.0, 0.5 * math.pi, 17)
@@ -74,7 +74,7 @@ def half_space(ply: Sheet, k: FloatArray) -> FloatArray:
 
 
 def _top(K: FloatArray) -> FloatArray:
-    """Displacement of the top under a unit pressure there, of each wave."""
+    """Deflection of the top per unit pressure on the top, for each wave."""
     load = np.zeros((len(K), K.shape[1], 1))
     load[:, -1] = 1.0
     return np.asarray(np.linalg.solve(K, load)[:, -1, 0])
@@ -82,7 +82,7 @@ def _top(K: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Plate:
-    """Modes of bending: frequencies, rad/s, shapes squared at the force, 1/kg; the rest, m/N."""
+    """Bending modes: frequency, rad/s, squared shape at the force, 1/kg; other compliance, m/N."""
 
     omega: FloatArray
     square: FloatArray
@@ -97,10 +97,10 @@ def plate(
     moving: float = 60.0,
     reach: float = 12.0,
 ) -> Plate:
-    """The plate under a force that Hertz's pressure spreads over a radius, m.
+    """Return the plate under a force distributed as Hertz's pressure over `radius`, m.
 
-    The force is at these shares of the sides. Waves up to so many half-waves on the longer side
-    move; those up to reach/thickness are counted.
+    `place` is the position of the force relative to the sides. Waves up to `moving` half-waves on
+    the longer side are dynamic; waves up to k = `reach`/thickness contribute statically.
     """
     t, a, b = math.fsum(ply.thickness for ply in plies), *sides
     top = min(plies[-1].thickness, 0.2 * t)
@@ -130,7 +130,7 @@ def plate(
 def struck(
     plate: Plate, hertz: float, mass: float, velocity: float, lasts: float, step: float
 ) -> tuple[FloatArray, float]:
-    """Force, N, at steps of time, and the velocity of the ball at the end, m/s."""
+    """Force at each time step, N, and final velocity of the ball, m/s."""
     omega = plate.omega
     cosine, sine = np.cos(omega * step), np.sin(omega * step)
     place, rate, shape = np.zeros_like(omega), np.zeros_like(omega), np.sqrt(plate.square)

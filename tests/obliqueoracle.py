@@ -1,8 +1,9 @@
-"""Oblique impacts by a fixed row of springs, each with Coulomb's friction, and explicit steps.
+"""Oblique impacts by fixed springs with Coulomb friction and explicit time steps.
 
-It shares nothing with the core: springs at fixed depths, evenly spaced in radius, each brought back
-radially to its bound; bodies by Newton and Euler in vectors, or by K and M in all their dofs; the
-velocity Verlet rule. The force errs by 1/springs², a path that turns by the length of a step.
+Nothing is shared with the core. Springs start at fixed indentations, evenly spaced in contact
+radius, and are returned radially to their friction bound. Bodies follow Newton-Euler equations in
+vectors, or K and M with all dofs, by velocity Verlet. The error of the force is of order
+1/springs²; on curved slide paths it is of first order in the step.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ __all__ = ["Elastic", "Motion", "Rigid", "march"]
 
 @dataclass
 class Rigid:
-    """A rigid body touched at an arm from its centre; of infinite mass a wall."""
+    """A rigid body with a contact point at `arm` from its centre; an infinite mass means a wall."""
 
     mass: float
     inertia: FloatArray
@@ -30,8 +31,8 @@ class Rigid:
     def __post_init__(self) -> None:
         self.place, self.turn, self.rate = np.zeros(3), np.zeros(3), np.zeros(6)
         self.velocity, self.spin = self.velocity.copy(), self.spin.copy()
-        self.lever = np.cross(np.eye(3), self.arm).T  # of the turn: turn x arm
-        self.moment = np.linalg.solve(self.inertia, self.lever.T)  # of arm x force
+        self.lever = np.cross(np.eye(3), self.arm).T  # matrix of turn × arm
+        self.moment = np.linalg.solve(self.inertia, self.lever.T)  # angular acceleration per force
 
     @property
     def point(self) -> FloatArray:
@@ -51,12 +52,12 @@ class Rigid:
 
 @dataclass
 class Elastic:
-    """A body of K and M touched at a node, all of whose displacements are free."""
+    """A body given by K and M, touched at a node without constraints."""
 
     K: Any
     M: Any
-    dofs: FloatArray  # of the node touched, along x, y, z
-    unit: FloatArray  # translations, shape (n, 3)
+    dofs: FloatArray  # dofs of the contact node along x, y, z
+    unit: FloatArray  # unit translations, shape (n, 3)
 
     def __post_init__(self) -> None:
         self.inverse = np.linalg.inv(self.M.toarray())
@@ -69,7 +70,7 @@ class Elastic:
 
     @property
     def velocity(self) -> FloatArray:
-        """Of the centre of mass."""
+        """Velocity of the centre of mass."""
         momentum = self.unit.T @ (self.M @ self.v)
         return momentum / float(self.unit[:, 0] @ (self.M @ self.unit[:, 0]))
 
@@ -85,7 +86,7 @@ class Elastic:
 
 @dataclass
 class Motion:
-    """Forces on the second body over time, and dissipation."""
+    """Normal and friction forces on the second body over time."""
 
     t: FloatArray
     force: FloatArray
@@ -108,16 +109,16 @@ def march(
     gravity: FloatArray | None = None,
     damping: float = 0.0,
 ) -> Motion:
-    """March two bodies whose law is k δ^power (1 + damping dδ/dt), not below 0.
+    """Integrate the impact of two bodies with the normal force k δ^power (1 + damping dδ/dt) ≥ 0.
 
-    `normal` is the direction of travel; `depth` is what no indentation exceeds; `ratio` is G*/E*.
-    The damping raises Coulomb's bound of all springs by the same share.
+    `normal` is the direction of travel, `depth` an upper bound of the indentation, `ratio` G*/E*.
+    Damping scales the friction bounds of all springs by the same factor.
     """
     edge = depth * (np.arange(springs + 1) / springs) ** 2
     at = depth * ((np.arange(springs) + 0.5) / springs) ** 2
     stiffness = np.diff(k * power * edge ** (power - 1.0))
     stretch, slid, dt = np.zeros((springs, 3)), np.zeros(3), duration / steps
-    last = np.zeros(3)  # indentations: the rate is that of the parabola through them
+    last = np.zeros(3)  # last indentations, for the rate from a parabola through them
     falls = np.zeros(3) if gravity is None else gravity
     t = dt * np.arange(steps + 1)
     pressed, along = np.zeros(steps + 1), np.zeros((steps + 1, 3))

@@ -1,4 +1,4 @@
-"""The paper's spheres and beam, their laws, and its own resolved force of the spheres."""
+"""The paper's spheres and beam, their contact laws, and a resolved force of the spheres."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ RADIUS, LENGTH, WIDTH = 0.01, 1.0, 0.02
 BALL_MASS = 4.0 / 3.0 * math.pi * RADIUS**3 * STEEL.rho
 SPHERES_LAW = ao.Hertz.between(STEEL, RADIUS, STEEL, RADIUS)
 LAW = ao.Hertz.between(STEEL, RADIUS, ALUMINIUM, math.inf)
-RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6  # of the spheres
+RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6  # peak, N, and s, of the two spheres
 
 
 def beam_model() -> ao.FEModel:
-    """Return the beam, one bottom edge pinned and the other on rollers."""
+    """Return the beam, with one bottom edge pinned and the other one on rollers."""
     mesh = ao.box_mesh((LENGTH, WIDTH, WIDTH), (50, 2, 2))
     bottom = np.flatnonzero(mesh.nodes[:, 2] == 0.0)
     pinned, rollers = (np.intersect1d(mesh.node_sets[end], bottom) for end in ("xmin", "xmax"))

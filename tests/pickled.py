@@ -1,4 +1,4 @@
-"""A body as another process gets it, which has no other of its mark."""
+"""A body as unpickled in another process, which has no body of the same mark."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import aoimpact as ao
 
 
 def elsewhere(body: ao.FEModel) -> ao.FEModel:
-    """Return the body that another process makes of its pickle."""
+    """Return the body as another process would unpickle it."""
     remade, (kind, _, state) = body.__reduce__()
     made: ao.FEModel = remade(kind, uuid.uuid4().hex, pickle.loads(pickle.dumps(state)))
     return made

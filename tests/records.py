@@ -1,4 +1,4 @@
-"""A contact in closed form: two rigid bodies and a linear spring between them.
+"""Impact of two rigid bodies with a linear spring between them, in closed form.
 
 With μ = m_p m_t / (m_p + m_t) and ω = √(k/μ) the indentation is (V/ω) sin ωt: a half sine of
 duration π/ω, with peak force kV/ω and impulse 2μV.
@@ -15,7 +15,7 @@ import aoimpact as ao
 
 @dataclass(frozen=True)
 class HalfSine:
-    """A mass `projectile` at speed V against a mass `target`, spring k; they touch at gap/V."""
+    """Mass `projectile` at speed V against mass `target` with spring k; contact at t = gap/V."""
 
     projectile: float = 2.0
     target: float = 3.0
@@ -48,7 +48,7 @@ class HalfSine:
         return 2.0 * self.mass * self.velocity
 
     def result(self, end: float = 1.3, **given: Any) -> ao.Result:
-        """The impact, up to `end` times its contact's duration after the touch."""
+        """Simulate the impact until `end` contact durations after the start of contact."""
         bodies = ao.rigid(self.projectile), ao.rigid(self.target)
         law, duration = ao.Linear(self.k), self.start + end * self.duration
         settings = {"gap": self.gap, "duration": duration, "solver": ao.Adaptive(rtol=1e-9)}

@@ -1,9 +1,9 @@
-"""Impacts with the contact itself resolved: axisymmetric finite elements, fine at the contact.
+"""Impacts with a resolved contact region: axisymmetric finite elements, fine at the contact.
 
-Nothing here comes from the package, nor from Hertz: linear triangles of scikit-fem with the weight
-2πr, a lumped mass, central differences, and nodes that may not pass each other (or a plane). Both
-bodies touch at the origin; the lower one lies in z < 0. Contact nodes face each other at the same
-r, so that only their z matters: displacements are small.
+Neither the package nor Hertz's law is used, but linear triangles of scikit-fem with the weight 2πr,
+a lumped mass, central differences, and nodes that must not penetrate each other (or a plane). Both
+bodies touch at the origin; the lower body lies in z < 0. Contact nodes face each other at the same
+r; as displacements are small, only z enters the contact condition.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from skfem import Basis, BilinearForm, ElementTriP1, ElementVector, MeshTri
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-# From the contact outward elements grow with the distance by this much, per size of the finest:
-# with 20 µm there, 6 % of the distance elsewhere. The largest are so many times the finest.
+# Growth of elements with the distance from the contact, 1/m, relative to the finest size: with
+# finest elements of 20 µm, 6 % of the distance. Largest over finest size.
 GROWTH, LARGEST = 3.0e3, 25.0
 
 
 @dataclass(frozen=True)
 class Solid:
-    """Young's modulus, Pa; Poisson's ratio; density, kg/m³."""
+    """A material: Young's modulus, Pa; Poisson's ratio; density, kg/m³."""
 
     E: float
     nu: float
@@ -37,7 +37,7 @@ class Solid:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Matrices over the dofs (r, z of each node, interleaved), and the nodes that may touch."""
+    """Matrices over the dofs (r, z of each node, interleaved), and the contact nodes."""
 
     nodes: FloatArray
     K: sp.csr_matrix
@@ -51,14 +51,14 @@ class Body:
 
 @dataclass(frozen=True, eq=False)
 class Impact:
-    """Force, N, over time, s; restitution by the centres of mass."""
+    """Force, N, over time, s, and coefficient of restitution of the centres of mass."""
 
     t: FloatArray
     force: FloatArray
     restitution: float
 
     def smooth(self, width: float = 0.5e-6) -> FloatArray:
-        """The force without the rattle of single nodes: a running mean over `width`, s."""
+        """Running mean of the force over `width`, s, against chatter of single nodes."""
         n = max(1, round(width / (self.t[1] - self.t[0])))
         return np.convolve(self.force, np.full(n, 1.0 / n), mode="same")
 
@@ -73,19 +73,19 @@ class Impact:
 
 
 def size(rho: float, finest: float, reach: float) -> float:
-    """Size of the elements at a distance from the contact, m."""
+    """Size of the elements at the distance rho from the contact, m."""
     return finest * min(LARGEST, 1.0 + GROWTH * max(0.0, rho - reach))
 
 
 def ball(radius: float, solid: Solid, finest: float, reach: float) -> Body:
-    """A ball on top of the origin, its elements of the finest size within `reach`."""
+    """A ball above the origin, with elements of the finest size within `reach`, m."""
     nodes = [np.zeros((1, 2)), np.array([[0.0, 2.0 * radius]])]
     rho, polar = finest, finest / radius
     while polar < math.pi - 0.5 * size(rho, finest, reach) / radius:
         rho = 2.0 * radius * math.sin(0.5 * polar)
         step = size(rho, finest, reach)
         ring = arc(rho, 0.5 * polar, 0.5 * math.pi, step)
-        # Where rings lie close to the pole the surface needs its nodes, and the inside has enough.
+        # Near the upper pole, rings are close together: only their surface nodes are kept.
         nodes.append(ring if 2.0 * radius - rho > 0.5 * step else ring[:1])
         polar += step / radius
     surface = np.array([node[0] for node in nodes[2:]])
@@ -96,7 +96,7 @@ def ball(radius: float, solid: Solid, finest: float, reach: float) -> Body:
 def block(
     radius: float, height: float, solid: Solid, finest: float, reach: float, like: Body
 ) -> Body:
-    """A cylinder below the origin, with nodes on its top below those of `like`'s contact."""
+    """A cylinder below the origin, with nodes opposite the contact nodes of `like`."""
     corners = np.array([[radius, 0.0], [0.0, -height], [radius, -height]])
     rings = list(like.nodes[like.contact[1:], 0])
     rho = rings[-1]
@@ -112,13 +112,13 @@ def block(
 
 
 def arc(rho: float, start: float, end: float, size: float) -> FloatArray:
-    """Nodes on an arc about the origin, `size` apart; where it is short, the first one only."""
+    """Nodes on an arc about the origin, `size` apart; a single node if the arc is short."""
     angle = np.linspace(start, end, round(abs(end - start) * rho / size) + 1)
     return rho * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def body(nodes: FloatArray, solid: Solid, touching: FloatArray) -> Body:
-    """Matrices of a convex body of these nodes; those at the places `touching` may touch."""
+    """Triangulate the nodes of a convex body, with contact nodes at the points `touching`."""
     nodes = np.where(np.abs(nodes) < 1e-12, 0.0, nodes)
     triangles = Delaunay(nodes).simplices
     corners = nodes[triangles]
@@ -147,21 +147,21 @@ def body(nodes: FloatArray, solid: Solid, touching: FloatArray) -> Body:
     K = sp.csr_matrix(stiffness.assemble(basis))[order][:, order].tocsr()
     mass = np.asarray(inertia.assemble(basis).sum(axis=1)).ravel()[order]
     held = np.zeros(len(mass), dtype=bool)
-    held[0::2] = nodes[:, 0] == 0.0  # no node leaves the axis
+    held[0::2] = nodes[:, 0] == 0.0  # nodes on the axis stay there
     free = sp.diags((~held).astype(float))
     contact = KDTree(nodes).query(touching)[1]
     return Body(nodes, (free @ K @ free).tocsr(), mass, contact)
 
 
 def stable_step(of: Body) -> float:
-    """Central differences' largest step, s, 2/ω of the highest mode."""
+    """Largest stable step of central differences, s: 2/ω of the highest mode."""
     scale = sp.diags(of.mass**-0.5)
     top = spla.eigsh(scale @ of.K @ scale, k=1, which="LM", tol=1e-3, return_eigenvectors=False)
     return 2.0 / math.sqrt(1.01 * float(top[0]))
 
 
 def strike(upper: Body, lower: Body | None, velocity: float, duration: float) -> Impact:
-    """Drop `upper` on `lower`, which is at rest, or on a rigid plane."""
+    """Simulate the impact of `upper` on `lower`, at rest, or on a rigid plane."""
     bodies = [upper] if lower is None else [upper, lower]
     step = 0.9 * min(map(stable_step, bodies))
     n = math.ceil(duration / step)

@@ -1,4 +1,4 @@
-"""A body on a wall: by a run, under a load, and on a force that the test writes out, by SciPy."""
+"""A rigid body against a wall: simulated, pushed by a load, and integrated by SciPy."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def on_a_wall(
 
 
 def rigid_power(k: float, n: float, mass: float, velocity: float) -> tuple[float, float]:
-    """Peak force and duration of a rigid mass on F = k dⁿ, from its energy equation."""
+    """Peak force, N, and duration, s, of a rigid mass on F = k dⁿ, from conservation of energy."""
     deepest = ((n + 1) * mass * velocity**2 / (2 * k)) ** (1 / (n + 1))
     p = 1 / (n + 1)
     integral = math.sqrt(math.pi) * gamma(1 + p) / gamma(0.5 + p)
@@ -45,7 +45,7 @@ def rigid_power(k: float, n: float, mass: float, velocity: float) -> tuple[float
 def against_a_wall(
     body: ao.AOModel, law: ao.ContactLaw, force: Any, *, gap: float = 0.0, velocity: float = 0.0
 ) -> tuple[ao.Scene, Any]:
-    """A body that a force pushes against a wall: the scene, and its handle there."""
+    """Return a scene in which a force pushes a body against a wall, and the body's handle."""
     scene = ao.Scene()
     pushed, wall = scene.add(body, velocity=velocity), scene.add(ao.rigid(math.inf))
     scene.connect(pushed, wall, law, gap=gap)
@@ -54,8 +54,8 @@ def against_a_wall(
 
 
 def rebound(force: Force, mass: float, velocity: float, *, pulls: bool = False) -> float:
-    """Restitution of m x'' = -F(x, x') from x = 0 to where F, or x if F pulls, falls to zero."""
-    # Unit of length so that F(s) s = m V², of time s/V.
+    """Restitution of m x'' = -F(x, x') from x = 0 until F, or x if F may pull, returns to zero."""
+    # Scaling: the unit of length s satisfies F(s) s = m V²; the unit of time is s/V.
     s = 1.0
     for _ in range(200):
         s *= (mass * velocity**2 / (force(s, 0.0) * s)) ** 0.4

@@ -1,4 +1,4 @@
-"""Scene files that are right."""
+"""Texts of valid scene files."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ times = [0.0, 1e-3]
 forces = [0.0, 2.0]
 """
 
-# A sweep of the first.
+# Sweep to append to STARS.
 SWEPT = """
 [sweep]
 keep = ["peak_force"]

@@ -1,11 +1,11 @@
-"""Matrices of slender bodies written by hand: rods and Euler-Bernoulli beams."""
+"""Matrices of rods and Euler-Bernoulli beams, independent of the package."""
 
 import numpy as np
 import scipy.sparse as sp
 
 
 def assemble(element, n_elements, dofs_per_node):
-    """Put `n_elements` equal element matrices in a row."""
+    """Assemble `n_elements` equal element matrices along a line."""
     size = dofs_per_node * (n_elements + 1)
     width = len(element)
     first = dofs_per_node * np.arange(n_elements)
@@ -16,7 +16,7 @@ def assemble(element, n_elements, dofs_per_node):
 
 
 def rod(n_elements, *, fixed=()):
-    """K, M of a rod with EA = L = ρA = 1 in linear elements, the nodes `fixed` taken out."""
+    """K and M of a rod with EA = L = ρA = 1, linear elements, without the nodes `fixed`."""
     h = 1.0 / n_elements
     K = assemble(np.array([[1, -1], [-1, 1]]) / h, n_elements, 1)
     M = assemble(np.array([[2, 1], [1, 2]]) * h / 6, n_elements, 1)
@@ -24,7 +24,7 @@ def rod(n_elements, *, fixed=()):
 
 
 def beam(n_elements, *, fixed=()):
-    """K, M of a beam with EI = L = ρA = 1 in cubic elements, dofs (w, w') by node."""
+    """K and M of a beam with EI = L = ρA = 1, cubic elements, dofs (w, w') per node."""
     h = 1.0 / n_elements
     stiffness = [
         [12, 6 * h, -12, 6 * h],
@@ -44,13 +44,13 @@ def beam(n_elements, *, fixed=()):
 
 
 def without(matrix, dofs):
-    """The matrix without some rows and columns."""
+    """The matrix without the rows and columns `dofs`."""
     kept = np.setdiff1d(np.arange(matrix.shape[0]), dofs)
     return matrix[kept][:, kept].tocsr()
 
 
 def joined(K, M, dof, count):
-    """K and M of equal bodies that share one dof, the first of theirs together."""
+    """K and M of `count` equal bodies that share the dof `dof`, which comes first."""
     n = K.shape[0]
     others, join = np.delete(np.arange(n), dof), sp.lil_matrix((count * n, count * (n - 1) + 1))
     for k in range(count):
@@ -60,5 +60,5 @@ def joined(K, M, dof, count):
 
 
 def in_a_row(*matrices):
-    """Bodies that do not touch."""
+    """Block-diagonal matrix of separate bodies."""
     return sp.block_diag(matrices, format="csr")

@@ -1,4 +1,4 @@
-"""Meshes and bodies of shells and beams, and statics of them."""
+"""Meshes, bodies and static solutions of shells and beams."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = {2: "line", 3: "triangle", 4: "quad"}
 def grid(
     n: int, m: int, place: Callable[[FloatArray, FloatArray], Any], kind: str = "quad"
 ) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
-    """Nodes, elements, and (r, s) of the nodes: n x m cells of the unit square, put into space."""
+    """Nodes, elements and nodal (r, s) of n × m cells of the unit square, mapped by `place`."""
     r, s = np.meshgrid(np.linspace(0.0, 1.0, n + 1), np.linspace(0.0, 1.0, m + 1), indexing="ij")
     r, s = r.ravel(), s.ravel()
     nodes = np.stack(np.broadcast_arrays(*place(r, s)), axis=1).astype(np.float64)
@@ -32,7 +32,7 @@ def grid(
 
 
 def line(length: float = 1.0, n: int = 10) -> ao.Mesh:
-    """A line of elements along x, whose ends are sets of nodes."""
+    """A line of elements along x, with node sets "xmin" and "xmax"."""
     nodes = np.column_stack([np.linspace(0, length, n + 1), np.zeros((n + 1, 2))])
     cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
     return ao.Mesh(nodes, cells, "line", {"xmin": np.array([0]), "xmax": np.array([n])})
@@ -41,12 +41,12 @@ def line(length: float = 1.0, n: int = 10) -> ao.Mesh:
 def bar(
     section: Any, material: ao.Material, length: float = 1.0, n: int = 20, **given: Any
 ) -> ao.FEModel:
-    """A beam along x, whose height is along z."""
+    """A beam along x with the z axis of its section along z."""
     return ao.FEModel.from_mesh(line(length, n), ao.Beam(section, material, (0, 0, 1)), **given)
 
 
 def matrices(nodes: FloatArray, *parts: tuple[IntArray, Any]) -> tuple[Any, Any]:
-    """K and M of a body, over 6 dofs at each node in turn; parts are elements and what they are."""
+    """K and M of a body over 6 dofs per node; parts are pairs of elements and their material."""
     cells, groups, first = {}, {}, 0
     for width in (4, 3, 2):
         for i, (own, _) in enumerate(parts):
@@ -63,14 +63,14 @@ def matrices(nodes: FloatArray, *parts: tuple[IntArray, Any]) -> tuple[Any, Any]
 
 
 def dofs(nodes: Any, components: Sequence[int] | range) -> IntArray:
-    """Dofs of nodes, by a mask or numbers: 0, 1, 2 for displacements, 3, 4, 5 for rotations."""
+    """Dofs of nodes, given by mask or index; components 0-2: displacements, 3-5: rotations."""
     numbers = np.asarray(nodes)
     numbers = np.flatnonzero(numbers) if numbers.dtype == bool else np.atleast_1d(numbers)
     return (6 * numbers[:, None] + np.array(list(components))).ravel()
 
 
 def solved(K: Any, force: FloatArray, *fixed: IntArray) -> FloatArray:
-    """Displacements and rotations, shape (n_nodes, 6)."""
+    """Solve for static displacements and rotations, shape (n_nodes, 6)."""
     free = np.setdiff1d(np.arange(len(force)), np.concatenate(fixed))
     x = np.zeros(len(force))
     x[free] = sla.spsolve(K[free][:, free].tocsc(), force[free])
@@ -90,7 +90,7 @@ def frequencies(K: Any, M: Any, n: int, *fixed: IntArray) -> FloatArray:
 
 
 def pressed(nodes: FloatArray, cells: IntArray, layers: Any, force: Any) -> FloatArray:
-    """Nodal forces of a force per area (3,), N/m²; shape (6 n_nodes,)."""
+    """Nodal forces, shape (6 n_nodes,), of a uniform force per area (3,), N/m²."""
     body = ao.FEModel.from_mesh(ao.Mesh(nodes, cells, KINDS[cells.shape[1]]), layers)
     area = (body.M @ body.translation((0, 0, 1)))[2 : 3 * len(nodes) : 3] / layers.inertia[0]
     loads = np.zeros((len(nodes), 6))
@@ -99,7 +99,7 @@ def pressed(nodes: FloatArray, cells: IntArray, layers: Any, force: Any) -> Floa
 
 
 def rigid_motions(nodes: FloatArray) -> FloatArray:
-    """Translations along x, y and z and rotations about these, shape (6 n_nodes, 6)."""
+    """Unit translations along and rotations about x, y and z, shape (6 n_nodes, 6)."""
     motions = np.zeros((len(nodes), 6, 6))
     for i, axis in enumerate(np.eye(3)):
         motions[:, :3, i] = axis
@@ -109,5 +109,5 @@ def rigid_motions(nodes: FloatArray) -> FloatArray:
 
 
 def turned() -> FloatArray:
-    """A rotation about no axis of coordinates, (3, 3)."""
+    """A rotation matrix about an oblique axis, (3, 3)."""
     return np.asarray(scipy.linalg.expm(np.cross(np.eye(3), [0.4, -0.7, 1.1])))

@@ -1,4 +1,4 @@
-"""Twelve impacts of different kinds, of bodies small enough to know all of their oscillators."""
+"""Twelve different impacts of bodies small enough for models with all oscillators."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from aoimpact import box_mesh
 
 
 def as_meshed(run: Any) -> Any:
-    """The run of the bodies as they are meshed, where the answer is that of finer elements."""
+    """The run with the given meshes, if the result was computed with finer elements."""
     return run.beside or run
 
 
@@ -23,19 +23,19 @@ ALL_EDGES = [(name, "xyz") for name in ("xmin", "xmax", "ymin", "ymax")]
 
 
 def box(material: ao.Material, size: Any, cells: Any, place: Any, fixed: Any = None) -> Any:
-    """A box struck from above, or striking downward, at a place given in shares of its size."""
+    """A box struck from above, or striking downward, at a point relative to its size."""
     body = ao.FEModel.from_mesh(box_mesh(size, cells), material, fixed=fixed)
     point = [share * length for share, length in zip(place, size, strict=True)]
     return body.contact(point=point, direction=(0, 0, -1), radius=0)
 
 
 def cube(material: ao.Material, edge: float) -> Any:
-    """A free cube that strikes with the middle of its lower face."""
+    """A free cube that strikes with the centre of its lower face."""
     return box(material, (edge,) * 3, (4, 4, 4), (0.5, 0.5, 0))
 
 
 def block(material: ao.Material, edge: float, fixed: Any = None) -> Any:
-    """A cube struck in the middle of its upper face."""
+    """A cube struck at the centre of its upper face."""
     return box(material, (edge,) * 3, (4, 4, 4), (0.5, 0.5, 1), fixed)
 
 
@@ -44,9 +44,9 @@ def beam(fixed: Any = None, along: float = 0.5) -> Any:
 
 
 def law(one: ao.Material, radius: float, other: ao.Material) -> ao.ContactLaw:
-    """Hertz's stiffness in a law that does not contain the compliance of the bodies' nodes.
+    """A power law with Hertz's stiffness, from which no compliance of the mesh is removed.
 
-    So the bodies are the finite elements themselves, of which the truth is known.
+    So the reference solution is that of the given finite elements, which is known.
     """
     return ao.PowerLaw(ao.Hertz.between(one, radius, other, math.inf).k, 1.5)
 
