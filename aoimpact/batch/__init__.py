@@ -1,6 +1,6 @@
 """Many impacts: workers, checkpoints, sweeps and their tables.
 
-Plain impacts run many in one call of the core (plain.py); all others by `simulate`. For `cli`.
+One call of the core runs many plain impacts (plain.py); `simulate` runs all others. For `cli`.
 """
 
 from .checkpoint import Checkpoint, Digests

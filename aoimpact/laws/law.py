@@ -650,6 +650,6 @@ def own_law(law: ContactLaw) -> ContactLaw:
 
 
 def check_width(law: ContactLaw, indentation: FloatArray, contact: int) -> None:
-    """Refuse indentations at which the law of that contact is stiffer than the meshes."""
+    """Refuse indentations at which contact number `contact` is stiffer than the meshes."""
     if isinstance(law, PatchLaw) and float(indentation.max(initial=0.0)) > law.limit:
         raise LawLimitError("the contact is stiffer than the meshes there", contact)

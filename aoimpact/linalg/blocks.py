@@ -1,4 +1,4 @@
-"""Products with matrices whose parts threads share out: ranges of rows, or blocks for the core."""
+"""Products with sparse matrices in threads: by ranges of rows, or by blocks in the C core."""
 
 from __future__ import annotations
 

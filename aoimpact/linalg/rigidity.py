@@ -80,7 +80,7 @@ def unresisted_motions(
         If one of these motions has no mass.
     """
     forces = K @ motions
-    if springs is not None:  # soft ones are lost in the rounding of the body's forces: set below
+    if springs is not None:  # soft ones are lost in the rounding of K: their share is set below
         forces -= springs[:, None] * motions
     stiffness = K.diagonal()[:, None]
     np.divide(forces, stiffness, out=forces, where=stiffness > 0.0)

@@ -178,7 +178,7 @@ def excesses(hit: ao.Result, base: ao.Result) -> tuple[float, float]:
 
 
 def method() -> list[Row]:
-    """Numbers that do not depend on the mesh: the method itself."""
+    """Numbers of the method itself, which do not depend on the mesh."""
     peak, duration = hertz_pair(LAW.k, 0.5 * BALL_MASS, VELOCITY)
     own, light = of_table_3(BALL_MASS), of_table_3(0.03258)
     forces = own.peak_force, light.peak_force, 1e6 * own.contact_duration

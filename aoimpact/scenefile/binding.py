@@ -167,7 +167,7 @@ class Binder:
         self.problems.append((place, message))
 
     def find(self, known: Mapping[str, Any], where: str, name: str, place: Place) -> Any:
-        """Return the entry of `known` by its name; note a name without one, and return None."""
+        """Return the entry of `known` by its name; note an unknown name, and return None."""
         if name not in known:
             listed = ", ".join(known) or "nothing"
             self.say(place, f"{where} has no {name!r}{nearest(name, known)}; it has {listed}")

@@ -73,7 +73,7 @@ def _judged(case: Case, answer: Answer, longest: float, way: str) -> Verdict:
         off = 0.0 if second is None else from_newmark(case, second, true)
         agree = Verdict("ok", str(found), found.off)
         return Verdict("apart", f"Newmark by {off:.2g}") if off > _FAR else agree
-    # With a warning the estimated error must hold, which it need not for first contacts.
+    # The estimated error that comes with a warning must hold; without one (NaN) any error passes.
     if answer.warned and not found.off > TIMES * max(answer.claimed, case.rtol):
         return Verdict("warned", f"{found}; {answer.warned[0]}", found.off)
     return _suspected(case, answer.outcome, true, longest, way)
