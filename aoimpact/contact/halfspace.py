@@ -1,4 +1,4 @@
-"""Displacement and strain of an elastic half-space under Hertz's pressure, in closed form.
+"""Displacement and stress of an elastic half-space under Hertz's pressure.
 
 The pressure p = p₀ √(1 - r²/a²), p₀ = 3F/(2πa²), acts on a disc of radius a. Coordinates are local:
 z points into the half-space z > 0, and r is the distance from the axis.

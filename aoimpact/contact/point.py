@@ -58,8 +58,8 @@ from .touch import Patch, Touch, edge_length, element_at, thickness, to_nodes, t
 _ALONG = math.sqrt(0.5)
 
 
-# Radius r of a patch over the contact radius a. With patches on two similar bodies, the compliance
-# removed from Hertz's law is all of it if a = r/1.2, as c dF/dδ = 1.2 a/r. The rest is a margin.
+# Radius r of a patch over the contact radius a. If two similar bodies have patches with a = r/1.2,
+# the removed compliance c equals all of Hertz's law, as c dF/dδ = 1.2 a/r. The rest is a margin.
 PATCH_OVER_CONTACT = 1.4
 
 # Largest radius r of a patch over the thickness h of the body if the contact radius is unknown.

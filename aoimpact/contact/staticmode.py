@@ -131,7 +131,7 @@ def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
 def fitted_shifts(
     tips: Sequence[ContactPoint], contact_time: float | None, duration: float | None
 ) -> list[float]:
-    """Return the shifts s, rad/s, for a contact time, s, and if it is slower, a run's duration, s.
+    """Return the shifts, rad/s, for the contact time and, if slower, for the duration of a run.
 
     Without a contact time, the shortest estimate among the contact points is taken.
     """

@@ -283,7 +283,7 @@ def motion_between(
     """
     mesh = body.mesh
     thin = [block for block in mesh.blocks if block.element.thin]
-    for block in sorted(thin, key=lambda block: block.kind == "line"):  # after the shells
+    for block in sorted(thin, key=lambda block: block.kind == "line"):  # shells first
         held = np.isin(block.cells, nodes).sum(axis=1) == len(nodes)
         if not held.any():
             continue

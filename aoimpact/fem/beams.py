@@ -168,7 +168,7 @@ class RectangularSection:
         return found
 
     def with_nu(self, nu: float) -> BeamSection:
-        """Return its numbers, with Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
+        """Return area, moments and Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
 
         :meta private:
         """
@@ -258,7 +258,7 @@ class TubularSection:
         return found
 
     def with_nu(self, nu: float) -> BeamSection:
-        """Return its numbers, with Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
+        """Return area, moments and Cowper's shear factor (J. Appl. Mech. 33, 335, 1966).
 
         :meta private:
         """

@@ -256,7 +256,7 @@ class Orthotropic:
     def __post_init__(self) -> None:
         checked(self, E=_moduli, G=_moduli, nu=_triple, axes=_axes)
         checked(self, rho=partial(positive, unit="kg/m³"))
-        with np.errstate(over="ignore", invalid="ignore"):  # refused below
+        with np.errstate(over="ignore", invalid="ignore"):  # overflow is refused below
             relative = self._compliance[:3, :3] * max(self.E)
         if not np.isfinite(relative).all():
             raise InputError(f"E={self.E} Pa, nu={self.nu}: they are too far apart")

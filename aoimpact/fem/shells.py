@@ -139,7 +139,7 @@ def element_mass(corners: FloatArray, layers: Layers) -> FloatArray:
     six[:, :3, :3] = m0 * np.eye(3)
     six[:, 3:, 3:] = m2 * (np.eye(3) - normal[:, :, None] * normal[:, None, :])
     x, y, z = normal.T
-    for i, j, value in ((0, 1, z), (1, 2, x), (2, 0, y)):  # of u·(θ×n)
+    for i, j, value in ((0, 1, z), (1, 2, x), (2, 0, y)):  # terms of u·(θ×n)
         six[:, i, 3 + j] = six[:, 3 + j, i] = m1 * value
         six[:, j, 3 + i] = six[:, 3 + i, j] = -m1 * value
     matrix: FloatArray = np.einsum("nab,nij->naibj", pairs, six)
@@ -153,7 +153,7 @@ def element_frames(corners: FloatArray, layers: Layers | None) -> ArrayPair:
     """
     if corners.shape[1] == 3:
         first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    else:  # along r and s, in the middle
+    else:  # tangents along r and s at the centre
         first = corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]
         second = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
     normal = unit(np.cross(first, second))
@@ -209,8 +209,8 @@ def rigid_ends(
     If plates meet at an angle θ and their faces lie at heights f over the nodes, the faces meet at
     a distance of (f_other + f cos θ)/sin θ from the line of the nodes. A plate that ends at the
     line is rigid over this distance. A plate that continues beyond the line is held on one face
-    only. Its stiffness is bounded by a free and by a rigid length, according to the theorems of
-    minimum energy; half the distance is taken as rigid. Plane elasticity gives a share of 0.25,
+    only. By the theorems of minimum energy, its stiffness lies between those with the distance free
+    and rigid; half the distance is taken as rigid. Plane elasticity gives a rigid share of 0.25,
     0.47 and 0.70 for bending, for webs of 1, 2 and 4 thicknesses.
 
     Parameters
