@@ -161,7 +161,6 @@ class Material:
 
         :meta private:
         """
-        unit_vector("normal", normal)
         return self
 
     @property
