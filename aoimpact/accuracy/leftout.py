@@ -165,7 +165,10 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
 
 
 def _is_bare(law: ContactLaw, tip: ContactPoint) -> bool:
-    """True if a solid mesh's indentation at a node remains in series with the law."""
+    """Return whether a solid mesh's own indentation at a node adds to that of the law.
+
+    Only a law like Hertz's contains that indentation already; see `extraction_of`.
+    """
     return not (tip.patch or tip.thin or isinstance(own_law(law), HertzianLaw))
 
 

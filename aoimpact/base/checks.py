@@ -337,12 +337,12 @@ def unit_vector(name: str, value: Any) -> FloatArray:
 
 
 def place(name: str, value: Any) -> FloatArray:
-    """Return `value`, m, (3,), as a place whose distance from others does not overflow.
+    """Return `value` as a place, shape (3,), m; distances between such places do not overflow.
 
     Raises
     ------
     InputError
-        If it has another shape, is not finite, or farther off than any body.
+        If `value` has another shape, is not finite, or a coordinate exceeds 1e100 m.
     """
     return finite_array(name, value, shape=(3,), unit="m", most=HUGE)
 

@@ -62,7 +62,7 @@ class _Pair(NamedTuple):
 
 
 def _pair(case: Mapping[str, Any]) -> _Pair | None:
-    """Return the bodies and the law of a case; None if they are not plain, or invalid."""
+    """Return the bodies and the law of a case; None if it is invalid or cannot be plain."""
     law = case["law"]
     given = case["projectile"], case["target"]
     models = [one.modal if isinstance(one, AOModel) else one for one in given]

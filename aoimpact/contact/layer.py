@@ -29,7 +29,8 @@ from ..base import BoolArray, ComplexArray, FloatArray, IntArray
 from ..fem import Laminate, Layers, Material, Shell, thin_stiffness_mass
 from ..mesh import plane_of, sides
 
-# Integrals over wave numbers k: number of points, lower limit over 1/λ, upper limit over 1/a.
+# Integrals over wave numbers k: _WAVES points from _LONG/λ to _SHORT/a. The thickness replaces λ if
+# it is greater than λ, and a if it is less than a.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
 
 # The plate of a laminate uses every eighth of these wave numbers.

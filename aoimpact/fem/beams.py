@@ -414,7 +414,10 @@ class Beam:
         return along_y.get(name, 0.0), along_z.get(name, 0.0)
 
     def holds(self, place: tuple[float, float]) -> bool:
-        """Return whether a point (y, z), m, lies in a round section, else in the box of `points`.
+        """Return whether a point (y, z), m, lies in the section.
+
+        This is exact for round sections. Any other is replaced by the smallest box, symmetric about
+        the axes y and z, that contains its `points`.
 
         :meta private:
         """

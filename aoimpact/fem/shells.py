@@ -28,9 +28,9 @@ from ..base import PRINTED, ArrayPair, FloatArray, InputError, IntArray, plain, 
 from ..mesh import dot, pairs, parted, sides, unit
 from .laminate import Layers
 
-# Stiffness against the drilling strain over the membrane's shear stiffness. A small value avoids
-# locking in in-plane bending (1e-3 costs 1 % for elements with aspect ratio 10), and couples about
-# the normal across folds.
+# Ratio of the drilling stiffness to the membrane's shear stiffness. A small value avoids locking in
+# in-plane bending (1e-3 costs 1 % for elements with aspect ratio 10), and keeps folds from
+# transmitting moments about the normal.
 _DRILLING = 1e-4
 
 # Smallest cosine between normals of elements of one surface; below it (35°) they meet at a fold.

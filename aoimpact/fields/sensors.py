@@ -254,7 +254,7 @@ class At(Each[sp.csr_array]):
         return filtered_acceleration(motion, response.duration, channel, times)
 
     def elongation(self, response: Response, times: FloatArray) -> FloatArray:
-        """Return the change of the distance between two places over the distance."""
+        """Return the change of the distance between the two places, relative to that distance."""
         first, second = self.displacement(response, times).T
         return np.asarray((second - first) / np.linalg.norm(self.places[1] - self.places[0]))
 
@@ -540,7 +540,7 @@ class Work(Each[VirtualMotion]):
         return grounding.virtual(grounding.resultants(self.nodes, self.centre) @ self.ways)
 
     def __call__(self, response: Response, times: FloatArray) -> FloatArray:
-        """Return the work in a run of the body."""
+        """Return the virtual work of the ground's forces in a response of the body."""
         return response.work(times, self.of(response.body))
 
 

@@ -146,9 +146,10 @@ def is_valid_for(model: BodyModel, lasted: float, port: int = 0, most: float = _
 
 
 def unbalanced(model: Body, s: float, port: int = 0) -> float:
-    """Return the relative force that a model leaves unbalanced at i s under a force at a port.
+    """Return the force that a model leaves unbalanced, relative to the force at a port.
 
-    It is √(rᵀD⁻¹r / bᵀX) with the residual r = b - (K + s²M) X and the diagonal D of K + s²M.
+    At the frequency i s, rad/s, it is √(rᵀD⁻¹r / bᵀX) with the residual r = b - (K + s²M) X and the
+    diagonal D of K + s²M.
     """
     point, x = model.tips[port], model.deflection(s, port)
     body = point.body

@@ -420,7 +420,10 @@ def _allowed(run: Run, momenta: FloatArray) -> FloatArray:
 
 
 def _of_bodies(run: Run, momenta: FloatArray) -> FloatArray:
-    """Changes of velocities, m/s, by those of contacts' momenta, N s; 0 for bodies held at rest."""
+    """Return each body's change of velocity, m/s, due to changes of momentum at contacts, N s.
+
+    It is 0 for bodies held at rest.
+    """
     found = np.zeros(len(run.plan.bodies))
     for contact, momentum in zip(run.plan.contacts, _allowed(run, momenta), strict=True):
         for body, _ in contact.ports:

@@ -820,7 +820,7 @@ class Run:
 
     @cached_property
     def numbers(self) -> Mapping[str, float]:
-        """Numbers that summarise the run, by the names that `value` takes."""
+        """Numbers that summarise the run; the keys are the names that `value` takes."""
         numeric = [of for of in QUANTITIES.values() if not of.is_history]
 
         def find(name: str) -> float:

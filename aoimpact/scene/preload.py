@@ -327,9 +327,10 @@ class _Statics:
             yield where, -x if sizes[number] == 1 else np.full(len(x), -mean)
 
     def least_moved(self, at: _Configuration) -> _Configuration:
-        """Return the equilibrium with unloaded bodies as near to their places as others allow.
+        """Return the equilibrium after moving unloaded bodies back towards their initial places.
 
-        This undoes a side effect of damping, which also moves bodies at open contacts.
+        They move as far as other bodies leave room. This undoes a side effect of the iterations'
+        damping, which also moves bodies at open contacts.
         """
         room, columns = np.maximum(-at.depth, 0.0), self.directions.tocsc()
         x = np.where(self.sprung & (self.reach.T @ at.force == 0.0), self.first.x, at.x)

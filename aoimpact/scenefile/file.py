@@ -105,7 +105,7 @@ class SceneFile:
     data : dict
         Content of the file as tomllib gives it.
     text : str
-        Text of the file, in which errors find their lines.
+        Text of the file; errors take their line numbers from it.
 
     Examples
     --------

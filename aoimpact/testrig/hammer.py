@@ -160,7 +160,10 @@ def frf(
 
 
 def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal, FloatArray]]:
-    """Return force, motion and error of the motion's model for each hit, at the same times."""
+    """Return force, motion and the motion's error for each hit, at the same times since its start.
+
+    The error is that of a simulated motion, a `Probe`; it is 0 for a `Signal`.
+    """
     forces, responses = (of if isinstance(of, list) else [of] for of in (force, response))
     if len(forces) != len(responses) or not forces:
         raise InputError(

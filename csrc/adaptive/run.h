@@ -40,7 +40,8 @@ typedef struct aoi_flight {
     double slack; /* indentation beyond rest that is not yet a touch, m */
 } aoi_flight;
 
-/* State of a closed contact: indentation (start), rate and force now, and the piece of its law. */
+/* State of a closed contact at the present time: its indentation (start: that at the start of the
+ * next step), rate and force, and on which piece of its law it is. */
 typedef struct aoi_closed {
     double start, rate, force;
     double touch_rate; /* the rate when its force last began, before a sudden change of it, m/s */
@@ -50,8 +51,8 @@ typedef struct aoi_closed {
     double last_length, last[AOI_NODES + 1]; /* the last step's indentation, to guess the next */
 } aoi_closed;
 
-/* Scales of a contact: its largest values so far, or estimates of these. force: the largest
- * estimate at a touch, before any step, N. */
+/* Scales of a contact. indentation, rate, impulse: the largest so far, at first estimates of these.
+ * force: the largest estimate, N; an estimate is made at each touch, before any step. */
 typedef struct aoi_scales {
     double indentation, rate, impulse, force;
     double mobility; /* acceleration of both ports per sudden force, 1/kg */
@@ -118,7 +119,8 @@ struct aoi_adaptive {
     double origin, elapsed; /* time is their sum, so that short steps late in a run are not rounded away */
     double left_off;        /* rounding error of elapsed, s */
     double horizon;         /* no touch between bodies in free motion before this time */
-    /* time of the next halt, when all bodies are advanced as loads have many bends; HUGE_VAL: none */
+    /* time of the next halt, at which all bodies are advanced, so that no advance spans more than a
+     * limited number of bends of the loads (AOI_MOST_BENDS); HUGE_VAL: none */
     double halt;
     int unbalanced;         /* an event has changed a contact since the last step */
     double *free_state[2], *scratch, *port_force, *collocation;

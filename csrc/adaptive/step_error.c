@@ -24,8 +24,9 @@
  * steps of a contact, and grow from one contact to the next. These and the next: see the table in ../README.md. */
 static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
-/* Factor on these shares in the first and last step of a contact: there the force is no smooth
- * function of time, and the quadrature of its defect misses part of it. */
+/* Factor on STEP_SHARE, and at a residual compliance on TAIL_SHARE, in the first and last step of a
+ * contact. The force is not a smooth function of time there, and the quadrature of the force's
+ * defect misses part of it. */
 static const double END_SHARE = 0.03;
 
 /* A step is not tried at more than this share of the length that its error allows: see ../README.md. */

@@ -188,7 +188,8 @@ static void find_effect(const crowd *of, const double *force)
     }
 }
 
-/* y = the inverse of the blocks, times (1 + stiffness A + damping B) x. */
+/* Multiplies by the preconditioned matrix of Newton's equations (see the top of this file):
+ * y = D^-1 (1 + stiffness A + damping B) x, where D has one diagonal block for each force. */
 static void multiply(const crowd *of, const double *x, double *y)
 {
     find_effect(of, x);

@@ -250,8 +250,10 @@ static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, doubl
     }
 }
 
-/* Adds the errors by these differences. The time left in the step at such a point is that up to a
- * node, or to the point of the other edge, where the response to an impulse is known. */
+/* Adds the errors at the end of a step due to `beyond`, the differences of the force at the check
+ * points. The time left in the step at check point k is as long as that from its start to node k,
+ * or, at an edge, to check point k of the opposite edge. `answer`, the response to a unit impulse,
+ * is given at the nodes and interpolated at the latter. */
 static void add_errors(const aoi_contact_step *entry, double h, const double *beyond, const double *answer,
                        aoi_collocation_error *error)
 {

@@ -19,8 +19,8 @@ static const double JUMP = 1e-3;
 
 typedef struct point {
     double place[3], force[3], residual[3];
-    double by[3][3], slope[3][3]; /* derivatives of force and residual by place */
-    double by_rate[3];            /* derivative of the force by the rate           */
+    double by[3][3], slope[3][3]; /* derivatives of force and residual with respect to place */
+    double by_rate[3];            /* derivative of the force with respect to the rate */
     double size; /* norm of the residual beyond rounding */
     double stuck, share, rate;
 } point;

@@ -20,7 +20,8 @@ void aoi_nodes_multiply(const double *column, const double *x, double *y);
  * nodes. */
 void aoi_nodes_multiply_from(double start, const double *column, const double *nodes, double *y);
 
-/* Inverts a matrix in place, by rows or by columns; its pivots must be near or above 1. */
+/* Inverts a matrix of AOI_NODES rows, stored by rows or by columns, in place and without pivoting:
+ * its pivots must be near or above 1. */
 void aoi_nodes_invert(double *matrix);
 
 static inline double aoi_nodes_dot(const double *x, const double *y)

@@ -101,8 +101,8 @@ void signal_check_open(signal_check *signals);
 void signal_check_release(signal_check *signals);
 void signal_check_regain(signal_check *signals);
 
-/* Calls piece(job), which takes some microseconds, without the GIL until it returns 0 or a signal
- * has set an error. */
+/* Calls piece(job), which takes some microseconds, repeatedly and without the GIL, until it returns
+ * 0 or a signal handler has set an error. */
 void run_pieces(signal_check *signals, int (*piece)(void *job), void *job);
 
 /* ------------------------------------------------------------------ tuples to structs */

@@ -4,7 +4,7 @@
 
 #include "aoimpact.h"
 
-/* Numbers of one impact of two bodies. */
+/* Results of one impact of two bodies. */
 typedef struct aoi_brief {
     double touches, lasting; /* number of touches; 1 if the run ends in contact, else 0 */
     double peak_force, peak_time, impulse; /* N, s, N s */
