@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base import FloatArray
 
-# The frequencies that shape the force of an impact range from s/SPAN to s SPAN, with s = 10/T.
+# The frequencies that shape the force of an impact range from s/SPAN to s SPAN; s = 10/duration.
 SPAN = 3.0
 
 
@@ -26,7 +26,7 @@ class Compliance:
         frequency s minus the body's compliance R beyond the part contained in a contact law.
         Negative if the model is too stiff.
     varying : float
-        Change of c while the contact grows to the radius a, and with frequency, m/N.
+        Change of c in an impact, as the contact radius grows to a and the frequency varies, m/N.
     deflection : ndarray, shape (n_dofs,)
         Displacement x of the model under the unit force at the frequency s, m/N.
     s : float
@@ -79,7 +79,7 @@ class Compliance:
             Displacement x̃ of the truncated model under the unit force at s, m/N.
         """
         M, field = tip.body.M, self.mesh_field
-        # The sign follows the direction of travel, which may have been reversed.
+        # The direction of travel, and b, may have been reversed since `deflection` was computed.
         left_out = math.copysign(1.0, tip.b @ self.deflection) * self.deflection - deflection
         missing = float(tip.b @ left_out)
         inertia = float(self.deflection @ (M @ self.deflection) - deflection @ (M @ deflection))

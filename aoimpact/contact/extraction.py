@@ -11,9 +11,9 @@ mesh of the body resolves it. It satisfies a(w, v) = L(v) for all v, where a(u, 
 
 The cutoff χ is 1 with two exceptions. In bodies that reach behind the contact, χ falls to 0 there,
 as u_B is singular on the axis. Under a layer on a stiffer material, χ falls with depth to the ratio
-of the moduli, layer over material below, so that the stress of χ u_B is nearly continuous. C_B is
-the elastic tensor of the element at the contact. The compliance of the body beyond that of the
-half-space,
+of the layer's modulus to that of the material below, so that the stress of χ u_B is nearly
+continuous. C_B is the elastic tensor of the element at the contact. The compliance of the body
+beyond that of the half-space,
 
     R = L(χ u_B) + 2 L(w) - a(w, w),
 
@@ -53,25 +53,26 @@ from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, Shea
 from .subdivision import cells_towards, sides_towards
 from .touch import element_at, spread
 
-# Largest 1 - |cos θ| of a direction along the normal, a milliradian.
+# Largest 1 - |cos θ| of a force that counts as normal: θ is about a milliradian.
 _ALONG = 1e-6
 
-# Largest height over the tangent plane that counts as 0, relative to the face or the body.
+# Largest height above the tangent plane, relative to the face or the body, that counts as 0.
 _FLAT = 1e-7
 
 # χ falls from 1 to 0 as the cosine between outward normal and position increases from the first to
 # the second value. The wall of a hemispherical cup, seen from its pole, has cosines up to 0.71.
 _BEHIND, _FAR_BEHIND = 0.35, 0.8
 
-# Largest size over distance from the contact of elements that interpolate u_B for its inertia; keys
-# tell quadratic elements. R changes by less than 1e-4 of its value.
+# Largest ratio of size to distance from the contact of elements that interpolate u_B for its
+# inertia, for linear (False) and quadratic (True) elements. R changes by less than 1e-4 of its
+# value.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
 # Relative residual of w. R lacks the energy of the error of w: 0.007/(E* a) for a residual of 3e-2,
 # on elements 27 times as long as wide.
 _SOLVED = 1e-3
 
-# Step of central differences over the distance from the contact: errors of 1e-8 and rounding.
+# Ratio of the step of central differences to the distance from the contact: errors of 1e-8.
 _DIFFERENCE = 1e-4
 
 
@@ -148,7 +149,7 @@ def extracted(
 
 
 def _over_width(body: Any, splitting: Splitting, point: FloatArray, normal: FloatArray) -> float:
-    """Return the change of the mean of w under Hertz's pressure with the radius, m/N."""
+    """Return how much the mean of w under Hertz's pressure changes with the radius, m/N."""
     radius, sunk = splitting.space.radius, -splitting.w[0, 0, : body.mesh.n_nodes] @ normal
     try:
         mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
@@ -203,9 +204,9 @@ class Splitting:
     compliance : ndarray, shape (n_forces, n_forces)
         R, m/N.
     inertia : float
-        -dR/d(s²) along the normal, kg m²/N².
+        -dR/d(s²) for the normal force, kg m²/N².
     by_width : float
-        dR/d(log a) along the normal, m/N; 0 for a flat contact.
+        dR/d(log a) for the normal force, m/N; 0 for a flat contact.
     """
 
     forces: FloatArray
@@ -242,7 +243,7 @@ class Splitting:
             if local[:, 2].min() > -_FLAT * mesh.size:
                 turned, modulus = _turned(material.tensor, self.frame), like.plane_strain_modulus
                 self.space = AnisotropicHalfSpace(turned, radius, modulus, like.nu)
-            else:  # u_B of an isotropic body with equal E*; C - C_B enters L as polarisation
+            else:  # u_B of an isotropic half-space of equal E*; L includes C - C_B
                 own = None
             own = None if len(tangents) else own
         self.spaces = [(self.space, self.frame)]
@@ -296,7 +297,7 @@ class Splitting:
         return moved @ self.frame, self.frame.T @ stress @ self.frame
 
     def _solved(self, moved_by: FloatArray, solver: LinearSolver) -> ArrayPair:
-        """Solve for w: loads L on free dofs, w = -χ u_B = -`moved_by` on constrained dofs.
+        """Solve a(w, v) = L(v) on free dofs for w; w = -χ u_B = -`moved_by` on constrained dofs.
 
         Returns w and the two parts of R, the second of which is multiplied by -s².
         """
@@ -316,7 +317,7 @@ class Splitting:
         return w, parts + 2.0 * right @ moved.T - taken
 
     def _fields(self, x: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
-        """u_B under each force at points and, if requested, its stress, in global axes."""
+        """Return u_B under each force at points and, if requested, its stress, in global axes."""
         found, tensors = [], []
         for space, frame in self.spaces:
             y = (x - self.point) @ frame.T
@@ -329,11 +330,11 @@ class Splitting:
         return np.array(found), np.array(tensors)
 
     def field(self, x: FloatArray) -> FloatArray:
-        """χ u_B under each force at points, in global axes, m."""
+        """Return χ u_B under each force at points, in global axes, m."""
         return self._cutoff(x)[0][..., None] * self._fields(x)[0]
 
     def at_nodes(self) -> FloatArray:
-        """χ u_B at the nodes, and its rotation at nodes of shells and beams, by differences.
+        """Return χ u_B at the nodes and, by differences, its rotation at nodes of shells and beams.
 
         Added shape functions get the amplitude that interpolates χ u_B if a support holds them,
         otherwise 0.
@@ -361,7 +362,7 @@ class Splitting:
         return found
 
     def _cutoff(self, x: FloatArray) -> ArrayPair:
-        """χ and its gradient at points."""
+        """Return χ and its gradient at points."""
         y = (x - self.point) @ self.frame.T
         chi, slope = np.ones(x.shape[:-1]), np.zeros(x.shape)
         if self.behind:
@@ -424,7 +425,7 @@ class Splitting:
             rows = surface.cell[surface.side == side] - block.first
             on = block.cells[rows][:, face.nodes]
             size = np.ptp(nodes[on], axis=1).max(axis=1)
-            rows = rows[np.abs(height[on]).max(axis=1) > _FLAT * size]  # else p - σ_B n = 0
+            rows = rows[np.abs(height[on]).max(axis=1) > _FLAT * size]  # elsewhere p - σ_B n = 0
             corners = block.element.nodes[face.nodes[: face.n_corners]]
             block = shapes.blocks[number]
             for at in sides_towards(shapes.nodes, block, rows, corners, self.point, a):
@@ -445,10 +446,10 @@ class Splitting:
         return sunk - pressed * np.diag([space.mean_displacement for space, _ in self.spaces])
 
     def add_cells(self, at_nodes: FloatArray, own: int | None) -> None:
-        """Add integrals over cells near the contact, behind it, and of other materials.
+        """Add integrals over cells near or behind the contact, and over cells of other materials.
 
-        Near the contact the mesh does not interpolate u_B well enough for its inertia: the
-        contribution of `add_elements` is replaced there.
+        Near the contact, the mesh does not interpolate u_B well enough for its inertia: for cells
+        there, the contribution of `add_elements` is replaced.
         """
         nodes, mesh, shapes = self.mesh.nodes, self.mesh, self.body.shapes
         softness = np.array([_turned(of.softness, frame.T) for of, frame in self.spaces])
@@ -493,9 +494,9 @@ class Splitting:
                 self._add_forces(0, cells, -np.einsum("dnqij,nqaj->dnai", extra, at.slopes))
 
     def add_elements(self, moved_by: FloatArray) -> None:
-        """Add ∫ ρ χ u_B·v by the mass matrix, and springs to the ground, shells and beams.
+        """Add ∫ ρ χ u_B·v from the mass matrix, and terms of ground springs, shells and beams.
 
-        Springs, shells and beams contribute -a(χ u_B, v), from their stiffness and χ u_B at nodes.
+        The latter terms are -a(χ u_B, v), from their stiffness and χ u_B at nodes.
         """
         body, moved = self.body, moved_by.reshape(len(moved_by), -1)
         held, free = np.zeros((2, *moved.shape)), body.free

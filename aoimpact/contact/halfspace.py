@@ -23,7 +23,7 @@ import numpy as np
 from ..base import ArrayPair, FloatArray
 from ..fem import PLACES, Material, hooke
 
-# Smallest distance from the disc's rim over a. The error of the field is the square of this share.
+# Smallest ratio of the distance from the rim to a; its square is the error of the field.
 _ON_RIM = 1e-9
 
 # Number of angles in the integral of an anisotropic half-space. The integrand is periodic, and
@@ -34,11 +34,11 @@ _ANGLES = 128
 # value (by 1e-2 with every fourth angle).
 _EVERY = 2
 
-# Relative change of shear moduli that separates equal roots of Stroh's eigenvalue problem, which
-# lack independent eigenvectors, as for isotropic materials. Half of the digits remain.
+# Relative change of the shear moduli that separates equal roots of Stroh's eigenvalue problem.
+# Equal roots, as of isotropic materials, lack independent eigenvectors. Half of the digits remain.
 _APART = 1e-7
 
-# Distance over a beyond which the pressure's transform is a series in a/|z|, accurate to 1e-7.
+# Ratio of distance to a beyond which the pressure's transform is a series in a/|z|, exact to 1e-7.
 _FAR = 30.0
 
 
@@ -93,11 +93,11 @@ class HalfSpace:
 
 
 class IsotropicHalfSpace(HalfSpace):
-    """The field of an isotropic half-space under a unit force along its normal, or its surface.
+    """The field of an isotropic half-space under a unit force along its normal.
 
     With the potential ψ = ∫ p/ρ dA of the pressure, Ψ,z = ψ and F,z = Ψ, the displacement times 4πG
     (K. L. Johnson, Contact Mechanics, section 3.1) is, for p as a pressure (left, Boussinesq) and
-    for p as a traction along x (right, Cerruti),
+    for p as a traction along x (right, Cerruti; see `ShearedHalfSpace`),
 
         u_x = -(1 - 2ν) Ψ,x - z ψ,x      u_x = 2 ψ + 2ν F,xx - z Ψ,xx
         u_y = -(1 - 2ν) Ψ,y - z ψ,y      u_y = 2ν F,xy - z Ψ,xy
@@ -114,7 +114,7 @@ class IsotropicHalfSpace(HalfSpace):
         Radius a of the disc under pressure, m.
     """
 
-    # Smallest distance from the axis over √(a² + z²). The error of the field is the square of this.
+    # Smallest ratio of the distance from the axis to √(a² + z²); its square is the error.
     on_axis: ClassVar[float] = 1e-4
 
     def __init__(self, material: Material, radius: float) -> None:
@@ -173,7 +173,7 @@ class ShearedHalfSpace(IsotropicHalfSpace):
     """
 
     axis = 0
-    on_axis = 2e-3  # larger, as rounding in D³ grows with the inverse sixth power
+    on_axis = 2e-3  # larger, as rounding errors of D³ f grow as 1/r⁶
 
     @property
     def mean_displacement(self) -> float:
@@ -182,7 +182,7 @@ class ShearedHalfSpace(IsotropicHalfSpace):
 
 
 def _spheroidal(r2: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Spheroidal coordinates s and k about a disc of radius 1, and s² + k², from r² and z."""
+    """Return spheroidal coordinates s, k about a disc of radius 1, and s² + k², from r² and z."""
     q = r2 + z * z - 1.0
     root = np.maximum(np.sqrt(q * q + 4.0 * z * z), _ON_RIM)
     # s² and -k² are the roots of u² - q u - z²; the larger one is computed without cancellation.
@@ -209,7 +209,7 @@ class AnisotropicHalfSpace(HalfSpace):
 
     @cached_property
     def _waves(self) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
-        """Direction n, roots p and amplitudes A of Stroh's eigenvalue problem, for each angle."""
+        """Return directions n, roots p and amplitudes A of Stroh's eigenproblem for each angle."""
         sheared = 1.0 - np.eye(3)
         C = self.stiffness * (1.0 + _APART * np.einsum("ij,kl->ijkl", sheared, sheared))
         m, waves = np.array([0.0, 0.0, 1.0]), []

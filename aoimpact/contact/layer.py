@@ -29,29 +29,30 @@ from ..base import BoolArray, ComplexArray, FloatArray, IntArray
 from ..fem import Laminate, Layers, Material, Shell, thin_stiffness_mass
 from ..mesh import plane_of, sides
 
-# Integrals over wave numbers k: _WAVES points from _LONG/λ to _SHORT/a. The thickness replaces λ if
-# it is greater than λ, and a if it is less than a.
+# Integrals over wave numbers k use _WAVES points from _LONG/max(λ, t) to _SHORT/min(a, t), with the
+# thickness t.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
 
-# The plate of a laminate uses every eighth of these wave numbers.
+# For the plate of a laminate, only every eighth of the wave numbers is used.
 _SKIPPED = 8
 
-# Radius of the mesh about the contact, in element edges or in bending lengths λ, whichever is less.
+# Radius of the mesh about the contact: _EDGES edges or, if less, _LENGTHS bending lengths λ.
 _EDGES, _LENGTHS = 6.0, 8.0
 
-# k a below which a series replaces the transform of Hertz's pressure, against cancellation.
+# k a below which a series replaces the transform of Hertz's pressure, to avoid cancellation.
 _SERIES = 1e-2
 
-# Excess of laminates: numbers of wave numbers, of directions and of elements through the thickness,
-# and thickness of the finest element over t.
+# Excess of laminates. `_FEW_WAVES`: number of wave numbers. `_TURNS`: number of directions.
+# `_GRADES`: number of elements through the thickness. `_FINEST`: ratio of the finest element's
+# thickness to t.
 _FEW_WAVES, _TURNS, _GRADES, _FINEST = 60, 4, 24, 5e-3
 
-# Motion of a laminate's plate: numbers of directions and wave numbers, distance over the width of
-# the spread force, number of directions for the mean compliance. A force spread over a sixth of the
-# distance r has wave numbers up to 42/r.
+# Motion of a laminate's plate. `_AROUND`, `_RINGS`: numbers of directions and of wave numbers.
+# `_SPREAD`: ratio of the distance r to the width over which the force is spread; the wave numbers
+# then reach 42/r. `_MEANS`: number of directions for the mean compliance.
 _AROUND, _RINGS, _SPREAD, _MEANS = 48, 160, 6.0, 16
 
-# λ/t of slow bending. The relative rounding error of waves in laminates grows as (λ/t)^4.
+# Ratio λ/t at `slow_bending`. The rounding error of waves in laminates grows as (λ/t)^4.
 _LONG_WAVES = 30.0
 
 # Number of directions searched for the smallest bending stiffness.
@@ -80,8 +81,8 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
     xi, eta = np.sqrt(k**2 + fast2), np.sqrt(k**2 + slow2)
     one, other = (k**2 + eta**2) ** 2, 4.0 * k**2 * xi * eta
     by_xi, by_eta = np.tanh(h * xi), np.tanh(h * eta)
-    # one - other and by_eta - by_xi, rearranged against cancellation, which is nearly complete for
-    # k far above s over the wave speed.
+    # `one - other` and `by_eta - by_xi` are rearranged: if k exceeds s divided by the wave speed by
+    # far, their terms nearly cancel.
     apart = slow2 - fast2
     rayleigh = 16.0 * k**6 * apart + (24.0 * slow2 - 16.0 * fast2) * slow2 * k**4
     rayleigh = (rayleigh + 8.0 * k**2 * slow2**3 + slow2**4) / (one + other)
@@ -116,7 +117,7 @@ def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
     s : float
         Frequency (Laplace variable), rad/s, positive.
     x : ndarray, shape (n, 2)
-        Points other than the origin, m, in axes whose first is that of the layers.
+        Points other than the origin, m. The first axis is that of the layers.
     """
     if not _isotropic(layers):
         return _motion_of_waves(layers, s, x)
@@ -157,8 +158,8 @@ def layer_compliance_of(layers: Layers, radius: float, s: float) -> float:
     """Return R, the compliance of infinite layers beyond the half-space under the contact, m/N.
 
     For laminates, R is the compliance of the plate minus its excess over elasticity theory. The
-    excess hardly varies for long bending waves, and is lost in rounding for very long ones; its
-    frequency is therefore bounded from below.
+    excess hardly varies for long bending waves, and is lost in rounding for very long ones. Its
+    frequency is therefore at least that of `slow_bending`.
     """
     material = layers.plies[0].material
     if isinstance(material, Material) and _isotropic(layers):
@@ -205,7 +206,7 @@ def mesh_compliance(
     chosen = [_facing(np.searchsorted(used, group), x[used]) for group in cells if len(group)]
     x, load = x[used], load[used]
     plate: Layers = Laminate(layers.plies, (1.0, 0.0, 0.0), layers.offset)
-    if _isotropic(layers):  # without offset
+    if _isotropic(layers):  # the neutral surface has no offset
         plate = Shell(layers.total_thickness, layers.plies[0].material)
     K, M = thin_stiffness_mass(np.column_stack([x, 0.0 * x[:, 0]]), [(c, plate) for c in chosen])
     rim = rim_nodes(x, chosen) & ~load.any(axis=1)
@@ -222,14 +223,14 @@ def mesh_compliance(
 
 
 def _facing(cells: IntArray, x: FloatArray) -> IntArray:
-    """Elements with their nodes ordered counter-clockwise in the plane."""
+    """Return the elements with their nodes ordered counter-clockwise in the plane."""
     one, other = x[cells[:, 1]] - x[cells[:, 0]], x[cells[:, 2]] - x[cells[:, 0]]
     turned = one[:, 0] * other[:, 1] < one[:, 1] * other[:, 0]
     return np.where(turned[:, None], cells[:, ::-1], cells)
 
 
 def contact_reach(layers: Layers, edge: float, s: float) -> float:
-    """Return the radius of the mesh about a contact, m, from the elements' edge there, m."""
+    """Return the radius, m, of the mesh about a contact for elements of an edge length, m."""
     return min(_EDGES * edge, max(_LENGTHS * bending_length(layers, s), 3.0 * edge))
 
 
@@ -238,9 +239,9 @@ def _isotropic(layers: Layers) -> bool:
 
 
 def _numbers(layers: Layers) -> tuple[float, float, float, float]:
-    """Bending and shear stiffness, mass and rotary inertia per area, of a single isotropic layer.
+    """Return bending and shear stiffness, mass and rotary inertia per area of an isotropic layer.
 
-    They refer to the neutral surface, where bending causes no membrane force.
+    All refer to the neutral surface, where bending causes no membrane force.
     """
     m, first, second = layers.inertia.tolist()
     D, S = _bending(layers)[0, 0], layers.stiffness[6, 6]
@@ -248,14 +249,14 @@ def _numbers(layers: Layers) -> tuple[float, float, float, float]:
 
 
 def _bending(layers: Layers) -> FloatArray:
-    """Bending stiffness (moments per curvature) without membrane forces, N m, shape (3, 3)."""
+    """Return the bending stiffness (moments per curvature) without membrane forces, N m, (3, 3)."""
     A, B = layers.stiffness[:3, :3], layers.stiffness[:3, 3:6]
     bending: FloatArray = layers.stiffness[3:6, 3:6] - B.T @ np.linalg.solve(A, B)
     return bending
 
 
 def bending_length(layers: Layers, s: float) -> float:
-    """Decay length λ = (D/(m s²))^(1/4) of bending e^{st} in the softest direction, m."""
+    """Return λ = (D/(m s²))^(1/4), m, the decay length of bending e^{st}, for the smallest D."""
     turns = np.pi / _DIRECTIONS * np.arange(_DIRECTIONS)
     c, d = np.cos(turns), np.sin(turns)
     curved = np.stack([c * c, d * d, 2.0 * c * d])
@@ -264,7 +265,7 @@ def bending_length(layers: Layers, s: float) -> float:
 
 
 def slow_bending(layers: Layers) -> float:
-    """Return the frequency s, rad/s, whose bending length is `_LONG_WAVES` thicknesses."""
+    """Return the frequency s, rad/s, at which the bending length is `_LONG_WAVES` thicknesses."""
     return (bending_length(layers, 1.0) / (_LONG_WAVES * layers.total_thickness)) ** 2
 
 
@@ -274,7 +275,7 @@ def _waves(radius: float, thickness: float, length: float) -> FloatArray:
 
 
 def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
-    """∫ p̂² H k dk/(2π) over log k, with Hertz's pressure p̂ = 3 (sin x - x cos x)/x³, x = k a."""
+    """Return ∫ p̂² H k dk/(2π), with Hertz's pressure p̂ = 3 (sin x - x cos x)/x³, x = k a."""
     x = k * radius
     exact = 3.0 * (np.sin(x) - x * np.cos(x)) / np.maximum(x, _SERIES) ** 3
     pressure = np.where(x < _SERIES, 1.0 - x**2 / 10.0, exact)
@@ -284,7 +285,7 @@ def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
 
 @lru_cache(maxsize=8)
 def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
-    """Excess of a plate's compliance over that of the elastic laminate beyond a half-space, m/N.
+    """Return a plate's compliance minus that of the elastic laminate beyond a half-space, m/N.
 
     The half-space is that of the top ply. The mean over the directions of waves is taken.
     """
@@ -298,7 +299,7 @@ def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
 
 
 def _plate_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> ComplexArray:
-    """Amplitudes (u, v, w, βx, βy) of plane waves e^{ikx} of the plate per unit pressure, (n, 5).
+    """Return amplitudes (u, v, w, βx, βy), (n, 5), of plate waves e^{ikx} per unit pressure.
 
     The theory is first-order shear deformation. The waves run at the angle `turn`, rad, to the
     layers' x axis.
@@ -319,9 +320,9 @@ def _plate_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> Comple
 
 
 def _layer_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> FloatArray:
-    """Deflection w of the top face of elastic layers per unit pressure e^{ikx} on this face.
+    """Return the deflection w of the top face of elastic layers per unit pressure e^{ikx} on it.
 
-    Computed by quadratic elements through the thickness, finer towards the top (E. Kausel and J. M.
+    Quadratic elements through the thickness are used, finer towards the top (E. Kausel and J. M.
     Roësset, Bull. Seism. Soc. Am. 71, 1743, 1981).
     """
     t, z = layers.total_thickness, layers.interfaces
@@ -357,7 +358,7 @@ def _layer_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> FloatA
 def _by_wave_number(
     along: FloatArray, still: FloatArray, stiffness: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """K0, K1 and K2 in BᴴCB = K0 + ik K1 + k² K2, with B = ik along + still."""
+    """Return K0, K1 and K2 in BᴴCB = K0 + ik K1 + k² K2, with B = ik along + still."""
     mixed = still.T @ stiffness @ along
     return still.T @ stiffness @ still, mixed - mixed.T, along.T @ stiffness @ along
 

@@ -54,30 +54,30 @@ from .layer import bending_length
 from .thinextraction import excess_of_beam, excess_of_shell, patch_on_shell
 from .touch import Patch, Touch, edge_length, element_at, thickness, to_nodes, touched
 
-# Smallest cosine between a force along a beam and the beam's axis: 45°.
+# A force acts along a beam if the cosine of its angle with the beam's axis is at least this: 45°.
 _ALONG = math.sqrt(0.5)
 
 
-# Radius r of a patch over the contact radius a. If two similar bodies have patches with a = r/1.2,
-# the removed compliance c equals all of Hertz's law, as c dF/dδ = 1.2 a/r. The rest is a margin.
+# Ratio of a patch's radius r to the contact radius a. For two similar bodies c dF/dδ = 1.2 a/r, so
+# that nothing is left of Hertz's law at r = 1.2 a. The rest is a margin.
 PATCH_OVER_CONTACT = 1.4
 
-# Largest radius r of a patch over the thickness h of the body if the contact radius is unknown.
-# Beyond the half-space's field, a body moves in waves of k up to 1/h. For these the work of Hertz's
-# pressure is that of a point force times 1 - (k r)²/5, 1 % less.
+# Largest ratio of a patch's radius r to the body's thickness h if the contact radius is unknown.
+# Beyond the half-space's field, the body's motion consists of waves with k up to 1/h. For these
+# waves the work of Hertz's pressure is that of a point force times 1 - (k r)²/5, 1 % less.
 _OF_DEPTH = 0.25
 
 # Factor by which a patch is widened if the contact turns out stiffer than the mesh under it.
 _WIDER = 2.0
 
-# Assumed contact radius over the element's edge before it is known. R hardly depends on it: 0.1 or
-# 4 times the true radius changes a force by 0.2 %. On a curved body, R depends on log a only while
-# a is small compared with the surface's radius, as the radii of wide patches are not.
+# Assumed ratio of the contact radius to the element's edge while the radius is unknown. R hardly
+# depends on it: 0.1 or 4 times the true radius changes a force by 0.2 %. On a curved body, R
+# depends on log a only while a is small compared with the surface's radius; wide patches are not.
 _WITHIN_EDGE = 0.15
 
-# If a patch does not fit on the surface: largest ratio of successive radii; next radius over the
-# distance at which the surface ends; smallest radius over the element's edge, below which the force
-# acts as at a point.
+# If a patch does not fit on the surface: `_SMALLER`: largest ratio of successive radii. `_WITHIN`:
+# ratio of the next radius to the distance at which the surface ends. `_LEAST_PATCH`: smallest ratio
+# of the radius to the element's edge; below it a point force is used.
 _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 
 # Warn if abs(resultant - 1) or couple/size exceeds this; also the largest sin² of the angle between
@@ -89,13 +89,13 @@ _NEARLY = 1e-3
 # shifts at once were found to be less efficient per solve.
 SHIFT_TIMES_DURATION = 10.0
 
-# Largest thickness over width of solid elements that count as a sheet, with a margin for rounding.
+# Largest ratio of thickness to width of solid elements of a sheet, with a margin for rounding.
 _FLAT = 0.1 * (1.0 + 1e-6)
 
 # Range of abs(b) for which bᵀKb and bᵀMb neither overflow nor underflow.
 _SMALLEST, _LARGEST = 1e-50, 1e50
 
-# Largest share of a translation's energy outside the rigid modes that is rounding: amplitude 1e-6.
+# Largest share of a translation's energy outside the rigid modes that counts as rounding.
 _OF_ANOTHER_MOTION = 1e-12
 
 
@@ -255,7 +255,7 @@ class ContactPoint(Frozen):
         alike = self.body.mesh is body.mesh
         with held_warnings():  # the same warnings were given for the point before
             if alike and self.patch is None and self.on_surface:
-                # A patch is taken: under a point force, added functions yield without bound.
+                # Use a patch: under a point force the added functions' compliance is unbounded.
                 return body.functional(self.body.contact(point=point).along(np.array(along)))
             if alike or point is None or along is None or self.node is not None:
                 return body.functional(self.b)
@@ -266,7 +266,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def functionals(self) -> tuple[ContactPoint, ...]:
-        """The contact point itself and, if there are tangents, one contact point along each.
+        """Return the contact point itself and, if there are tangents, one along each tangent.
 
         :meta private:
         """
@@ -340,7 +340,7 @@ class ContactPoint(Frozen):
         """Local compliance of the mesh, to be replaced by the half-space of a contact law.
 
         Requires two linear solutions, for the contact and for the body beyond the half-space. None
-        for a body without a mesh, and on a sharp edge. The compliance hardly depends on the
+        duration of the contact; as the duration is not known here, `own_contact_time` is used.
         duration of the contact; as this is not known here, `own_contact_time` is used.
 
         Raises
@@ -405,7 +405,7 @@ class ContactPoint(Frozen):
         normal: Any = touched(surface, point, None, 0.0).normal
         found = extracted(self, normal, self.width, solver, moved)
         if self.patch is not None and not self.automatic and found.removed < 0.0:
-            raise InputError(  # a negative compliance is more than errors of the mesh explain
+            raise InputError(  # errors of the mesh do not explain a negative compliance
                 f"radius={self.patch.radius:g}: the patch is so wide that the body yields less to "
                 "its mean displacement than under the contact; give a smaller radius, or leave it "
                 "out"
@@ -422,7 +422,7 @@ class ContactPoint(Frozen):
         contact_radius : float
             Contact radius at the largest force, m.
         solver : LinearSolver
-            Solver of K + s²M, with s about 10 over the duration of the contact.
+            Solver of K + s²M, with s about 10 divided by the duration of the contact.
         moved : ndarray, shape (1 or 3, n_dofs), optional
             Known responses to unit forces along the direction and the tangents, m/N.
 
@@ -574,10 +574,10 @@ class ContactPoint(Frozen):
 
 
 def own_contact_time(tip: ContactPoint) -> float:
-    """Estimate of the contact time, s: half a period of the body's mass on its contact stiffness.
+    """Return an estimate of the contact time, s: half a period of mass and contact stiffness.
 
     The stiffness is r E*/0.6 of a half-space under Hertz's pressure or, without a mesh, that of K
-    for a displacement of the contact's nodes alone. The time is infinite if this stiffness is zero.
+    for a displacement of the contact's nodes alone. The time is infinite if it is zero.
     """
     if tip.on_surface:
         assert tip.material is not None
@@ -593,7 +593,7 @@ def own_contact_time(tip: ContactPoint) -> float:
 
 
 def quadratic(A: Any, b: FloatArray) -> float:
-    """bᵀAb for a vector b with few nonzero entries."""
+    """Return bᵀAb for a vector b with few nonzero entries."""
     there = np.flatnonzero(b)
     return float(b[there] @ (A[there] @ b))
 
@@ -748,9 +748,9 @@ def _with_room(
 
 
 def _on_beam(body: FEModel, point: FloatArray, along: FloatArray | None) -> Touch:
-    """Return the touch of a point on the axis of a beam element.
+    """Return the unit contact force (`Touch`) at a point on the axis of a beam element.
 
-    Without a given direction, a point beside the axis is touched towards the axis.
+    Without a given direction, the force at a point beside the axis acts towards the axis.
     """
     mesh: Any = body.mesh
     given, point = point, to_nodes(body, point)
@@ -799,7 +799,7 @@ def _at_dof(body: FEModel, dof: int) -> ContactPoint:
 
 
 def _of_functional(body: FEModel, b: Any) -> ContactPoint:
-    """Return the contact point of a functional b, with direction and position if it has any."""
+    """Return the contact point of a functional b, with direction and position if they exist."""
     values = finite_array("b", b, shape=(None,)).copy()
     size = float(np.abs(values).max(initial=0.0))
     if len(values) != body.n_dofs:

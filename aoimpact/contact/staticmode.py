@@ -21,7 +21,7 @@ from .point import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadrat
 # to the ground that are detected (1e-9 of the diagonal of K), r is accurate to about 1e-16/1e-9.
 _MOVED = 1e-7
 
-# Rounding of a null space: tolerance for entries of a motion that should be 0 or 1.
+# Tolerance for entries of a rigid motion that should be 0 or 1: rounding of a null space.
 _AS_ONE = 1e-6
 
 
@@ -89,8 +89,8 @@ def moves_rigidly(tip: ContactPoint) -> bool:
 def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatArray, float, bool]:
     """Return the functional of the centre of mass, the body's mass, kg, and whether both are exact.
 
-    Without nodes, the mean weighted by the static mode and its mass replace them. These are exact
-    if the mode is a translation, with all entries 0 or 1.
+    Without nodes, the mean displacement weighted with the static mode, and the mode's mass, are
+    returned instead. Both are exact if the mode is a translation, with all entries 0 or 1.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatAr
 def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
     """Refuse contact points whose force excites a mechanism of the body.
 
-    A mechanism that these forces do not excite is accepted, as it does not contribute.
+    A mechanism that none of the forces excites is accepted, as it does not contribute.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
 def fitted_shifts(
     tips: Sequence[ContactPoint], contact_time: float | None, duration: float | None
 ) -> list[float]:
-    """Return the shifts, rad/s, for the contact time and, if slower, for the duration of a run.
+    """Return the shifts, rad/s, for the contact time and, if longer, for the duration of a run.
 
     Without a contact time, the shortest estimate among the contact points is taken.
     """
@@ -157,7 +157,7 @@ def fitted_shifts(
 
 
 def slow_shift(tip: ContactPoint, duration: float) -> float:
-    """Return the shift, rad/s, for motion of a duration, s; nearly static for infinity."""
+    """Return the shift, rad/s, for motion that lasts `duration`, s; nearly 0 if infinite."""
     wanted = SHIFT_TIMES_DURATION / positive("duration", duration, unit="s", infinite=True)
     return max(wanted, math.sqrt(near_static(tip.body)))
 
@@ -165,7 +165,7 @@ def slow_shift(tip: ContactPoint, duration: float) -> float:
 def shortest_contact_time(tip: ContactPoint) -> float:
     """Return the shortest contact time that the mesh resolves, s.
 
-    It corresponds to waves as long as an element; 0 if bᵀKb = 0, without waves.
+    Waves of this period are about as long as an element. The time is 0 if bᵀKb = 0.
     """
     highest = highest_shift(tip)
     return SHIFT_TIMES_DURATION / highest if highest > 0.0 else 0.0
@@ -179,7 +179,7 @@ def highest_shift(tip: ContactPoint) -> float:
 
 
 def refuse_massless(tips: Sequence[ContactPoint]) -> None:
-    """Refuse contact on massless dofs, as modes of a truncated model lack their compliance.
+    """Refuse contact on massless dofs, whose compliance modes of a truncated model lack.
 
     Raises
     ------

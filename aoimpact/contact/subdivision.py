@@ -20,14 +20,14 @@ from ..mesh import Block, ReferenceElement, cofactors
 # Points per direction of the product rules: exact to degree 5 on triangles, 3 on tetrahedra.
 _ON_SIDE, _IN_CELL = 3, 2
 
-# Largest size of triangles and of tetrahedra over their distance from the point, or over _FLOOR
-# radii a if that is larger. Triangles closer than _NEAR radii are finer by the factor _FINER, as
-# the pressure itself is integrated there. Halving cells changes R by less than 2e-4/(E* a), and a
-# force by 0.02 %.
+# `_SIDES`, `_CELLS`: largest ratio of the size of triangles and tetrahedra to their distance from
+# the point, or to _FLOOR radii a if that is larger. Triangles closer than _NEAR radii are finer by
+# the factor _FINER, as the pressure itself is integrated there. Halving cells changes R by less
+# than 2e-4/(E* a), and a force by 0.02 %.
 _SIDES, _CELLS, _FLOOR = 1.0, 2.4, 0.6
 _NEAR, _FINER = 3.0, 0.3
 
-# Largest number of splits, each of which halves the size; required for corners at the point itself.
+# Largest number of halvings: the limit for triangles and tetrahedra with a corner at the point.
 _MOST_OF_SIDE, _MOST_OF_CELL = 14, 3
 
 # Number of quadrature points per batch, which fits into the caches.
@@ -36,7 +36,7 @@ _AT_ONCE = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Quadrature points on n pieces of faces or cells of a block, q for each piece.
+    """Quadrature points on n pieces of faces or cells of a block, q on each piece.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ def _towards(
 
 
 def _evaluated(element: ReferenceElement, vertices: FloatArray, shares: FloatArray) -> ArrayPair:
-    """Shape functions and gradients at barycentric points; equal simplices are evaluated once."""
+    """Return shape functions and gradients at barycentric points, once for equal simplices."""
     flat, place = np.unique(vertices.reshape(len(vertices), -1), axis=0, return_inverse=True)
     different = flat.reshape(-1, *vertices.shape[1:])
     shape, gradient = element.evaluate((shares @ different).reshape(-1, 3))
@@ -167,7 +167,7 @@ def _points(
 
 @cache
 def _simplex_rule(d: int) -> ArrayPair:
-    """Barycentric points (q, d + 1) and weights of Gauss–Jacobi product rules (Stroud, 1971).
+    """Return barycentric points (q, d + 1) and weights of Gauss–Jacobi rules (Stroud, 1971).
 
     The map x₁ = r₁, x₂ = r₂ (1 - r₁), … has the Jacobian (1 - r₁)^(d-1) (1 - r₂)^(d-2) …
     """
@@ -183,7 +183,7 @@ def _simplex_rule(d: int) -> ArrayPair:
 
 
 def _children(d: int, inside: list[list[tuple[int, int]]]) -> FloatArray:
-    """Barycentric coordinates of the vertices of a split simplex's parts.
+    """Return the barycentric coordinates of the vertices of a split simplex's parts.
 
     The parts are one at each vertex and those `inside`. All vertices are midpoints of two vertices
     of the simplex, given as pairs.
@@ -193,16 +193,16 @@ def _children(d: int, inside: list[list[tuple[int, int]]]) -> FloatArray:
     return np.array([[0.5 * (unit[i] + unit[j]) for i, j in piece] for piece in pieces])
 
 
-# A triangle is split into four. A tetrahedron is split into four corners, and the octahedron that
-# remains into four along the diagonal from edge 02 to edge 13 (J. Bey, Computing 55, 355, 1995),
-# which these edges surround in order.
+# A triangle is split into four. A tetrahedron is split into four corners and an octahedron. The
+# octahedron is split into four along its diagonal from edge 02 to edge 13 (J. Bey, Computing 55,
+# 355, 1995). `_AROUND`: edges around this diagonal, in order.
 _AROUND = [(0, 1), (0, 3), (2, 3), (1, 2), (0, 1)]
 _CHILDREN = {
     3: _children(2, [[(0, 1), (1, 2), (0, 2)]]),
     4: _children(3, [sorted([*edges, (0, 2), (1, 3)]) for edges in pairwise(_AROUND)]),
 }
 
-# Division of cells into tetrahedra, by number of corners; a brick's six share the diagonal 0 6.
+# Division of cells into tetrahedra, by number of corners; those of a brick share its diagonal 0 6.
 _BRICK = (1, 2, 3, 7, 4, 5, 1)
 _TETRAHEDRA = {
     4: ((0, 1, 2, 3),),

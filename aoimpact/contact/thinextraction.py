@@ -32,13 +32,13 @@ from .layer import (
 )
 from .touch import touched
 
-# Frequency at which c is evaluated, s = 0.87/T, over 10/T. If c varies as ln s, the equation of
-# motion shows that the peak force depends on c at 0.87/T under Hertz's law, and at 0.62/T for a
-# half-sine force. On thin sheets, whose force is that of a dashpot, the peak comes about three
-# times sooner.
+# Ratio of the frequency at which c is evaluated, s = 0.87/T, to 10/T. If c varies as ln s, the
+# equation of motion shows that the peak force depends on c at 0.87/T under Hertz's law, and at
+# 0.62/T for a half-sine force. On thin sheets, whose force is that of a dashpot, the peak comes
+# about three times sooner.
 _SLOW = 0.087
 
-# Largest c E* √A of full sections. At the depth of the axis, √A/2, the displacement of a half-space
+# Largest c E* √A of full sections of area A. At the axis, √A/2 deep, the field of a half-space
 # gives (1 + ν)(3 - 2ν)/(π (1 - ν²)) = 1.1 (K. L. Johnson, Contact Mechanics, 1985, eq. 3.17).
 # Infinite square prisms have 1.3 to 1.5. Forces of balls of 5 and 10 mm on solids of 10 x 10,
 # 20 x 6 and 6 x 20 mm agree with those on beams with 0.9 to 2.0.
@@ -47,9 +47,9 @@ _OF_SECTION = 2.0
 # Relative precision of the radius of a patch; c compensates for the deviation.
 _NEARLY = 1e-2
 
-# Contact at an edge: radius of the mesh in element edges (with 4 edges, forces change by less than
-# 0.5 %), and largest number of halvings of the mesh before the last one. Finer meshes are
-# extrapolated by the logarithm of the elements' size.
+# Contact at an edge. `_ABOUT`: radius of the mesh in element edges (with 4 edges, forces change by
+# less than 0.5 %). `_MOST`: largest number of halvings of the mesh before the last one. Finer
+# meshes are extrapolated by the logarithm of the elements' size.
 _ABOUT, _MOST = 2.0, 3
 
 
@@ -98,7 +98,7 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
     radius : float
         Contact radius a, m.
     s : float
-        Frequency (Laplace variable), 10 over the contact duration, rad/s.
+        Frequency (Laplace variable), 10/T for the contact duration T, rad/s.
     """
     body, point, normal, mesh = tip.body, tip.point, tip.normal, tip.body.mesh
     t = layers.total_thickness
@@ -106,7 +106,7 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
     cosine = float(tip.direction @ normal)
     pressed = _pressed(body.surface, tip)
     whole = np.abs(body.on_dofs(pressed) - tip.b / cosine).max() <= ROUNDING
-    # If supports carry a part of the force, b replaces it. Added shape functions are left out.
+    # If supports carry a part of the force, use b, which lacks it. Leave out added shape functions.
     forces = (pressed if whole else tip.forces / cosine)[:, : mesh.n_nodes]
     shares, couples = forces[0] @ normal, forces[1]
     loaded = shares != 0.0
@@ -139,7 +139,7 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
         found -= of_layers + excess
         joints = rigid_ends(mesh.nodes, [(of.cells, of.of) for of in about])
         if whole and any(len(strips) for _, strips, _ in joints):
-            # Excess of the mesh over a fine one where plates meet, without that of the skin alone.
+            # Excess of the mesh over a fine one at joints of plates, minus that of the skin alone.
             alone = _halved(tip, numbers[level[numbers]], slow, halvings)
             yields = _halved(tip, numbers, slow, halvings) - alone
             unsure = abs(yields[-1] - yields[-2])
@@ -156,7 +156,7 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
 
 
 def _pressed(surface: Surface, tip: Any) -> FloatArray:
-    """Nodal forces and couples, m, of a unit force along the normal, shape (2, n_nodes, 3)."""
+    """Return nodal forces and couples, m, of a unit normal force, shape (2, n_nodes, 3)."""
     radius = 0.0 if tip.patch is None else tip.patch.radius
     return touched(surface, tip.point, tip.normal, radius).forces
 

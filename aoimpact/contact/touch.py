@@ -25,30 +25,32 @@ from ..fem import (
 )
 from ..mesh import Mesh, Place, Surface, nearest_line, plane_of
 
-# Largest distance of a given point from the surface over the size of the face there, and the
-# distance above which a warning follows. Linear elements deviate about as much from a round body.
+# `_OFF_SURFACE`: largest ratio of a given point's distance from the surface to the size of the face
+# there. `_SAID`: ratio above which a warning is given. Linear elements deviate about as much from a
+# round body.
 _OFF_SURFACE, _SAID = 0.1, 0.02
 
-# Smallest |cosine| between a direction that presses on a surface and the normal: 6° off tangential.
+# Smallest |cosine| between a surface's normal and a direction that presses on it: 84°.
 _TANGENT = 0.1
 
 # Relative rounding of the distance between the face of a shell and its nodes.
 _FACE = 1e-6
 
 
-# Quadrature over the disc: numbers of rings and of points per ring, exact for polynomials of degree
-# 47. Kinks of the shape functions between faces limit its accuracy; see tests/fem/test_patch.py.
+# Quadrature over the disc: `_RINGS` rings of `_AROUND` points, exact for polynomials of degree 47.
+# Kinks of the shape functions between faces limit its accuracy; see tests/fem/test_patch.py.
 _RINGS, _AROUND = 24, 64
 
-# Rotation of each ring against the previous one over the angle between points, so that no two rings
-# are aligned alike with the edges of the faces.
+# Rotation of each ring relative to the previous ring, as a fraction of the angle between points, so
+# that no two rings are aligned alike with the edges of the faces.
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
-# Smallest cosine between normals on the patch and at its middle: beyond 45° a surface is no plane.
+# Smallest cosine between normals on the patch and at its middle: a turn by 45°.
 _STEEPEST = math.sqrt(0.5)
 
-# Iteration for the mean normal over the patch: tolerance of its change, rad; the same if changes no
-# longer shrink, as a point of the disc may lie on an edge between faces; largest number of steps.
+# Iteration for the mean normal over the patch. `_SETTLED`: tolerance of its change, rad.
+# `_ON_AN_EDGE`: tolerance if changes no longer shrink, as a point of the disc may lie on an edge
+# between faces. `_TURNS`: largest number of steps.
 _SETTLED, _ON_AN_EDGE, _TURNS = 1e-6, 1e-4, 12
 
 
@@ -140,14 +142,14 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
 
 
 def _weights(surface: Surface, face: IntArray, uv: FloatArray, share: FloatArray) -> FloatArray:
-    """Nodal shares of a force, (n_nodes,), from its shares at points of faces."""
+    """Return the nodal shares of a force, (n_nodes,), from its shares at points of faces."""
     weights = np.zeros(surface.mesh.n_nodes)
     np.add.at(weights, surface.nodes[face], share[:, None] * surface.shape(face, uv))
     return weights
 
 
 def _disc_rule(radius: float) -> ArrayPair:
-    """Quadrature points of the disc, shape (n, 2), and their shares of the force, shape (n,).
+    """Return quadrature points of the disc, (n, 2), and their shares of the force, (n,).
 
     The rule is Gauss–Jacobi in ρ²/r², with the weight √(1 - ρ²/r²), and equidistant in the angle.
     """
@@ -349,7 +351,7 @@ def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
     reach = 2.0 * surface.mesh.size
     found = [
         float(surface.pierced(point[None], axis, reach=reach, outward=False).distance[0])
-        for axis in (along, -along)  # one of them only finds the touched face, at distance 0
+        for axis in (along, -along)  # one of the two finds only the touched face, at distance 0
     ]
     return max((d for d in found if 0.0 < d < np.inf), default=np.inf)
 

@@ -2,8 +2,8 @@
 
 To add a law, write its class in a file of this folder and import it here: scene files and the tests
 common to all laws read `LAWS`. Laws know no bodies; `effective_law` removes the compliance of the
-bodies' meshes from a law, for `scene`. `integrate` hands laws to the core; `fem` and `reduction`
-know none.
+common to all laws read `LAWS`. Laws know no bodies; `effective_law` removes the compliance of the
+bodies' meshes, for `scene`. `integrate` hands laws to the core; `fem` and `reduction` use none.
 """
 
 from .curvature import RoundContact, round_contact
@@ -25,7 +25,7 @@ from .plastic import ElasticPlastic, Thornton, YangSun, yield_force, yield_press
 from .surfaces import LawFromSurfaces, law_between
 from .viscous import HuntCrossley, KelvinVoigt, KuwabaraKono, Tsuji
 
-# Laws by class name, but for the base classes and `PatchLaw`, which is made from another law.
+# Laws by class name, except the base classes and `PatchLaw`, which is made from another law.
 LAWS: dict[str, type[ContactLaw]] = {
     name: law
     for name, law in globals().items()

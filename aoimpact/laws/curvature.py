@@ -41,7 +41,7 @@ def contact_modulus(material_1: Material, material_2: Material) -> float:
 
 def _curvature(name: str, radius: Any) -> float:
     number = real(name, radius, unit="m", infinite=True)
-    if abs(number) < sys.float_info.min:  # whose curvature overflows
+    if abs(number) < sys.float_info.min:  # its curvature would overflow
         raise InputError(
             f"{name} must not be {number:g} m; math.inf is flat, a negative radius is hollow"
         )
@@ -94,7 +94,7 @@ def elliptic_contact(modulus: float, low: float, high: float) -> tuple[float, fl
 
     With m = 1 - (b/a)² of the ellipse, complete elliptic integrals K and E of m, and D = (K - E)/m,
     m follows from B/A = (K - D) / ((1-m) D), and k² = (2π E*)² D / (9 K³ A): Johnson's eqs. (4.25)
-    to (4.27) with F for p₀. For A = B, k = 4/3 E* √R.
+    to (4.27) with the force F in place of p₀. For A = B, k = 4/3 E* √R.
 
     Parameters
     ----------
@@ -146,9 +146,9 @@ class RoundContact(NamedTuple):
 
     @property
     def narrowing(self) -> float:
-        """√(a b) of an elliptic contact over the radius of a circle of the same force and approach.
+        """Ratio of √(a b) of an elliptic contact to the radius of a circle of equal F and δ.
 
-        The semi-axes are a = 2 K(e)/π times that radius (Johnson, eq. 4.26), and b = a √(1 - e²).
+        The semi-axes are a = 2 K(e)/π circle radii (Johnson, eq. 4.26), and b = a √(1 - e²).
         """
         square = self.eccentricity**2
         wider = float(scipy.special.ellipk(square)) / (0.5 * math.pi)
@@ -168,8 +168,8 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
     law : ContactLaw
         Law between the bodies.
     materials : sequence of Material or None
-        Materials of the deformable bodies, None if unknown: a law without R gets it from k and
-        these.
+        Materials of the deformable bodies, None if unknown. If the law has no R, it follows from k
+        and these materials.
     """
     if not isinstance(law, HertzianLaw) or getattr(law, "n", law.power) != law.power:
         return None
@@ -179,6 +179,6 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
         if not materials or None in materials:
             return None
         root = 0.75 * k * math.fsum(1.0 / of.plane_strain_modulus for of in materials if of)
-        radius = root * root  # ** raises where this overflows
+        radius = root * root  # ** would raise OverflowError
     modulus = 0.75 * k / math.sqrt(radius)
     return RoundContact(k, modulus, radius, getattr(law, "eccentricity", 0.0))

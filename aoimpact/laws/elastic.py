@@ -84,7 +84,7 @@ class Hertz(HertzianLaw, kind="hertz"):
             half_space("material_1", material_1), half_space("material_2", material_2)
         )
         k, eccentricity = elliptic_contact(modulus, *relative_curvatures(radius_1, radius_2, angle))
-        radius = (0.75 * k / modulus) ** 2  # of the spheres with the same law
+        radius = (0.75 * k / modulus) ** 2  # radius of spheres with the same law
         return cls(k, relative_radius=radius, eccentricity=eccentricity)
 
 

@@ -91,7 +91,7 @@ class Tabulated(ContactLaw, kind="table"):
     def _table(self) -> FloatArray:
         """The core's table, shape (4, n): indentations, forces, slopes, energies."""
         depth, push = np.array(self.indentation), np.array(self.force_values)
-        with np.errstate(all="ignore"):  # of extreme slopes, which are refused
+        with np.errstate(all="ignore"):  # extreme slopes overflow and are refused
             try:
                 through = scipy.interpolate.PchipInterpolator(depth, push)
             except ValueError:  # slopes overflow
@@ -108,7 +108,7 @@ _SIGNATURE = "double (double, double)"
 
 @dataclass(frozen=True)
 class UserLaw(ContactLaw, kind="user", by_caller=True):
-    """A law F = f(δ, δ̇) by functions of the user.
+    """A law F = f(δ, δ̇) given by functions of the user.
 
     All functions take indentation, m, which is positive, and rate, m/s, and return a number. They
     are either all Python functions, called one state at a time; or all C functions,

@@ -74,12 +74,12 @@ class Dent(NamedTuple):
     diameter: float
 
 
-# Residual over deepest indentation up to which it is rounding.
+# Ratio of residual to deepest indentation up to which the residual indentation is rounding.
 _NO_DENT = 1e-12
 
-# Largest c dF/dδ at which a law without the compliance c is used, as in csrc/law/law.c. What is
-# left is twenty times as stiff as the law; between two equal bodies the contact has 0.8 of the
-# patch's radius.
+# Largest c dF/dδ at which the compliance c is removed from a law, as in csrc/law/law.c. The
+# remaining law is then twenty times as stiff; between two equal bodies, the contact radius is then
+# 0.8 of the patch's radius.
 MOST_SHARE = 0.95
 
 # Eccentricity e up to which summaries omit it: √(a b) differs from a circle's radius by about e⁴.
@@ -88,7 +88,7 @@ _ROUND = 0.1
 # Symbols of some parameters in summaries.
 _SYMBOLS = {"relative_radius": "R", "yield_force": "F_y"}
 
-# Points per decade, and indentations, m, between which c dF/dδ = MOST_SHARE is searched.
+# Points per decade in _INDENTATIONS, m, among which c dF/dδ = MOST_SHARE is searched.
 _DECADE = 40
 _INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
@@ -126,7 +126,7 @@ class ContactLaw:
     """The force between two bodies as a function of indentation, its rate, and its history.
 
     Every law is a frozen dataclass; its formulas are in the core (csrc/law). The field `k` is
-    positive, and others have `parameter` metadata. The numbers that are not keyword-only are the
+    positive; other fields have `parameter` metadata. The numbers that are not keyword-only are the
     parameters of the law's row in csrc/law. Keywords of the class statement give the name of that
     row, `kind`, and other class attributes.
 
@@ -249,7 +249,7 @@ class ContactLaw:
     def force(
         self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0, *, along: bool = False
     ) -> Any:
-        """Return the contact force; of a law with memory that of loading.
+        """Return the contact force; for a law with memory, that of loading.
 
         Parameters
         ----------
@@ -309,7 +309,7 @@ class ContactLaw:
         return energy if energy.ndim else float(energy)
 
     def within_patch(self, compliance: float) -> PatchLaw:
-        """Return the law with a compliance removed that the bodies' models contain already.
+        """Return the law without a compliance that the bodies' models already contain.
 
         With c removed, F = law(δ + c F).
 
@@ -463,7 +463,7 @@ class ContactLaw:
         return math.sqrt(self.relative_radius * indentation)
 
     def rigid_restitution(self, mass: float, velocity: float) -> float:
-        """Return the restitution of a rigid pair of that reduced mass, kg, at a velocity, m/s.
+        """Return the restitution of a rigid pair of reduced mass `mass`, kg, at a velocity, m/s.
 
         See `restitution`.
 
@@ -501,7 +501,7 @@ class ContactLaw:
         return min(delivered, 1.0)
 
     def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
-        """Return e as a function of a damping number, and this over the parameter `damped_by`."""
+        """Return e as a function of a damping number, and the ratio of this to `damped_by`."""
         raise NotImplementedError
 
     def _delivering(
@@ -645,7 +645,7 @@ def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
 
 
 def own_law(law: ContactLaw) -> ContactLaw:
-    """Return the law that the caller gave."""
+    """Return the law that the caller gave, without the removal of a compliance."""
     return law.law if isinstance(law, PatchLaw) else law
 
 

@@ -14,10 +14,10 @@ from .curvature import contact_modulus
 from .elastic import Hertz
 from .law import HertzianLaw, parameter
 
-# Hardness over yield strength of a metal that no longer hardens (Tabor).
+# Ratio of hardness to yield strength of a metal that no longer strain-hardens (Tabor).
 _CONSTRAINT = 2.8
 
-# Least β of Tan and Sun's law: a dent below that share of the indentation is rounding.
+# Least β of Tan and Sun's law: a dent shallower than this share of the indentation is rounding.
 _LEAST_SHARE = 1e-12
 
 
@@ -86,7 +86,7 @@ class _Yielding(HertzianLaw, has_memory=True):
         return self.yield_indentation
 
     def yield_velocity(self, mass: float) -> float:
-        """Return the velocity, m/s, up to which a rigid pair of that reduced mass, kg, is elastic.
+        """Return the velocity, m/s, up to which a rigid pair of reduced mass, kg, is elastic.
 
         m V_y²/2 = 2/5 k δ_y^(5/2).
 
@@ -118,13 +118,13 @@ class Thornton(_Yielding, kind="thornton"):
 
     C. Thornton, J. Appl. Mech. 64 (1997) 383-386.
 
-    F = k δ^(3/2) up to the yield force F_y at δ_y; then F = F_y + 3/2 k √δ_y (δ - δ_y); unloading
-    and reloading from the deepest point δ*, F* as Hertz on the flattened radius,
-    F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2) with δ* - δ_p = F* / (k √δ*).
+    F = k δ^(3/2) up to the yield force F_y at δ_y; then F = F_y + 3/2 k √δ_y (δ - δ_y). Unloading
+    and reloading from the deepest point δ*, F* follow Hertz's law with the flattened radius, F = F*
+    ((δ - δ_p) / (δ* - δ_p))^(3/2) with δ* - δ_p = F* / (k √δ*).
 
-    The law is for indentations of a few times δ_y. Its line has the slope π R p_y, but a fully
-    plastic contact 2 π R p₀ with the hardness p₀ ≈ 2.8 σ_y: the force measured on spheres pressed
-    together by 0.1 to 0.3 mm in a Hopkinson bar was 3.4 to 4.6 times that of the law with
+    The law is for indentations of a few times δ_y. Its line has the slope π R p_y, whereas a fully
+    plastic contact has 2 π R p₀ with the hardness p₀ ≈ 2.8 σ_y: the force measured on spheres
+    pressed together by 0.1 to 0.3 mm in a Hopkinson bar was 3.4 to 4.6 times that of the law with
     p_y = 1.6 σ_y. Take `ElasticPlastic` there.
 
     Parameters
@@ -166,7 +166,7 @@ class Thornton(_Yielding, kind="thornton"):
             Radius of the surface, m; ``math.inf`` means flat, a negative radius hollow.
         yield_pressure : float
             Largest pressure at yield p_y, Pa: yield begins at 1.6 times the yield stress of the
-            softer body (Johnson, *Contact Mechanics*, section 6.1); with more the law yields late.
+            softer body (Johnson, *Contact Mechanics*, section 6.1); with more, it yields late.
 
         Examples
         --------
@@ -189,13 +189,13 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     hardness p₀, on the line F = π p₀ R (2 δ - δ_f); between them Hermite's cubic, so that force and
     slope are continuous. With s = 2 π R p₀, δ_f = (s/(2 k))².
 
-    Unloading and reloading from the deepest point δ*, F* as Hertz on the flattened radius,
-    F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2). The residual indentation is that of I. Etsion,
+    Unloading and reloading from the deepest point δ*, F* follow Hertz's law with the flattened
+    radius, F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2). The residual indentation is that of I. Etsion,
     Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729, found by finite elements:
-    δ_p = δ* (1 - w^(-0.28)) (1 - w^(-0.69)), w = δ*/δ_y. From about 1.6 δ_f on, where both have the
-    same slope, the recovery δ* - δ_p goes as √F*, as that of a flattened sphere does whose contact
-    is F* = π p₀ a² (K. L. Johnson, *Contact Mechanics*, section 11.5), so that far past yield the
-    restitution goes as V^(-1/4). If the hardness is less than 1.7 times the yield pressure, the
+    δ_p = δ* (1 - w^(-0.28)) (1 - w^(-0.69)), w = δ*/δ_y. From about 1.6 δ_f on, where both formulas
+    have equal slopes, the recovery δ* - δ_p goes as √F*, like that of a flattened sphere with F* =
+    π p₀ a² (K. L. Johnson, *Contact Mechanics*, section 11.5); far past yield, the restitution thus
+    goes as V^(-1/4). If the hardness is less than 1.7 times the yield pressure, the
     restitution rises by up to 0.007 just before δ_f; with Tabor's hardness it only falls.
 
     The papers were not at hand: the forms and the powers 0.28 and 0.69 are as they are commonly

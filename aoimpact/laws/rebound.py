@@ -1,7 +1,7 @@
 """Restitution e of a rigid mass on a damped contact law: closed forms, else by integration.
 
-A mass m moves by m δ'' = -F(δ, δ') from δ = 0 at the speed V until the force ends; e is its speed
-then over V.
+A mass m moves according to m δ'' = -F(δ, δ') from δ = 0 at the speed V until the force ends; e is
+the ratio of its speed then to V.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import scipy
 
 from ..base import FloatArray
 
-_RTOL = 3e-14  # the tightest that the integrator takes
+_RTOL = 3e-14  # smallest relative tolerance that the integrator accepts
 _SMALL = 0.1  # |x| up to which x - log(1+x) is summed as a series
 
 
@@ -80,7 +80,7 @@ def kuwabara_kono_restitution(lag: float) -> float:
 def integrated_restitution(
     force: Callable[[float, float], float], mass: float, velocity: float, stroke: float
 ) -> float:
-    """Return e of m δ'' = -F(δ, δ') by integration, for any force that is 0 after its end.
+    """Return e of m δ'' = -F(δ, δ') by integration, for any force that stays 0 after the contact.
 
     `stroke`, m: approximate largest indentation.
     """

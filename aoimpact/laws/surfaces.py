@@ -15,7 +15,7 @@ from .elastic import Hertz
 # Directions of travel within 5° are one direction in one frame.
 _ONE_FRAME = math.cos(math.radians(5.0))
 
-# Relative change of k, by turning one surface against the other, up to which any angle is taken.
+# Largest relative change of k with the angle between the surfaces for which any angle is taken.
 _NO_MATTER = 0.01
 
 _CURE = "give law="
@@ -117,7 +117,7 @@ def _hertz(one: ContactSurface, two: ContactSurface, angle: float, shift: float 
     """Return Hertz's law with `shift`, 1/m, added to the curvatures of one surface."""
     radii = np.array(one.radii)
     if shift:
-        with np.errstate(divide="ignore"):  # flat
+        with np.errstate(divide="ignore"):  # a flat surface has an infinite radius
             radii = 1.0 / (1.0 / radii + shift)
     return Hertz.between(one.material, radii.tolist(), two.material, two.radii, angle=angle)
 

@@ -1,7 +1,7 @@
 """Linear algebra of K and K + s²M: linear solvers behind one interface, and eigenpairs.
 
-`method.Method` describes the cost and abilities of a solver; solvers.py chooses among them. This
-folder knows matrices and the coordinates of their rows, but no bodies.
+`method.Method` describes the cost and capabilities of a method; solvers.py chooses among the
+methods. This folder knows matrices and the coordinates of their rows, but no bodies.
 """
 
 from .blocks import ENTRIES_AT_ONCE

@@ -13,29 +13,29 @@ from ..base import FloatArray, IntArray, at_once, sp
 
 Part = tuple[int, int]
 
-# Length of the core's work space over n (size + 1): AOI_BLOCKS_WORK of csrc/multigrid/multigrid.h.
+# Core's work space divided by n (size + 1): AOI_BLOCKS_WORK of csrc/multigrid/multigrid.h.
 _WORK = 3
 
-# Minimum dofs of a part, and maximum number of parts. Each cut stores a layer of elements twice:
-# four parts of a plate of 268 000 dofs store 2 % more, those of a cube 5 %. Handing a part to a
-# thread takes 20 µs, the product of such a part 1 to 2 ms.
+# `_LEAST`: minimum dofs of a part. `_MOST_PARTS`: maximum number of parts. Each cut stores a layer
+# of elements twice: four parts of a plate of 268 000 dofs store 2 % more, those of a cube 5 %.
+# Handing a part to a thread takes 20 µs, the product of such a part 1 to 2 ms.
 _LEAST, _MOST_PARTS = 30_000, 4
 
-# Matrix entries processed in one pass: 2 MB, which the caches hold. With 2**22, removing the
+# Matrix entries processed in one pass: 2 MB, which fit into the caches. With 2**22, removing the
 # supported dofs of a block of 493 000 dofs takes 1.4 s instead of 1.0 s, and forming K + s²M 2.8 s
 # instead of 2.5 s.
 ENTRIES_AT_ONCE = 2**18
 
 
-# Maximum number of parts of a product by rows, and minimum entries of a part: its product takes
-# 1 ms, handing it to a thread 20 µs.
+# Products by rows. `_MOST_SHARES`: maximum number of parts. `_LEAST_ENTRIES`: minimum entries of a
+# part, whose product takes 1 ms; handing it to a thread takes 20 µs.
 _MOST_SHARES, _LEAST_ENTRIES = 4, 1_000_000
 
 
 class Blocks:
     """A symmetric matrix in blocks; within each part one triangle is stored, and read once.
 
-    Every product that runs at the same time as others needs work space of its own.
+    Products that run at the same time each need their own work space.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Blocks:
         row = np.repeat(np.arange(n), np.diff(A.indptr))
         inside = part[row] == part[A.indices]
         kept = np.flatnonzero(~inside | (A.indices >= row))
-        if part.any():  # by rows in their order; in each row, blocks of other parts come first
+        if part.any():  # rows in order; in each row, blocks of other parts come first
             kept = kept[np.lexsort((inside[kept], place[row[kept]]))]
         starts = np.zeros(n + 1, dtype=np.int32)
         np.cumsum(np.bincount(place[row[kept]], minlength=n), out=starts[1:])
@@ -91,7 +91,7 @@ class Blocks:
 def in_stages(
     count: int, parts: list[Part], function: Callable[..., None], matrix: Any, *rest: Any
 ) -> None:
-    """Call the core for each part, stage by stage: a stage begins once all parts ended the last."""
+    """Call the core for each part, stage by stage: a stage begins when all parts ended the last."""
     for stage in range(count):
         if len(parts) == 1:
             function(matrix, parts[0], stage, *rest)
@@ -106,7 +106,7 @@ def diagonal_places(A: Any) -> IntArray:
 
 
 def product(A: Any, x: FloatArray) -> FloatArray:
-    """Return A x of a CSR matrix whose rows threads share out, bit for bit the same as A @ x."""
+    """Return A x of a CSR matrix, rows shared among threads; bit for bit equal to A @ x."""
     result, parts = np.empty((A.shape[0], *x.shape[1:])), _parts(A)
 
     def call(begin: int, end: int) -> None:
@@ -117,7 +117,7 @@ def product(A: Any, x: FloatArray) -> FloatArray:
 
 
 def congruent(A: Any, P: Any) -> Any:
-    """Return Pᵀ A P of sparse matrices, as a sum over parts of A's rows that threads share out."""
+    """Return Pᵀ A P of sparse matrices: a sum over parts of A's rows, shared among threads."""
     parts = _parts(A)
     terms: list[Any] = [None] * len(parts)
 

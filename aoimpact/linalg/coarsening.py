@@ -53,7 +53,7 @@ def finest_level(pencil: Pencil) -> Finest:
         # Blocks of 3 if most rows of K give no force under translations of triples of dofs, else 1.
         moves = np.tile(np.eye(3), (pencil.n // 3 + 1, 1))[: pencil.n]
         inner = np.abs(K @ moves) <= PRINTED * K.diagonal()[:, None]
-        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # the rest is beside supports
+        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # the rest lies beside supports
         motions = moves.reshape(-1, 3, 3) if size == 3 else np.ones((pencil.n, 1, 1))
     else:
         size, free, nodes = 3, pencil.free, np.unique(pencil.free // 3)
@@ -94,7 +94,7 @@ def add(A: Any, factor: float, M: Any) -> Any:
 
 
 def in_order(A: Any) -> Any:
-    """Return a BSR matrix with its blocks sorted and its indices int32, as the core wants them."""
+    """Return a BSR matrix with its blocks sorted and its indices int32, as the core requires."""
     A.sort_indices()
     A.indices, A.indptr = A.indices.astype(np.int32), A.indptr.astype(np.int32)
     return A

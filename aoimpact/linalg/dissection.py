@@ -72,7 +72,7 @@ def fill(matrix: Any, places: FloatArray | None = None) -> Fill:
 
 
 def _cross_section(matrix: Any, along: FloatArray) -> float:
-    """Return how many rows separate the two halves cut at the median of `along`; n if constant."""
+    """Return how many rows separate the halves cut at the median of `along`; n if constant."""
     below = _below(along[:, None])
     mark = 1.0 + np.random.default_rng(0).random(len(below))  # random: sums must not cancel
     up = np.count_nonzero((matrix @ (mark * below))[~below])

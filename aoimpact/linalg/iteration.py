@@ -35,7 +35,7 @@ def conjugate_gradients(
     Parameters
     ----------
     name, what : str
-        The method and the matrix, for messages.
+        Names of the method and of the matrix, for messages.
     product, precondition : callable
         x ↦ A x, and r ↦ ≈ A⁻¹ r, symmetric positive definite; x, r: (n, columns not converged).
     rhs : ndarray, shape (n,) or (n, m)
@@ -43,7 +43,7 @@ def conjugate_gradients(
     most : float
         Maximum number of iterations.
     at_once : int, optional
-        Number of columns solved together. With 1, each column is bit for bit that solved alone.
+        Number of columns solved together. With 1, each column is bit for bit as if solved alone.
 
     Raises
     ------

@@ -16,8 +16,8 @@ _MOST_ENTRIES = 2**31 - 1
 # far from the limits of doubles.
 LARGEST, LEAST = 1e60, 1e-60
 
-# Largest ratio of masses on the diagonal of M. From 1e16 on, the smaller one is lost in the
-# rounding of the larger one; this leaves much to spare.
+# Largest ratio of masses on the diagonal of M. The smaller mass is lost in the rounding of the
+# larger one from 1e16 on; the limit is far above that.
 _APART = 1e20
 
 # Inverse iterations for a rigid motion: each multiplies a part of relative stiffness λ, K φ =
@@ -34,9 +34,9 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
     Raises
     ------
     InputTypeError
-        If one is not a matrix of real numbers.
+        If K or M is not a matrix of real numbers.
     InputError
-        If one is not square, finite and symmetric, the shapes differ, or both have fewer entries
+        If K or M is not square, finite and symmetric, the shapes differ, or both have fewer entries
         than rows.
     """
     with np.errstate(over="ignore"):  # what overflows is reported as not finite
@@ -82,7 +82,7 @@ def core_rows(matrix: Any) -> tuple[Any, ...]:
     Raises
     ------
     InputError
-        If it has too many entries.
+        If the matrix has too many entries.
     """
     if matrix.nnz > _MOST_ENTRIES:
         raise InputError(
@@ -147,7 +147,7 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
     ------
     InputError
         If a diagonal entry, a principal minor of order 2 or (up to 10 000 dofs) an eigenvalue is
-        negative, masses lie too far apart, or K + s²M is not positive definite.
+        negative, the ratio of two masses is too large, or K + s²M is not positive definite.
     """
     diagonal = M.diagonal()
     _check_minors("M", M)

@@ -13,10 +13,10 @@ Solve = Callable[[FloatArray], FloatArray]
 Iterate = Callable[[FloatArray, float, float], tuple[FloatArray, int]]
 
 # Tolerance of ‖f - A x‖ / ‖f‖ of rough solutions. It suffices for the vectors of a subspace, since
-# the projected model's error is the square of theirs: the receptance at a node of a plate is off by
-# 1e-8 with any number of vectors (2e-7 with 1e-2). Rough solutions take 0.4 of the iterations. The
-# vectors of a constrained body must be orthogonal to its static mode: otherwise the errors of
-# displacements and stresses elsewhere stagnate at 3e-4 and 7e-3 on a thick plate.
+# the projected model's error is the square of the vectors' error: the receptance at a node of a
+# plate is off by 1e-8 with any number of vectors (2e-7 with 1e-2). Rough solutions take 0.4 of the
+# iterations. The vectors of a constrained body must be orthogonal to its static mode: otherwise the
+# errors of displacements and stresses elsewhere stagnate at 3e-4 and 7e-3 on a thick plate.
 ROUGH = 1e-3
 
 
@@ -36,8 +36,8 @@ class Inverse:
         Of an iterative method: r, shape (n, m), ↦ ≈ (K + s²M)⁻¹ r, symmetric and much cheaper.
     at : callable or None
         s² ↦ the inverse at another shift, for less than a new set-up. An iterative method saves
-        this at smaller shifts only, and both inverses remain usable. Factors are held for one shift
-        at a time: do not alternate.
+        time at smaller shifts only, and both inverses remain usable. A direct method holds factors
+        for one shift at a time: do not alternate between shifts.
     """
 
     solve: Solve | None = None

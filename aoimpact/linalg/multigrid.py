@@ -47,21 +47,21 @@ _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
 _DENSE = 300
 
-# Maximum dofs of an aggregated level over those of the level above: with more, K hardly couples.
+# Largest ratio of an aggregated level's dofs to those of the level above: else K hardly couples.
 _SHRINKS = 0.7
 
-# Times of the set-up and of an iteration per entry of K, s.
+# `_SET_UP`, `_ITERATION`: time of the set-up and of an iteration per entry of K, s.
 _SET_UP, _ITERATION = 4e-8, 1.5e-9
 
 # Peak memory of the set-up besides K, M and the coarsest level's factors, bytes per entry of K:
-# with a mesh of second order, and without (linear tetrahedra took 42). Bytes per entry of the
-# factors.
+# `_BYTES_QUADRATIC` with a mesh of second order, `_BYTES` without (linear tetrahedra took 42).
+# `_BYTES_COARSEST`: bytes per entry of the factors.
 _BYTES_QUADRATIC, _BYTES, _BYTES_COARSEST = 20.0, 44.0, 30.0
 
 # Iterations of a solution: _ITERATIONS + _PER_ASPECT times the square of the elements' aspect
 # ratio, since the smoother treats all directions alike. Measured: 13 with cubic elements, 43 with
 # 2.5:2.5:1, 88 with 3:3:1, 189 with 5:5:1. Without coordinates of the nodes, aggregates lack
-# rotations and it takes _WITHOUT_NODES.
+# rotations and a solution takes _WITHOUT_NODES iterations.
 _ITERATIONS, _PER_ASPECT, _WITHOUT_NODES = 5.0, 8.0, 200.0
 
 
@@ -99,7 +99,7 @@ class Multigrid:
     SingularError
         If the matrix turns out to be singular or not positive definite.
     ConvergenceError
-        If its dofs are hardly coupled, so that there is no coarser level.
+        If the dofs are hardly coupled, so that there is no coarser level.
     """
 
     def __init__(self, pencil: Pencil) -> None:
@@ -109,7 +109,7 @@ class Multigrid:
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
             A, motions, places, self._place = finest_level(pencil)
             self._scale, self._length = pencil.scale, A.shape[0]
-            # A product with this one matrix takes a sixth of the time of those with K and M.
+            # A product with this one matrix takes a sixth of the time of products with K and M.
             self._blocks = Blocks(A, places)
             self._work = np.empty(self._blocks.work_length)
             self._coarsen(A, motions, places, progress)
@@ -156,10 +156,10 @@ class Multigrid:
         self._coarsest = factorize(A / self._scale, what=pencil.what)
 
     def _at(self, s2: float) -> Inverse:
-        """Return (K + s²M)⁻¹ at another shift; at a smaller one it shares this finest smoother.
+        """Return (K + s²M)⁻¹ at another shift; a smaller shift shares this finest smoother.
 
         The smoother damps as well at smaller shifts, but not at larger ones, whose matrix is larger
-        than its own. Both inverses share the work space, so that threads take turns.
+        than its own. Threads take turns, since both inverses share the work space.
         """
         if not self._levels or s2 > self._stored:
             return Multigrid(self.pencil.at(s2)).inverse
@@ -175,7 +175,7 @@ class Multigrid:
         return other.inverse
 
     def iterate(self, rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
-        """Return (K + s²M)⁻¹ `rhs`, each column bit for bit that solved alone; see `Inverse`."""
+        """Return (K + s²M)⁻¹ `rhs`, each column bit for bit as if solved alone; see `Inverse`."""
         operators = by_columns(self.product), by_columns(self.precondition)
         with self._in_use:
             what = self.pencil.what
@@ -201,7 +201,7 @@ class Multigrid:
         return x.astype(np.float64) * (size / self._scale)
 
     def _cycle(self, depth: int, r: Single) -> Single:
-        """Return a V-cycle's solution for `r` on the level of that depth; overwrites `r`."""
+        """Return a V-cycle's solution for `r` on level `depth`; overwrites `r`."""
         if depth == len(self._levels):
             return self._coarsest.solve(r.astype(np.float64)).astype(np.float32)
         level = self._levels[depth]

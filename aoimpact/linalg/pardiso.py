@@ -22,11 +22,11 @@ from .superlu import check_condition
 _OPTIONS = {1: 2, 23: 1}
 _BLOCKS, _ALIKE = 36, 80
 
-# Maximum rows of such a block, with a margin: more than 128, such as those of the nodes of a rigid
-# mass, overwrite PARDISO's stack and crash the interpreter.
+# Maximum rows of a block of like rows, with a margin: more than 128 rows, such as those of the
+# nodes of a rigid mass, overwrite PARDISO's stack and crash the interpreter.
 _LARGEST = 100
 
-# See `of_factors`. PARDISO stores L by supernodes, and a copy of K.
+# Cost as in `of_factors`. PARDISO stores L by supernodes, and a copy of K.
 _COST = of_factors((1e-11, 3e-8, 0.9e-9), 12.0, 30.0)
 
 

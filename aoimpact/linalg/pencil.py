@@ -33,8 +33,8 @@ class Pencil:
         Dof of each row: 3·node + component, and 3·n_nodes more for rotations.
     mesh : Mesh, optional
     origin : Pencil, optional
-        Pencil of another shift from which this one was made; it computes and holds what does not
-        depend on the shift.
+        Pencil of another shift from which this one was made; the origin computes and holds what
+        does not depend on the shift.
     """
 
     K: Any
@@ -93,8 +93,8 @@ class Pencil:
     def matrix(self) -> Any:
         """Return K + s²M as one matrix; K itself if s is zero.
 
-        It shares the index arrays of K if M has no other entries, so that a solver's analysis of
-        the pattern serves both.
+        The result shares the index arrays of K if M has no other entries, so that a solver's
+        analysis of the pattern serves both.
         """
         for each in (self.K, self.M):
             each.sum_duplicates()  # which also sorts the indices

@@ -77,7 +77,7 @@ def unresisted_motions(
     Raises
     ------
     SingularError
-        If one of these motions has no mass.
+        If a motion without elastic forces has no mass.
     """
     forces = K @ motions
     if springs is not None:  # soft ones are lost in the rounding of K: their share is set below

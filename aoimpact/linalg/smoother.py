@@ -15,11 +15,11 @@ from .blocks import Blocks, diagonal_places, in_stages
 
 Single = npt.NDArray[np.float32]
 
-# Chebyshev steps before and after each coarse-grid correction. With one fewer, iterations rise by
-# half; one more saves no more than it costs.
+# Chebyshev steps before and after each coarse-grid correction. With one step fewer, iterations rise
+# by half; one step more saves no more than it costs.
 _STEPS = 3
 
-# Lanczos steps for λ_max of D⁻¹A, which underestimate it by some percent, and the factor for that.
+# `_LANCZOS_STEPS`: steps for λ_max of D⁻¹A, too low by some percent; `_MARGIN`: factor for that.
 _LANCZOS_STEPS = 12
 _MARGIN = 1.1
 

@@ -31,27 +31,27 @@ from .pardiso import PARDISO
 from .pencil import Pencil
 from .superlu import SUPERLU
 
-# Values of `solver=`: a name, or a function that takes the sparse matrix K + s²M and returns one
-# that takes f and returns (K + s²M)⁻¹ f, as scipy.sparse.linalg.factorized does.
+# Values of `solver=`: a name, or a function that takes the sparse matrix K + s²M and returns a
+# function f ↦ (K + s²M)⁻¹ f, as scipy.sparse.linalg.factorized does.
 Solver = str | Callable[[Any], Solve]
 
 METHODS: dict[str, Method] = {method.name: method for method in (SUPERLU, PARDISO, MULTIGRID)}
 
 SOLVERS = ("auto", *METHODS)
 
-# Tolerance of ‖f - A x‖ / ‖f‖, where rounding allows it, and maximum number of refinements.
+# `_TOLERANCE`: of ‖f - A x‖ / ‖f‖, where rounding allows it. `_REFINEMENTS`: maximum number.
 _TOLERANCE = 1e-10
 _REFINEMENTS = 5
 
-# Largest ‖f - A x‖ / (max A_ii ‖x‖) due to rounding: some hundred roundings.
+# Largest ‖f - A x‖ / (max A_ii ‖x‖) that is due to rounding: some hundred roundings.
 _LEFT_BY_ROUNDING = 2e-14
 
 # Estimated time, s, up to which factors are preferred even to quicker iterations: they serve any
 # number of solutions, and cannot fail to converge.
 _PROMPT = 0.2
 
-# Default number of solutions, that of a reduced model of a few oscillators. Callers give fewer for
-# a shift far above the body's slow motions, at which iterations converge.
+# Default number of solutions: that for a reduced model of a few oscillators. Callers give fewer for
+# a shift far above the frequencies of slow motions, where iterations converge quickly.
 FEW_SOLUTIONS = 10
 
 

@@ -33,21 +33,21 @@ EQUAL = 1e-9
 # eigenvalues of K and M given in exchanged places.
 _DENSE_AT_WORST = 2000
 
-# Smallest elastic eigenvalue over the first guess of s²; smaller ones are rounding.
+# Smallest ratio of an elastic eigenvalue to the first guess of s²; smaller ones are rounding.
 _LEAST_SHIFT = 1e-30
 
-# First guess of s² over ΣK_ii/ΣM_ii, which is near the highest ω²: K + s²M is definite beyond
-# rounding, and the lowest ω² remain distinct.
+# Ratio of the first guess of s² to ΣK_ii/ΣM_ii, which is near the highest ω². With this guess, K +
+# s²M is definite beyond rounding, and the lowest ω² remain distinct.
 _FIRST_SHIFT = 1e-4
 
-# Range of ω²/s² of the first elastic mode in which s² is kept: below it K is lost in the rounding
-# of s²M, above it s²M in that of K. Maximum number of corrections of s²: one is enough but for the
-# slenderest bodies.
+# `_SHIFT_BELOW`, `_SHIFT_ABOVE`: range of ω²/s² of the first elastic mode in which s² is kept.
+# Below it K is lost in the rounding of s²M, above it s²M in that of K. `_GUESSES`: maximum number
+# of corrections of s²; one is enough except for the slenderest bodies.
 _SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
 
-# Steps of inverse iteration from a random vector that find the order of magnitude of the first
-# elastic ω², unless it is far below s². Then they give some s²/200 (of strips 1 m long and 0.5 to
-# 3 mm thick), and the next s² is that times _FURTHER.
+# `_INVERSE_STEPS`: steps of inverse iteration from a random vector, which find the order of
+# magnitude of the first elastic ω² unless it is far below s². In that case they give some s²/200
+# (of strips 1 m long and 0.5 to 3 mm thick), and the next s² is _FURTHER times this value.
 _INVERSE_STEPS, _FURTHER = 8, 0.01
 
 # Largest eps |φ|ᵀ|K||φ| / φᵀKφ, the relative rounding of a mode's stiffness, without a warning. The
@@ -55,11 +55,11 @@ _INVERSE_STEPS, _FURTHER = 8, 0.01
 # by at most 0.3 % below it.
 _DROWNED = 0.2
 
-# s² over the first guess, and number of passes, for removing elastic strain from rigid modes.
+# Removal of elastic strain from rigid modes: ratio of s² to the first guess, number of passes.
 _STRAIN_SHIFT, _STRAIN_PASSES = 1e-6, 3
 
-# Smallest pivot of M over its diagonal entry at which LAPACK's reduction by M⁻¹ keeps the digits of
-# low ω².
+# Smallest ratio of a pivot of M to its diagonal entry at which LAPACK's reduction by M⁻¹ keeps the
+# digits of low ω².
 _LIGHT = 1e-6
 
 # Tolerance of r·T r / ω², with the residual r and T ≈ (K + s²M)⁻¹: it is the relative error of ω²,
@@ -70,8 +70,8 @@ _TOLERANCE, _EPSILON = 1e-14, float(np.finfo(float).eps)
 # Relative change of a converged ω² above which its pair is iterated on: a lower ω² has appeared.
 _MOVED = 1e-9
 
-# Extra vectors in a block: their minimum number, and their share of the modes wanted. They speed up
-# the last of the modes, and each random vector finds one member of a multiple eigenvalue.
+# Extra vectors in a block: `_SPARE`, or _SPARE_SHARE of the modes wanted if that is more. They
+# speed up the last of the modes, and each random vector finds one member of a multiple eigenvalue.
 _SPARE, _SPARE_SHARE = 4, 0.25
 
 # Maximum basis size, in blocks, before a restart from twice the block.

@@ -138,9 +138,9 @@ def check_condition(
         largest = float((sizes @ (1.0 / scale) / scale).max())
         x = np.random.default_rng(0).standard_normal(len(scale))
         # Inverse iteration estimates 1/λ_min from below. The first estimate accepts the matrix only
-        # with a safety factor, the second never, and the third, accurate enough, without a factor.
+        # with a safety factor, the second never; the third is accurate enough without a factor.
         for short in (_UNLUCKY * len(scale) ** 0.5, np.inf, 1.0):
-            with np.errstate(invalid="ignore"):  # of an infinite x, which is refused
+            with np.errstate(invalid="ignore"):  # an infinite x is refused
                 x /= np.linalg.norm(x)
             x = scale * solve(scale * x)
             if short * float(np.linalg.norm(x)) * largest < 1.0 / _SINGULAR:

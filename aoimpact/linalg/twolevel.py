@@ -18,8 +18,8 @@ from .solvers import LinearSolver
 # and by at most 0.05 % on elements of second order.
 _ROUGH = 0.1
 
-# Columns solved together, each with a few vectors in memory. Factors then take a fifth of the time
-# per column that a single column takes.
+# Number of columns solved together, each with a few vectors in memory. Factors then take a fifth of
+# the time per column that a single column takes.
 _AT_ONCE = 16
 
 

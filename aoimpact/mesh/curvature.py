@@ -3,8 +3,8 @@
 The height over the tangent plane is fitted to the nodes as a polynomial of degree six
 (F. Cazals and M. Pouget, *Computer Aided Geometric Design* 22 (2005) 121). The fit is a Bayesian
 regression (C. E. Rasmussen and C. K. I. Williams, *Gaussian Processes for Machine Learning*
-(2006), sections 2.1 and 5.4): its error includes both the noise of the nodes and the prior's width
-of terms that the nodes do not determine.
+(2006), sections 2.1 and 5.4): its error includes the noise of the nodes and the prior width of
+terms that the nodes do not determine.
 """
 
 from __future__ import annotations
@@ -32,27 +32,27 @@ _GRAPH = 0.5
 # The fit with the smallest error that agrees with all smaller radii is taken.
 _REACHES = (2.2, 2.8, 3.6, 5.0, 7.0)
 
-# Largest height of nodes that count as coplanar, over the reach: rounding to a mesh file's digits.
+# Largest height of coplanar nodes, divided by the reach: rounding to a mesh file's digits.
 _IN_PLANE = 1e-6
 
-# Number of standard deviations in the error, and the smallest relative error. The number is
-# calibrated, since surfaces are no samples of the prior. On gmsh's meshes of spheres, tori and
-# ellipsoids, of one to eight straight or one to four curved elements per radius, 2 of 773 errors
-# exceed six deviations. On cylinders 41 of 300 do, by up to 4.5 times: their nodes lie in rows, and
-# a polynomial of low degree fits a few rows without any sign that a higher degree is missing. On
-# cylinders the error is therefore at least 2 κ (κh)³, h being the distance between nodes; this
-# covers all of the 300 cases, and 276 of 280 on regular meshes.
+# `_DEVIATIONS`: number of standard deviations in the error. `_LEAST_ERROR`: smallest relative
+# error. The number is calibrated, since surfaces are no samples of the prior. On gmsh's meshes of
+# spheres, tori and ellipsoids, of one to eight straight or one to four curved elements per radius,
+# 2 of 773 errors exceed six deviations. On cylinders 41 of 300 do, by up to 4.5 times: their nodes
+# lie in rows, and a polynomial of low degree fits a few rows without any sign that a higher degree
+# is missing. On cylinders the error is therefore at least 2 κ (κh)³, h being the distance between
+# nodes; this minimum covers all of the 300 cases, and 276 of 280 on regular meshes.
 _DEVIATIONS, _LEAST_ERROR = 6.0, 1e-3
 
-# Largest ratio of the principal curvatures of a shape treated as a cylinder, and the factor 2 in
-# the smallest error of a cylinder (above).
+# `_ONE_WAY`: largest ratio of the principal curvatures of a shape treated as a cylinder.
+# `_IN_ROWS`: the factor 2 in the smallest error of a cylinder (above).
 _ONE_WAY, _IN_ROWS = 0.1, 2.0
 
 # Smallest number of nodes of a fit: the number of terms of a polynomial of degree two.
 _LEAST = 6
 
-# Exponents of the polynomial's terms, ascending by degree, and the square roots of the binomial
-# coefficients, which as prior widths make the prior isotropic.
+# `_POWERS`: exponents of the polynomial's terms, ascending by degree. `_BINOMIAL`: square roots of
+# the binomial coefficients; as prior widths they make the prior isotropic.
 _POWERS = [(degree - j, j) for degree in range(7) for j in range(degree + 1)]
 _DEGREE = np.array([i + j for i, j in _POWERS])
 _BINOMIAL = np.sqrt([math.comb(i + j, j) for i, j in _POWERS])
@@ -60,8 +60,9 @@ _BINOMIAL = np.sqrt([math.comb(i + j, j) for i, j in _POWERS])
 # Prior width of height and slope, in units of the curvature's: both are practically free.
 _FREE = 1e3
 
-# Values of λ, the ratio of the prior widths of successive degrees (κ reach/2 for a sphere), and of
-# s, the noise of the nodes over the prior width of the curvature, that are averaged over.
+# Values to average over. `_ROUGHNESS`: λ, the ratio of the prior widths of successive degrees (κ
+# reach/2 for a sphere). `_NOISE`: s, the ratio of the nodes' noise to the prior width of the
+# curvature.
 _ROUGHNESS = np.array([0.25, 0.5, 1.0, 2.0])
 _NOISE = np.geomspace(1e-9, 1.0, 19)
 

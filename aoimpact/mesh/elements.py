@@ -129,7 +129,7 @@ class ReferenceElement:
 
     @property
     def thin(self) -> bool:
-        """True of surface and line elements, whose reference cells lie in z = 0."""
+        """True for surface and line elements, whose reference cells lie in z = 0."""
         return self.kind in THIN
 
     @cached_property
@@ -325,9 +325,10 @@ def _space(degree: int, has: Callable[[int, int, int], bool]) -> tuple[_Powers, 
     return tuple((i, j, k, 0) for i, j, k in product(each, each, each) if has(i, j, k))
 
 
-# Hexahedra of 20 nodes: products that are quadratic in at most one coordinate, the serendipity
-# space (D. Arnold & G. Awanou, Found. Comput. Math. 11, 337, 2011). Wedges of 15 nodes: quadratic
-# functions of x, y times 1 and z, and linear functions of x, y times z². Pyramids of 13 nodes: all
+# Spaces of functions. Hexahedra of 20 nodes: products quadratic in at most one coordinate, the
+# serendipity space (D. Arnold & G. Awanou, Found. Comput. Math. 11, 337, 2011). Wedges of 15 nodes:
+# quadratic functions of x, y times 1 and z, and linear functions of x, y times z². Pyramids of 13
+# nodes: all
 # quadratic functions, xy/(1-z), x²y/(1-z) and xy²/(1-z) (G. Bedrosian, Int. J. Num. Meth. Eng. 35,
 # 95, 1992). Linear pyramids: all linear functions and xy/(1-z).
 _TETRAHEDRON_4 = _space(1, lambda i, j, k: i + j + k <= 1)
@@ -418,7 +419,7 @@ SOLIDS = {reference_element(kind).n_nodes: kind for kind in KINDS}
 
 @cache
 def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | None:
-    """Return an element with added functions of the next degree, and the corners of each of these.
+    """Return an element with added functions of the next degree, and the corners of each function.
 
     The added functions are zero at the element's own nodes. There is one on each edge, of the next
     degree (odd about the middle of the edge if that is a node), and a bubble on each triangular
@@ -429,8 +430,8 @@ def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | No
     element : ReferenceElement
         Each added function has a node, where it is 1 and the other added functions are 0.
     corners : list of lists of int
-        Corners of the edge or side of each added function. An odd function changes its sign if
-        these are swapped.
+        Corners of the edge or side of each added function. An odd function changes its sign if the
+        corners are swapped.
     None
         For pyramids of second order, shells and beams.
     """
@@ -499,7 +500,7 @@ def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:
     n_points, n_nodes, _ = gradient.shape
     x = corners.transpose(2, 0, 1).reshape(-1, n_nodes)
     slopes = gradient.transpose(1, 2, 0).reshape(n_nodes, 3 * n_points)
-    j = np.einsum("xn,nq->xq", x, slopes)  # BLAS: last bits vary with threads
+    j = np.einsum("xn,nq->xq", x, slopes)  # not by BLAS, whose last bits vary with threads
     found: FloatArray = j.reshape(3, len(corners), 3, n_points).transpose(0, 2, 1, 3)
     return found
 

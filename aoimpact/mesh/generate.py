@@ -27,8 +27,9 @@ from .mesh import Mesh
 
 _GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
-# Angle between neighbouring vertices of the icosahedron, seen from its centre, and the ratio of the
-# longest element edge to this angle over n: 1.161 for n = 4 and 1.176 for n = 16.
+# `_ICOSAHEDRON_ANGLE`: angle between neighbouring vertices, seen from the centre. `_STRETCH`: ratio
+# of the longest element edge on a unit sphere to this angle divided by n; 1.161 for n = 4, 1.176
+# for n = 16.
 _ICOSAHEDRON_ANGLE = float(np.arctan(2.0))
 _STRETCH = 1.18
 

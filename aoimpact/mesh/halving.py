@@ -11,8 +11,8 @@ from .elements import reference_element
 from .mesh import Mesh
 from .vectors import parted
 
-# For each kind of linear element, the second-order kind on the same corners, and the node numbers
-# within the latter of each part into which an element is cut.
+# For each kind of linear element: the second-order kind on the same corners, and the parts into
+# which an element is cut, by the second-order element's node numbers.
 PARTS: dict[str, tuple[str, Any]] = {
     "line": ("line3", [(0, 2), (2, 1)]),
     "triangle": ("triangle6", [(0, 3, 5), (1, 4, 3), (2, 5, 4), (3, 4, 5)]),

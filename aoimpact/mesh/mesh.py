@@ -39,9 +39,9 @@ Solids = tuple[str, IntArray, IntArray]
 # Smallest det J of a valid element, as a fraction of the cube of its size.
 _FLAT = 1e-12
 
-# Smallest area of a valid surface element over the square of its longest edge; and cosine of 45°,
-# the angle between the normal at a corner and the mean normal from which a quadrilateral counts as
-# folded, not just warped.
+# `_SLIVER`: smallest ratio of the area of a valid surface element to the square of its longest
+# edge. `_FOLDED`: cosine of 45°, the angle between the normal at a corner and the mean normal from
+# which a quadrilateral counts as folded, not just warped.
 _SLIVER, _FOLDED = 1e-6, np.sqrt(0.5)
 
 
@@ -100,7 +100,7 @@ class Mesh(Frozen):
     node_labels : array_like of int, shape (n_nodes,), optional
         Numbers of the nodes in the file, by which supports, masses, springs, contacts and probes
         refer to nodes. A number that occurs twice, as in two instances of an Abaqus part, cannot be
-        used for this.
+        used to refer to a node.
     cell_labels : array_like of int, shape (n_cells,), optional
         Numbers of the elements in the file.
     left_out : mapping of str to str, optional

@@ -23,15 +23,16 @@ from .elements import ReferenceFace, reference_faces
 from .mesh import Mesh, twins
 from .vectors import unit
 
-# Radius of a ball that encloses a curved side, over the radius of the ball around its nodes.
+# Ratio of the radius of a ball enclosing a curved side to that of the ball around its nodes.
 _BULGE = 1.2
 
-# Maximum number of Newton steps, enough wherever a solution exists, and the longest step in u and v
-# (0 to 1 on a side). Longer steps leave the side for good or oscillate.
+# `_ITERATIONS`: maximum number of Newton steps, enough wherever a solution exists. `_LONGEST`:
+# longest step in u and v (0 to 1 on a side). Longer steps leave the side for good or oscillate.
 _ITERATIONS, _LONGEST = 25, 0.5
 
-# Sine of the angle below which the tangents ∂x/∂u and ∂x/∂v count as parallel, as at the collapsed
-# corner of an element, and the distance in (u, v) from that corner at which the normal is taken.
+# `_PARALLEL`: sine of the angle below which the tangents ∂x/∂u and ∂x/∂v count as parallel, as at
+# the collapsed corner of an element. `_BESIDE_CORNER`: distance in (u, v) from that corner at which
+# the normal is taken.
 _PARALLEL, _BESIDE_CORNER = 1e-9, 1e-3
 
 # Largest final Newton step: convergence is quadratic, so that the next step is below rounding.
@@ -48,7 +49,7 @@ SHARP = np.sqrt(0.5)
 # eight nodes, 4/3 on sides of six nodes, 1.39 on sides of nine.
 _BETWEEN = 2.0
 
-# Margin of a side's bounding box, over the side's size: more than rounding and `PRINTED`.
+# Ratio of the margin of a side's bounding box to the side's size: more than rounding and `PRINTED`.
 _BESIDE = 1e-6
 
 # Number of points whose nearest points on the surface are cached: enough for a few contacts.
@@ -135,7 +136,7 @@ class Surface:
         return np.array([len(face.nodes) for _, face in self.sides])
 
     def of_count(self, face: IntArray) -> Iterator[tuple[ReferenceFace, IntArray]]:
-        """Yield, for each number of nodes, a side and the positions in `face` of such faces."""
+        """Yield, for each number of nodes, a side and the positions in `face` of its like."""
         counts = self._counts[self.side[face]]
         for count in np.unique(counts):
             side = self.sides[int((self._counts == count).argmax())][1]
@@ -179,7 +180,7 @@ class Surface:
         return unit(normal)
 
     def _crossed(self, face: IntArray, uv: FloatArray) -> tuple[FloatArray, BoolArray]:
-        """Return ∂x/∂u × ∂x/∂v, and where this is zero but for rounding."""
+        """Return ∂x/∂u × ∂x/∂v, and where this product is zero apart from rounding."""
         tangents = self.at(face, uv)[1]
         normal = np.cross(tangents[:, 0], tangents[:, 1])
         longest = (tangents**2).sum(axis=2).max(axis=1)
@@ -279,7 +280,7 @@ class Surface:
     ) -> Place:
         """Return the point where the line along `axis` through each of `points` meets the surface.
 
-        Of several, the nearest is returned.
+        If there are several such points, the nearest is returned.
 
         Parameters
         ----------
