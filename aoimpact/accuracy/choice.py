@@ -18,26 +18,27 @@ from .hierarchy import fixed_model, only_models
 from .leftout import errors_left_out, finer_plan
 from .order import EASED, Search
 
-# Default and smallest relative tolerance. Models agree to more digits only if they are the whole
-# bodies.
+# _RTOL: default relative tolerance. _TIGHTEST: smallest one; reduced models do not agree to more
+# digits.
 _RTOL, _TIGHTEST = 2e-3, 1e-8
 
 # Largest error of the largest models that is accepted without a warning if no tolerance was given.
 _LOOSEST = 1e-2
 
-# Largest order of the models, by whether a tolerance was given. If not, the search ends with the
-# error reached by then: a thin sheet that touches repeatedly would need hundreds of vectors.
+# Largest order of the models with a given tolerance (True) and with the default one (False), for
+# which the search ends with the error reached by then: a thin sheet that touches repeatedly would
+# need hundreds of vectors.
 _MOST_ORDER = {True: 600, False: 80}
 
-# Shares of the tolerance for time integration by the adaptive method, by fixed steps, and by the
-# adaptive method with friction; the rest is for the models. Over 148 impacts on nine bodies of up
-# to 6171 dofs, with tolerances of 1e-1 … 1e-3, the error is at most .72 of the tolerance. A first
-# share a third or three times as large changes the number of oscillators by .2 % and nothing else.
-# A third of the second share takes 18 % more time on small bodies and 2 % more on those of 6171
-# dofs, due to more steps. Three times the second share takes 4 % less time on small bodies and 7 %
-# more on those of 6171 dofs, due to 1.8 times as many oscillators. The third share is larger since
-# steps with friction cost more: over 40 impacts on four bodies with a tolerance of 1e-3 the error
-# was at most 2e-5 of the speed.
+# Shares of the tolerance for time integration by the adaptive method (_SHARE_OF_TIME), by fixed
+# steps (_SHARE_OF_STEPS), and by the adaptive method with friction (_SHARE_WITH_FRICTION); the rest
+# is for the models. Over 148 impacts on nine bodies of up to 6171 dofs, with tolerances of 1e-1 …
+# 1e-3, the error is at most .72 of the tolerance. A third or three times _SHARE_OF_TIME changes
+# only the number of oscillators, by .2 %. A third of _SHARE_OF_STEPS takes 18 % more time on small
+# bodies and 2 % more on bodies of 6171 dofs, due to more steps. Three times _SHARE_OF_STEPS takes 4
+# % less time on small bodies and 7 % more on bodies of 6171 dofs, due to 1.8 times as many
+# oscillators. _SHARE_WITH_FRICTION is larger since steps with friction cost more: over 40 impacts
+# on four bodies with a tolerance of 1e-3 the error was at most 2e-5 of the speed.
 _SHARE_OF_TIME, _SHARE_OF_STEPS, _SHARE_WITH_FRICTION = 0.005, 0.2, 0.05
 
 

@@ -40,12 +40,12 @@ def shared_models() -> Iterator[None]:
 
 
 def alike(scale: float, *, up: bool = False) -> float:
-    """Return the time or length to fit models to; within `shared_models` rounded.
+    """Return the time or length to fit models to; it is rounded within `shared_models`.
 
-    It is rounded to a power of two, so that similar impacts share it and the result does not depend
-    on the other impacts. Patches up to five times as wide as the contact give the same force to
-    0.1 %. A factor of two or three in the contact time does not matter (`KrylovSpace`); the factor
-    here is at most 1.4.
+    Rounding is to a power of two, so that similar impacts share models and results do not depend on
+    other impacts. Patches up to five times as wide as the contact give the same force to 0.1 %. A
+    factor of two or three in the contact time does not matter (`KrylovSpace`); the factor here is
+    at most 1.4.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def _of_elements(
     duration: float | None,
     solver: Solver,
 ) -> Hierarchy:
-    """Hierarchy of a finite-element body, fitted to the time scales of a scene.
+    """Return the hierarchy of a finite-element body, fitted to the time scales of a scene.
 
     A body with one contact point has AO models. With several, the models have as many vectors for
     each contact point as the order, at least one if the body is constrained.
@@ -173,7 +173,7 @@ def _of_elements(
 
 
 def _rigid(model: Body) -> Body:
-    """Rigid body for a model without oscillators: a wall, if the model is constrained."""
+    """Return the rigid body for a model without oscillators: a wall if the model is constrained."""
     gives = model.constrained and not model.wall
     return rigid(mass=math.inf, name=model.name).modal if gives else model
 
@@ -189,11 +189,11 @@ def model_hierarchy(
     Parameters
     ----------
     body : Body, FullModel or Hierarchy
-        A `Body` of several ports has only itself.
+        A `Body` with several ports has no other models than itself.
     contact_time : float
         Duration of the contact that the models are fitted to, s.
     duration : float, optional
-        Duration of slower motion that the models must represent as well, s.
+        Duration of slower motion that the models must represent as well, s; by default none.
     solver : str or callable, optional
         The linear solver.
     """

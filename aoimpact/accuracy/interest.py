@@ -26,7 +26,7 @@ from ..results import (
 from .sensor import Sensor
 from .sensorat import AccelerationAt, ReactionAt, StrainAt, StressAt
 
-# A quantity of interest as a caller gives it: a name, a point of a body or a sensor.
+# Forms in which a caller gives a quantity of interest: a name, a point of a body, a sensor.
 Interest = str | ContactPoint | Sensor
 
 _DEFAULT = "force"
@@ -88,7 +88,7 @@ def quantity_of(quantity: Any, bodies: Sequence[BodyModel], *, pair: bool) -> Qu
     return Quantity("displacement", "m", history=displacement, each="bodies", lasting=True)
 
 
-# Suffix of the columns that say if the models' error of a number is within the tolerance.
+# Suffix of the columns that are 1 if the models' error of a number is within the tolerance, else 0.
 CONTROLLED = "_controlled"
 
 _NAME = re.compile(r"[A-Za-z_]\w*(\.\w+)*")
@@ -104,10 +104,10 @@ class Named:
     names: tuple[str, ...]
 
     def __call__(self, result: Any) -> dict[str, float]:
-        """Return the numbers by name; where models were chosen, with two columns on their errors.
+        """Return the numbers by name, and two more for each if the models were chosen.
 
-        These are name + "_error", which is `ErrorParts.total`, and name + "_controlled", which is
-        1 if the error of the models is within the tolerance, else 0.
+        The two more are name + "_error", which is `ErrorParts.total`, and name + "_controlled",
+        which is 1 if the error of the models is within the tolerance, else 0.
         """
         kept = dict[str, float]()
         chosen = isinstance(result, Run) and result.chosen is not None
@@ -161,6 +161,7 @@ def _public(thing: Any) -> list[str]:
     return [name for name in {*dir(thing), *fields} if not name.startswith("_")]
 
 
-# Names that ``keep=`` accepts beyond the table of quantities: of sensors and of attributes.
+# _SENSED: names of sensors' quantities. _KNOWN: names that ``keep=`` accepts in addition to
+# `QUANTITIES`.
 _SENSED = [of.named for of in (AccelerationAt, ReactionAt, StrainAt, StressAt)]
 _KNOWN = frozenset((*_public(Result), *_public(Run), *_SENSED))

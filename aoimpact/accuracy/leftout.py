@@ -74,7 +74,8 @@ def errors_left_out(
     softer = replace(run.plan, contacts=altered)
     changed = altered != tuple(run.plan.contacts)
     by_contact = _tried(lambda: softer, run, solver) if changed else []
-    # If a law has less compliance than the meshes as given, they were run with the whole law.
+    # The meshes as given were run with the whole law where it has less compliance than they have:
+    # their difference from the refined ones is then no error estimate.
     whole = meshed.plan.bounded != run.plan.bounded
     unknown = [math.inf] * (whole or any(outgrown(run)))
     mesh = _changes(wanted, run, [*others, *unknown])
@@ -90,7 +91,7 @@ def errors_left_out(
 def _changes(
     wanted: Sequence[Quantity], run: Run, others: Sequence[Run | float]
 ) -> Mapping[str, float]:
-    """Relative changes of the quantities and numbers to all other runs, added, by name."""
+    """Return, by name, the sum of relative differences of a quantity or number from other runs."""
     runs = [of for of in others if isinstance(of, Run)]
     if len(runs) < len(others):
         return Found(lambda: run.numbers, lambda _: math.inf)
@@ -105,7 +106,7 @@ def _changes(
     known = {
         of.name: sum(of.difference(other, run) for other in runs)
         if of.is_history
-        # In a scene the largest of all contacts or bodies.
+        # In a scene, the value is the largest of all contacts or bodies.
         else max((change(at) for at in of.names(run) if there(at)), default=0.0)
         for of in wanted
     }
@@ -113,7 +114,7 @@ def _changes(
 
 
 def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float]) -> float | None:
-    """Time at which a history changes most between a run and others, s; None for a number."""
+    """Return the time at which a history differs most between runs, s; None for a number."""
     runs = [of for of in others if isinstance(of, Run) and quantity.is_history]
     changes = [np.abs(quantity.deviation(of, run)) for of in runs]
     largest = max(changes, key=np.max, default=None)
@@ -121,9 +122,10 @@ def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float]) -> 
 
 
 def _with_models(run: Run) -> Run:
-    """The same run with reduced models: each further run for the estimate is cheap with them.
+    """Return the same run with reduced models, with which further runs for the estimate are cheap.
 
-    Errors of mesh and contact change the motion of models as they change that of full bodies.
+    Errors of mesh and contact affect the motion of reduced models as they affect that of full
+    bodies.
     """
     times = [end - start for events in run.events for start, end in events.contacts]
     shortest = min((time for time in times if time > 0.0), default=run.duration)
@@ -156,7 +158,7 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
             if known is None:
                 return None  # not known for a rigid model or at a sharp edge
             if known.removed and not isinstance(contact.law, PatchLaw):
-                left += known.removed  # results with and without it are bounds of the true ones
+                left += known.removed  # with and without it, results bound the true ones
             else:
                 varying += known.varying
         most = min(left, removable(law, run.deepest(number))) if left else -varying
@@ -173,10 +175,11 @@ def _is_bare(law: ContactLaw, tip: ContactPoint) -> bool:
 
 
 def _altered(law: ContactLaw, change: float, error: float = 0.0) -> ContactLaw:
-    """Law with a further compliance `change`, m/N, taken out, and k changed by a relative `error`.
+    """Return a law with a further compliance `change`, m/N, taken out, and k changed by `error`.
 
-    Both changes make the law stiffer, or both softer, so that their effects add up. Above its limit
-    a law continues as a straight line, which is sufficient to show a change.
+    `error` is relative. Both changes make the law stiffer, or both softer, so that their effects
+    add up. Above its limit a law continues as a straight line, which is sufficient to show a
+    change.
     """
     if not change and not error:
         return law
@@ -234,10 +237,10 @@ def finer_plan(
 
 
 def compared_runs(run: Run, solver: TimeSolver | None, *, every: bool = False) -> list[Run | float]:
-    """Return the runs for the error from the meshes, which is the sum of the differences to them.
+    """Return the runs for the error due to the meshes: the sum of differences from these runs.
 
-    They are the run with the bodies as the user meshed them, if this run has finer ones, and that
-    of `finer_plan`. Infinity stands for a run that fails.
+    The first is the run with the bodies as the user meshed them, if this run has finer ones; the
+    last is the run of `finer_plan`. Infinity stands for a run that fails.
     """
     beside = run.beside
     finer = _tried(partial(finer_plan, run.plan, every=every and beside is None), run, solver)
@@ -250,7 +253,7 @@ def compared_runs(run: Run, solver: TimeSolver | None, *, every: bool = False) -
 def _tried(
     plan: Callable[[], Scenario | None], run: Run, solver: TimeSolver | None
 ) -> list[Run | float]:
-    """Run of a plan for the duration of `run`; [inf] if it fails, empty if there is no plan."""
+    """Return the run of a plan, as long as `run`; [inf] if it fails, empty without a plan."""
     try:
         with held_warnings():
             if (wanted := plan()) is None:
@@ -261,7 +264,7 @@ def _tried(
 
 
 def _finer(model: BodyModel, make: Callable[[Any], BodyModel]) -> BodyModel:
-    """Finer model of a model, cached; for a turned model it is that of the original, turned."""
+    """Return a model's finer model, cached; for a turned model, that of the original, turned."""
     of, ports = model.kept.get("turned", (model, ()))
     if "finer" not in of.kept:
         of.kept["finer"] = make(of)

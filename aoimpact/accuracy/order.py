@@ -31,12 +31,12 @@ from ..results import Quantity, RecordLength, Run, TimeSolver
 from ..scene import Scenario
 from .hierarchy import Hierarchy, Models, alike, model_hierarchy
 
-# Factor from one order to the next; and ratios of a model's error to its differences from the three
-# smaller models, if errors fall as n^-1.25. Over 44 impacts on beams, plates, sheets, blocks, rods
-# and spheres with tolerances of 1e-1 … 1e-3, the true errors of peak force and its time, impulse,
-# duration, rebound, displacement and force history are below the largest of the three estimates in
-# 98 of 100 cases (99 with n^-1, 94 with n^-1.5). The estimate is 2 … 7 times the error in the
-# median.
+# _GROWTH: factor from one order to the next. _SHARES: ratios of a model's error to its differences
+# from the three smaller models, if errors fall as n^-1.25. Over 44 impacts on beams, plates,
+# sheets, blocks, rods and spheres with tolerances of 1e-1 … 1e-3, the true errors of peak force and
+# its time, impulse, duration, rebound, displacement and force history are below the largest of the
+# three estimates in 98 of 100 cases (99 with n^-1, 94 with n^-1.5). The estimate is 2 … 7 times the
+# error in the median.
 _GROWTH = 1.5
 _SHARES = tuple(1.0 / (_GROWTH ** (1.25 * i) - 1.0) for i in (1, 2, 3))
 
@@ -46,11 +46,11 @@ _FIRST = 1.5
 # Ratio of the tolerance that a message proposes to the error found.
 EASED = 1.1
 
-# Largest ratio of the contact time found to the one that the bases were fitted to, or its inverse,
-# without a new fit; and largest number of fits.
+# _REFIT: largest ratio, without a new fit, of the contact time found to the one that the bases were
+# fitted to, or its inverse. _MOST_FITS: largest number of fits.
 _REFIT, _MOST_FITS = 2.0, 4
 
-# Order of each distinct hierarchy.
+# Order of the model from each distinct hierarchy.
 _Orders = tuple[int, ...]
 
 # Ratio of the duration of motion to the contact time above which bases include slow motion.
@@ -78,7 +78,7 @@ class TimeScales(NamedTuple):
 def first_guess(
     bodies: Sequence[BodyModel], run: Callable[[Models], Run], wanted: Sequence[Quantity]
 ) -> TimeScales:
-    """Return the time scales of a scene as estimated from a run with rigid bodies."""
+    """Return the time scales of a scene, estimated by a run with rigid bodies."""
     meshed = (body for body in bodies if isinstance(body, FullModel))
     own = [own_contact_time(point) for body in meshed for point in body.tips]
     otherwise = TimeScales(min((time for time in own if math.isfinite(time)), default=1.0), 0.0)
@@ -90,7 +90,7 @@ def first_guess(
 
 
 def _rigid(body: BodyModel, contact_time: float) -> Any:
-    """Model of order 0 of a body."""
+    """Return the model of order 0 of a body."""
     make = partial(model_hierarchy(body, contact_time, None).model, 0)
     if not isinstance(body, FullModel):
         return make()
@@ -98,7 +98,7 @@ def _rigid(body: BodyModel, contact_time: float) -> Any:
 
 
 def _scales(wanted: Sequence[Quantity], run: Run, otherwise: TimeScales) -> TimeScales:
-    """Time scales of a run, with the contact time of `otherwise` if there is no contact."""
+    """Return the time scales of a run; without contact, the contact time is that of `otherwise`."""
     contact_time = wanted[0].contact_time(run) or otherwise.contact_time
     return TimeScales(contact_time, max(of.span(run) for of in wanted))
 
@@ -164,7 +164,8 @@ class Search:
     def error(self) -> float:
         """Return the largest relative error of the models; infinite if they cannot be run.
 
-        Models that were fitted to quite another contact time are fitted again.
+        Models are fitted again if the contact time differs much from the one that they were fitted
+        to.
         """
         while True:
             self.record.settled = False
@@ -193,7 +194,7 @@ class Search:
         Raises
         ------
         LawLimitError
-            If contacts are stiffer than their meshes, as they would be with larger models, too.
+            If contacts are stiffer than their meshes: larger models would not change this.
         """
         if self.run is None and isinstance(self._failure, LawLimitError):
             raise self._failure
@@ -232,7 +233,7 @@ class Search:
         return self._of_bodies(models)
 
     def _fit(self, scales: TimeScales) -> None:
-        """Restart with models that are fitted to these time scales."""
+        """Restart with models that are fitted to the time scales `scales`."""
         time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
         self._made: list[Hierarchy] = []
         for body in self._unlike:  # reuse the models of a similar impact, if there are any
@@ -270,12 +271,12 @@ class Search:
         return self.record.run(plan.of_models(models, energies=False), self.rule)
 
     def _of_bodies(self, models: Sequence[Body]) -> Models:
-        """The model of each body, from those of the distinct bodies."""
+        """Return the model of each body, given those of the distinct bodies."""
         return tuple([models[self._unlike.index(body)] for body in self.bodies])
 
     @property
     def _smaller(self) -> list[_Orders]:
-        """Orders of the smaller models to compare with; empty for whole bodies, which are exact."""
+        """Return the orders of the smaller models to compare with; empty for whole bodies."""
         pairs = list(zip(self._made, self.orders, strict=True))
         if all(n >= one.most for one, n in pairs):
             return []
@@ -285,7 +286,7 @@ class Search:
         ]
 
     def _apart(self, other: Run | None) -> FloatArray:
-        """Relative difference of each quantity to another run; infinite without a run."""
+        """Return the relative difference of each quantity from another run; infinite for None."""
         if self.run is None or other is None:
             return np.full(len(self.wanted), np.inf)
         apart = np.array([of.difference(self.run, other) for of in self.wanted])

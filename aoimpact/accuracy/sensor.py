@@ -48,7 +48,7 @@ class Sensor(Frozen):
         """Raise InputError if the quantity is not defined for a body."""
 
     def measured(self, body: FEModel) -> Callable[[Response, FloatArray], FloatArray]:
-        """Return a function of a response and times, s, that gives the history, (times,)."""
+        """Return a function of a response and times, s, that returns the history, (times,)."""
         raise NotImplementedError
 
     def quantity(self, body: FEModel, number: int) -> Quantity:
@@ -80,7 +80,7 @@ class Sensor(Frozen):
 
 
 def body_of(body: Any) -> FEModel | None:
-    """Return the checked body, given itself or by a contact point of it; None stays None."""
+    """Return the checked body, given itself or by one of its contact points; None for None."""
     model = body.body if isinstance(body, ContactPoint) else body
     if model is not None and not isinstance(model, FEModel):
         raise InputTypeError(f"body must be an FEModel or a contact point, got {body!r}")

@@ -51,7 +51,7 @@ class Foreseen:
         times = [time for time in self._times if time is not None]
         if not times:
             for met in filter(None, map(self._met, plan.contacts)):
-                rigid_contact_time(*met)  # raises the law's own reason, if there is one
+                rigid_contact_time(*met)  # raises the law's own error, if there is one
             raise InputError(
                 "duration was left out, and cannot be foreseen: no velocity, gravity or constant "
                 "force brings bodies that have a contact towards each other; give it"
@@ -69,8 +69,8 @@ class Foreseen:
             Names of the bodies, for messages.
         eased : mapping of int to str
             Remedy for each contact whose law is stiffer than its meshes, by number: "wider" for a
-            wider patch than an impact of two bodies needs, "whole" for no compliance taken out of
-            the law as well; see `Contact.of_models`.
+            wider patch than an impact of two bodies needs, "whole" for a wider patch and no
+            compliance taken out of the law; see `Contact.of_models`.
         """
         plan, bodies = self._plan, list(self._plan.bodies)
         if not plan.meshed:
@@ -100,12 +100,12 @@ class Foreseen:
 
     @cached_property
     def _times(self) -> list[float | None]:
-        """Duration of each contact, s; None where not known."""
+        """Return the duration of each contact, s; None where not known."""
         return [_known(rigid_contact_time, self._met(contact)) for contact in self._plan.contacts]
 
     @cached_property
     def _widths(self) -> list[float | None]:
-        """Radius of each contact at its largest force, m; None where not known."""
+        """Return the radius of each contact at its largest force, m; None where not known."""
 
         def width(law: ContactLaw, mass: float, speed: float) -> float | None:
             found = round_contact(law, materials)
@@ -120,13 +120,13 @@ class Foreseen:
         return widths
 
     def _met(self, contact: Contact) -> tuple[ContactLaw, float, float] | None:
-        """Law of a contact, its reduced mass, kg, and speed, m/s; None if bodies cannot meet."""
+        """Return a contact's law, reduced mass, kg, and speed, m/s; None if bodies cannot meet."""
         bodies = (self._plan.bodies[body] for body, _ in contact.ports)
         share, speed = math.fsum(1.0 / body.most_mass for body in bodies), self._plan.fastest
         return (own_law(contact.law), 1.0 / share, speed) if share > 0.0 < speed else None
 
     def _fit(self, body: BodyModel, port: int, number: int, wider: bool) -> BodyModel:
-        """Body with a patch, if none is given, and with the compliance of its contact point."""
+        """Return the body with a patch, if none is given, and its contact point's compliance."""
         if not isinstance(body, FullModel) or not ((tip := body.tips[port]).automatic or tip.patch):
             return body
         if (lasting := self._times[number]) is None or (width := self._widths[number]) is None:
@@ -153,14 +153,14 @@ def _known(find: Callable[..., float | None], met: Any) -> float | None:
 
 
 def goes_against(tip: ContactPoint | None, *, outward: bool) -> bool:
-    """True if a contact point's direction goes into the body, or out of it if not `outward`."""
+    """Return whether a direction is reversed: into the body, or out of it if not `outward`."""
     if tip is None or tip.normal is None or tip.direction is None:
         return False
     return (float(tip.direction @ tip.normal) > 0.0) != outward
 
 
 def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
-    """Ports of each body whose direction of travel must be reversed.
+    """Return the ports of each body whose direction of travel must be reversed.
 
     The direction goes out of the first body of a contact and into the second.
 
@@ -199,7 +199,7 @@ def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
 
 
 def _with_functionals(plan: Scenario, names: Sequence[str]) -> Scenario:
-    """Plan with three ports, a normal and two tangents, for each contact point of the bodies."""
+    """Return the plan with three ports per contact point: a normal and two tangents."""
     assert plan.oblique is not None
     sides = [{of.first for of in plan.contacts}, {of.second for of in plan.contacts}]
     touched = [
@@ -208,7 +208,7 @@ def _with_functionals(plan: Scenario, names: Sequence[str]) -> Scenario:
     ]
 
     def first(body: int, port: int, role: float) -> int:
-        """First of the three ports of a contact point."""
+        """Return the first of the three ports of a contact point."""
         return 3 * (port if plan.bodies[body].tips else touched[body].index(role))
 
     contacts = [

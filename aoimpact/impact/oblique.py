@@ -17,11 +17,11 @@ from ..contact import ContactPoint
 from ..mesh import plane_of
 from ..reduction import Body, BodyModel, FullModel, turning
 
-# Least cosine of the angle between the directions of travel of two contacts, and between that of a
-# contact point and its normal.
+# Least cosine of the angle between the directions of travel of two contacts (_ONE_FRAME), and
+# between the direction of travel at a contact point and its normal (_ALONG).
 _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
 
-# Signs of the side on which a body is touched: as the first body of a contact, and as the second.
+# Signs of the side on which a body is touched: as the first and as the second body of a contact.
 ROLES = (1.0, -1.0)
 
 # Direction of travel if no body has a mesh: against the outward normal of the second body, z.
@@ -73,7 +73,7 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
 
 
 def _direction(name: str, tip: ContactPoint) -> FloatArray:
-    """Direction of a contact point; raises InputError unless it is along the normal."""
+    """Return the direction of a contact point; raise InputError unless it is along the normal."""
     if tip.direction is None or tip.thin is not None:
         why = (
             "it has none" if tip.direction is None else "shells and beams have no such contact yet"
@@ -117,7 +117,7 @@ def with_functionals(
     axes : ndarray, shape (3, 3)
         Direction of travel and two tangents, as rows.
     roles : sequence of float
-        Sides on which a rigid body is touched, of `ROLES`; each is a contact point.
+        Sides on which a rigid body is touched: a value of `ROLES` for each contact point.
     """
     if isinstance(model, FullModel):
         tips = [one for tip in model.tips for one in tip.functionals]

@@ -104,7 +104,7 @@ class Scene:
     """
 
     def __init__(self, *, gravity: float | ArrayLike = 0.0) -> None:
-        # Number along the direction of travel, or length of a vector; and that vector.
+        # gravity: component along the direction of travel, or length of the vector `_falls`.
         self.gravity, self._falls = number_or_vector("gravity", gravity, "m/s²")
         self._members: list[Member] = []
         self._contacts: list[Contact] = []
@@ -415,7 +415,7 @@ class Scene:
         return self._run(plan, duration, quantity, rtol, solver, linear_solver, began)
 
     def _plan(self, *, energies: bool = True, preload: bool = False) -> Scenario:
-        """Plan of the bodies as given, with contacts between contact points, not between ports.
+        """Return the plan of the bodies as given, with contacts between contact points, not ports.
 
         Raises
         ------
@@ -487,7 +487,8 @@ class Scene:
 
         A contact whose law is stiffer than its meshes gets a wider patch: supports, loads and other
         bodies press contacts further than two bodies alone would. If no patch helps, the bodies as
-        meshed keep the whole law, and the refined ones give the result, on a shell only a bound.
+        meshed keep the whole law, and the refined bodies give the result, which is only a bound on
+        a shell.
 
         Parameters
         ----------
@@ -564,7 +565,7 @@ class Scene:
         return run
 
     def _interest(self, quantity: Any, plan: Scenario) -> tuple[Quantity, ...]:
-        """Quantities of interest; equal names get a number, such as "stress_2"."""
+        """Return the quantities of interest; equal names get a number, such as "stress_2"."""
         given = quantity if isinstance(quantity, (list, tuple)) else [quantity]
         if not given:
             raise InputError("quantity is empty: give one quantity at least, or leave it out")
@@ -577,7 +578,7 @@ class Scene:
         )
 
     def _quantity(self, quantity: Any, plan: Scenario) -> Quantity:
-        """Quantity of interest; by default without contacts, a body's displacement."""
+        """Return the quantity of interest; the default without contacts is a displacement."""
         bodies = plan.bodies
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
@@ -612,7 +613,7 @@ class Scene:
 
 
 def number_or_vector(name: str, value: Any, unit: str) -> tuple[float, FloatArray | None]:
-    """Return a number along the direction of travel and None, or a vector's length and it."""
+    """Return a number along the direction of travel and None, or a vector's length and vector."""
     number, vector = value, None
     if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
         vector = finite_array(name, value, shape=(3,), unit=unit)

@@ -20,11 +20,12 @@ from .settings import LESSER
 
 # Least pace (see `Events.touches`) of touches whose starts are compared. Slower ones, of bodies at
 # rest side by side that a wave reaches, have no definite start. With values of 0.001 to 0.1 none of
-# 54 chains in front of a wall warns; 25 do if all starts are compared.
+# 54 chains of bodies in front of a wall gives a warning; 25 do if all starts are compared.
 _SUDDEN = 0.01
 
-# Least velocity that errors are relative to, as a share of what the contacts' largest impulse would
-# give the lightest body. Bodies that loads hold together only have velocities of rounding errors.
+# Ratio of the least velocity that errors are relative to, to the velocity that the largest impulse
+# of a contact would give the lightest body. Bodies that loads hold together move only by rounding
+# errors.
 _AT_REST = 1e-3
 
 
@@ -80,7 +81,7 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
 
 
 def touch_alike(one: Events, other: Events) -> bool:
-    """Return whether a contact has equally many touches in two runs; with fixed steps all count."""
+    """Return whether a contact has equally many touches in two runs; all count with fixed steps."""
     if not (one.touches and other.touches):
         return one.contact_count == other.contact_count
     least = LESSER * max(impulse for of in (one, other) for impulse, _ in of.touches)
@@ -88,12 +89,12 @@ def touch_alike(one: Events, other: Events) -> bool:
 
 
 def _impulses(of: Events) -> FloatArray:
-    """Impulse of each touch of a contact, N s."""
+    """Return the impulse of each touch of a contact, N s."""
     return np.array([impulse for impulse, _ in of.touches])
 
 
 def _least(run: DenseRecorder) -> FloatArray:
-    """Least impulse of a touch that counts, for each contact, N s."""
+    """Return the least impulse of a touch that counts, for each contact, N s."""
     largest = np.array([_impulses(of).max(initial=0.0) for of in run.events])
     least: FloatArray = LESSER * np.maximum(largest, LESSER * largest.max(initial=0.0))
     return least
@@ -107,9 +108,9 @@ class _Touches(NamedTuple):
     start, end : ndarray
         Start and end of each touch, s.
     pace : ndarray
-        Relative rate at which it begins; see `Events.touches`.
+        Relative rate at which each touch begins; see `Events.touches`.
     apart : ndarray
-        Sum of the gaps within it that do not count, s.
+        Sum of the gaps within each touch that do not count, s.
     """
 
     start: FloatArray
@@ -131,7 +132,7 @@ def _touches(of: Events, least: float) -> _Touches:
 
 
 def _times_apart(ones: _Touches, others: _Touches) -> float:
-    """Largest difference of start, end or sum of gaps, relative to the touch's end."""
+    """Return the largest difference of start, end or sum of gaps, relative to the touch's end."""
     if not ones.start.size:
         return 0.0
     latest = np.maximum(ones.end, others.end)

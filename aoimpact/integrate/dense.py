@@ -21,14 +21,14 @@ from ..scene import Scenario
 from .events import Events
 from .motion import Motion
 
-# Numbers of samples of a curve: within each step in contact, and in free motion per record.
+# Numbers of samples of a curve: in each step in contact, and in the free motion of a whole record.
 _PER_STEP = 8
 _IN_FREE_MOTION = 240
 
-# Intervals of central differences, relative to the shortest contact, for the rates of forces and
-# for accelerations. Over the first a smooth force changes nearly linearly and far more than its
-# rounding errors. With the second, relative errors are 1e-7 from the rates of the forces and 1e-6
-# from the curvature of smooth forces.
+# Intervals of central differences, relative to the shortest contact: _DIFFERENCE: for the rates of
+# forces; over it a smooth force changes nearly linearly and far more than its rounding errors.
+# _RESOLUTION: for accelerations; relative errors are 1e-7 due to the rates of the forces and 1e-6
+# due to the curvature of smooth forces.
 _DIFFERENCE, _RESOLUTION = 1e-6, 1e-3
 
 # Largest number of values in a curve's record, to limit memory; no screen shows more.
@@ -189,7 +189,7 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
 
 
 def _filled(times: FloatArray, duration: float) -> FloatArray:
-    """Ascending times, with evenly spaced ones added in intervals that are long for the record."""
+    """Return ascending times, with evenly spaced ones added in intervals long for the record."""
     apart = np.diff(times)
     parts = 1 + (_IN_FREE_MOTION * (apart / duration)).astype(np.intp)
     number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -200,7 +200,7 @@ def _filled(times: FloatArray, duration: float) -> FloatArray:
 def _slips(
     track: Any, contacts: Sequence[tuple[float, float]], number: int
 ) -> tuple[tuple[float, float], ...]:
-    """Intervals of full slip of the contact `number`.
+    """Return the intervals of full slip of the contact `number`.
 
     Each row of the core's record is the number of a contact, a time, s, and 1 if full slip begins
     then, or 0 if it ends.
@@ -219,10 +219,10 @@ def _slips(
 
 
 def _most_times(rows: int) -> int:
-    """Approximate largest number of times of a record with `rows` rows."""
+    """Return the approximate largest number of times of a record with `rows` rows."""
     return max(1000, int(_MOST_VALUES / rows))
 
 
 def _thinned(times: FloatArray, most: int) -> FloatArray:
-    """Every k-th time, with k such that about `most` times remain at most."""
+    """Return every k-th time, with the least k that leaves about `most` times or fewer."""
     return times[:: 1 + len(times) // most]

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from ..base import ROUNDING, ArrayPair, FloatArray
 
-# Least ratio of the curvature at either sample beside a peak to that at the peak for which a
-# parabola is fitted; with less at both, the force jumps or is not resolved. A jump changes the
-# curvature only at the samples next to it. Half a sine of N steps has the ratio cos(π/N), so that
-# four steps suffice.
+# A parabola is fitted to a peak if the ratio of the curvature at either neighbouring sample to that
+# at the peak is at least this. If both ratios are less, the force jumps or is not resolved. A jump
+# changes the curvature only at the samples next to it. Half a sine of N steps has the ratio
+# cos(π/N), so that four steps suffice.
 _LEAST_CURVATURE = 0.5
 
 
@@ -75,13 +75,13 @@ class Events(NamedTuple):
 
 
 def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
-    """Return the largest force and its time, to second order in the step.
+    """Return the largest force and its time, both to at least second order in the step.
 
     Each local maximum is the top of the parabola through its sample and the two beside it; the
-    error of the time is then O(dt²), of the force O(dt³). If the curvature at both neighbours is
-    less than half that at the maximum, the force has a jump or kink, of which a parabola does not
-    show the height, and the sample itself is taken. The curvature at one neighbour may be smaller:
-    a law may be stiffer in unloading than in loading.
+    error is then O(dt²) in the time and O(dt³) in the force. If the curvature at both neighbours is
+    less than half that at the maximum, the force has a jump or kink, whose height a parabola does
+    not show, and the sample itself is taken. The curvature at one neighbour may be smaller: a law
+    may be stiffer in unloading than in loading.
     """
     best = int(np.argmax(force))
     if force[best] <= 0.0:
@@ -135,9 +135,9 @@ def find_contacts(
 def _zeros(
     t: FloatArray, indentation: FloatArray, rate: FloatArray, steps: NDArray[np.intp]
 ) -> FloatArray:
-    """Time in [t_i, t_(i+1)] at which the indentation is zero, for each step; t_i if there is none.
+    """Return the time in [t_i, t_(i+1)] of zero indentation for each step; t_i if there is none.
 
-    There is none if bodies touch from the start, or if the law gives no force before.
+    There is no zero if bodies touch from the start, or if the law gives no force at first.
     """
     before, after = indentation[steps], indentation[steps + 1]
     found = t[steps].copy()
@@ -186,7 +186,7 @@ def find_slips(
                 turns.append(_drawn_on(t, stuck if stuck[i - 1] < 1.0 else left, i))
             else:
                 before, after = float(ahead[i - 1]), float(ahead[i])
-                # Negative if the sign has changed before the steps show stick.
+                # The share is negative if the sign has changed before the steps show stick.
                 share = before / (before - after) if after < before else 0.0
                 step = float(t[i] - t[i - 1])
                 turns.append(float(t[i - 1]) + step * max(-1.0, min(share, 1.0)))
@@ -196,7 +196,7 @@ def find_slips(
 
 
 def _drawn_on(t: FloatArray, values: FloatArray, i: int) -> float:
-    """Time in [t_(i-1), t_i] at which the values before, extrapolated linearly, reach zero."""
+    """Return the time in [t_(i-1), t_i] at which earlier values, extrapolated linearly, vanish."""
     before, last = float(values[i - 2]) if i > 1 else 0.0, float(values[i - 1])
     if last >= before:
         return float(t[i])

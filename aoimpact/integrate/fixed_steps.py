@@ -37,23 +37,24 @@ _MOST_BYTES = 4 * GIB
 # Number of steps within a contact in the first attempt, if no dt is given.
 _FIRST_STEPS = 50
 
-# Relative precision of friction's stretches (`Contact.for_core`) with the first step, and largest
-# one that the core accepts. It is proportional to the square of the step, so that the error
-# estimate includes its error, a hundredth of the rule's. With 0.02 it would be a third, and springs
-# that are left out would give back 4e-8 of the energy.
+# Relative precision of friction's stretches (`Contact.for_core`): _PRECISION: with the first step;
+# _ROUGHEST: largest one that the core accepts. It is proportional to the square of the step, so
+# that the error estimate includes its error, a hundredth of the rule's. With 0.02 it would be a
+# third, and springs that are left out would give back 4e-8 of the energy.
 _PRECISION, _ROUGHEST = 4e-4, 0.1
 
-# Largest number of halvings of the step. They reduce an error of second order by 4^16 = 4e9; an
-# error that remains does not converge.
+# Largest number of halvings of the step. An error of second order falls by a factor of 4^16 = 4e9;
+# if it is then too large, it does not converge.
 _MOST_HALVINGS = 16
 
-# Length of the step that finds the forces at t = 0, relative to the run's, in which coordinates
-# with mass do not move.
+# Ratio of the step that finds the forces at t = 0 to the run's step. It is so short that
+# coordinates with mass do not move.
 _INSTANT = 2.0**-10
 
-# Factor by which that step is shortened, largest number of shortenings, and relative change of the
-# forces at which to stop, which is proportional to the square of the step. Of 132 random runs with
-# massless points 104 need no second shortening, 19 up to five, and 9 all six.
+# _SHORTENED: factor on the step that finds the forces at t = 0; _MOST_SHORTENED: largest number of
+# shortenings; _SAME_START: relative change of the forces, proportional to the square of the step,
+# at which to stop. Of 132 random runs with massless points 104 need no second shortening, 19 up to
+# five, and 9 all six.
 _SHORTENED, _MOST_SHORTENED, _SAME_START = 2.0**-4, 6, 1e-6
 
 
@@ -108,7 +109,7 @@ class SteppedRecorder(Frozen):
         return self._between(self.plan.layout.pushes(self.record), times)
 
     def _between(self, rows: FloatArray, times: FloatArray) -> FloatArray:
-        """Rows of the record at times, s, interpolated linearly between the steps."""
+        """Return rows of the record at times, s, interpolated linearly between the steps."""
         found = [np.interp(times, self.times, row) for row in rows]
         return np.array(found).reshape(len(rows), len(times))
 
@@ -124,7 +125,7 @@ class SteppedRecorder(Frozen):
                 size = np.maximum(np.linalg.norm(of.tangential, axis=0), np.finfo(float).tiny)
                 ahead = (of.tangential * slide).sum(axis=0) / size - mu / ratio * rate
                 slips = find_slips(t, spans, of.stuck, mu * of.force - size, ahead)
-            # With average acceleration, the exact momentum that the steps transfer.
+            # For average acceleration, this is exactly the momentum that the steps transfer.
             impulse = float(np.trapezoid(of.force, t))
             found.append(Events(*find_peak(t, of.force), spans, impulse, slips))
         return tuple(found)
@@ -213,7 +214,7 @@ def _trial(
 
 
 def _error(*runs: SteppedRecorder | ConvergenceError) -> StepError:
-    """Error of the first of three runs, with dt, 2 dt and 4 dt."""
+    """Return the error of the first of three runs, with steps dt, 2 dt and 4 dt."""
     solved = [run for run in runs if isinstance(run, SteppedRecorder)]
     if len(solved) < len(runs):
         failed = next(run for run in runs if isinstance(run, ConvergenceError))
@@ -241,8 +242,8 @@ def newmark_run(
     duration : float, optional
         Duration of the record, s; by default that of the plan.
     start : (forces, rates), optional
-        Contact forces at t = 0, N, and their rates, N/s, shape (pushes,). By default they follow
-        from the laws, which is wrong for a massless contact point with a rate-dependent law.
+        Contact forces at t = 0, N, and their rates, N/s, shape (pushes,). The default, by the laws,
+        is wrong for a massless contact point with a rate-dependent law.
     energies : bool, optional
         True to record energies.
 
@@ -285,7 +286,7 @@ def newmark_run(
 
 
 def _steps(plan: Scenario, rule: Newmark, dt: float, duration: float) -> int:
-    """Least number of steps of `dt` that covers `duration`, both in s; checks the memory."""
+    """Return the least number of steps `dt`, s, that covers `duration`, s; check the memory."""
     steps = duration / dt * (1.0 - ROUNDING)
     needed = 8.0 * plan.layout.rows * (steps + 1.0)
     if needed > _MOST_BYTES:
@@ -300,7 +301,7 @@ def _steps(plan: Scenario, rule: Newmark, dt: float, duration: float) -> int:
 
 
 def _start(plan: Scenario, rule: Newmark) -> _Start:
-    """Contact forces just after t = 0, and their rates; None if the laws determine them.
+    """Return contact forces just after t = 0, and their rates; None if the laws determine them.
 
     The bodies' state does not determine the displacement of a massless contact point, or with a
     damper its velocity: it follows from the balance of all forces. It is found by two very short

@@ -31,9 +31,9 @@ class Motion:
     body : int
         Number of the body in the scene.
     resolution : float
-        Interval of differences in time, s, over which forces are smooth, or linear.
+        Interval of central differences for accelerations, s.
     instant : float
-        Interval of differences for the rates of the forces, s.
+        Interval of central differences for the rates of forces, s.
     """
 
     run: Any
@@ -63,7 +63,7 @@ class Motion:
         return (u, v) if rows is None else (rows @ u, rows @ v)
 
     def acceleration(self, rows: Any, times: FloatArray) -> FloatArray:
-        """Return rows @ q̈ at `times`, s; an adaptive run gets it from the forces instead."""
+        """Return rows @ q̈ at `times`, s; only for runs with fixed steps."""
         raise NotImplementedError
 
 
@@ -80,7 +80,7 @@ class SteppedMotion(Motion):
         return np.asarray(self._seen(rows, times)[2])
 
     def _seen(self, rows: Any, times: FloatArray) -> FloatArray:
-        """Products of `rows` with q, q̇ and q̈, shape (3, rows, times).
+        """Return the products of `rows` with q, q̇ and q̈, shape (3, rows, times).
 
         They are interpolated linearly between two steps. The linear equations of motion hold there
         as at the steps, and the error has the order of the rule.
@@ -105,7 +105,7 @@ class SteppedMotion(Motion):
         return self.run.plan.stepped(self.body).equations
 
     def _states(self, last: int) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
-        """Displacement, velocity and acceleration at the steps 0 … last."""
+        """Yield displacement, velocity and acceleration at the steps 0 … last."""
         body, dt, rule = self._equations, self.run.dt, self.run.rule
         beta, gamma = rule.beta, rule.gamma
         # A wall has no column for the weight.
@@ -125,9 +125,9 @@ class SteppedMotion(Motion):
 
 
 def _at_start(body: Equations, forces: FloatArray, inverse: Factorization) -> FloatArray:
-    """Accelerations at t = 0 from the balance of forces; 0 of massless coordinates.
+    """Return accelerations at t = 0 from the balance of forces; 0 for massless coordinates.
 
-    If M without these is singular, the accelerations of the first step are taken.
+    If M without massless coordinates is singular, the accelerations of the first step are taken.
     """
     left = body.B @ forces - body.K @ body.u0 - body.C @ body.v0
     heavy = np.flatnonzero(body.M.diagonal() > 0.0)

@@ -16,16 +16,16 @@ from ..base import boolean, checked, positive, within
 # Smallest tolerance, in view of the digits of double precision.
 TIGHTEST = 1e-13
 
-# Least peak or impulse of a contact, or a touch, that errors are relative to, as a share of the
-# largest one: rounding errors decide if bodies that move on side by side graze each other. The core
-# has the same rule (step.h).
+# Errors of the peak or impulse of a contact or touch are relative to at least this share of the
+# largest peak or impulse: rounding errors decide if bodies that move on side by side graze each
+# other. The core has the same rule (step.h).
 LESSER = 0.01
 
 # Finest precision of a contact's tangential stretches, relative to the largest one. It takes some
-# 700 springs of the 2048 that the core has room for, and 1150 for a ball that has rolled for 1800
-# periods of its tangential vibration, each of which leaves two. The relative error of an impact's
-# friction is 0.01 to 0.14 of the precision for motion along one line, and up to 0.7 of it for a
-# slide that changes its direction.
+# 700 of the 2048 springs that the core has room for; a ball that has rolled for 1800 periods of its
+# tangential vibration, each of which leaves two springs, takes 1150. The relative error of an
+# impact's friction is 0.01 to 0.14 of the precision for motion along one line, and up to 0.7 of it
+# for a slide that changes its direction.
 DRAWN = 1e-5
 
 
@@ -50,7 +50,7 @@ class Adaptive:
     at least a hundredth of the largest contact's. Errors of the start and end of a contact are
     relative to its end. Velocities are those of centres of mass after contacts; their errors are
     relative to the largest initial velocity, or a larger one that gravity and loads cause, and for
-    bodies at rest to a thousandth of the velocity that the impulse of their contacts would give
+    bodies at rest relative to a thousandth of the velocity that their contacts' impulse would give
     them. A velocity or displacement at a given time of a long record suffers from the error of the
     contact times as well: for a ball that bounces under gravity g, by g rtol t.
 

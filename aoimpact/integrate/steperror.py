@@ -33,14 +33,15 @@ _NO_DIGIT = 0.2
 # makes the median estimate 9 times the error instead of 5.6.
 _AROUND_PEAK = 0.8
 
-# Indentation relative to the largest one, and force there relative to the peak above which a law is
-# taken to jump at the touch. A third or three times either value changes none of 1488 estimates.
+# _AT_TOUCH: indentation, relative to the largest one, at which a law's force is checked for a jump
+# at the touch; _NO_JUMP: largest ratio of that force to the peak without a jump. A third or three
+# times either value changes none of 1488 estimates.
 _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
 
 # Friction force relative to the normal force below which it is a rounding error.
 _NO_FRICTION = 1e-9
 
-# Least impulse of friction that errors are relative to, as a share of the integral of the force's
+# Errors of friction's impulse are relative to at least this share of the integral of the force's
 # magnitude: the impulse of a force that reverses may vanish.
 _TURNED = 0.1
 
@@ -107,13 +108,13 @@ def time_error(
 
 
 def _scales(sizes: FloatArray) -> FloatArray:
-    """Values that errors are divided by, (contacts, …): sizes of at least 1/100 of the largest."""
+    """Return the values that errors are divided by: sizes, or 1/100 of the largest if less."""
     least = LESSER * np.maximum(sizes.max(axis=0), np.finfo(float).tiny)
     return np.asarray(np.maximum(sizes, least))
 
 
 def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
-    """Largest relative change from a run to that with twice the step; None with too few steps."""
+    """Return the largest relative change from a run to one of twice the step; None if too short."""
     shared = min(len(theirs.times), (len(ours.times) + 1) // 2)
     if shared < 3:
         return None
@@ -133,7 +134,7 @@ def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
 
 
 def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Change and size of the peak, then of the impulse, of a force with shape (axes, times)."""
+    """Return change and size of the peak, then of the impulse, of a force, shape (axes, times)."""
     every, rubs = t[::2], len(ours) > 1
     size, other = (np.linalg.norm(of, axis=0) if rubs else of[0] for of in (ours, theirs))
     # Friction has a kink at the start of full slip, where a parabola does not give the peak.
@@ -153,7 +154,7 @@ def _touch_error(run: SteppedRecorder, contact: int) -> float:
 
     A step detects a touch only at its end, so that up to one step of the force after a jump is
     missing: its momentum and, if the jump is the peak, the decrease of the force since then. Two
-    runs may miss the same, which their difference does not show.
+    runs may miss the same amount, so that their difference does not show it.
     """
     law, bodies = run.plan.contacts[contact].law, run.plan.bodies
     force, indentation = run.plan.layout.contact(run.record, contact)[:2]
@@ -181,7 +182,7 @@ def _touch_error(run: SteppedRecorder, contact: int) -> float:
 
 
 def _unseen_loads(run: SteppedRecorder) -> float:
-    """Error from changes of loads within steps, relative to the largest impulse or peak force.
+    """Return the error due to load changes within steps, relative to the largest impulse or peak.
 
     A step uses the load at its ends. All compared runs miss a pulse within a step: its impulse and,
     at a massless contact point, which transfers it at once, its excess over the values at the ends.
@@ -213,11 +214,11 @@ def _unseen_loads(run: SteppedRecorder) -> float:
 
 
 def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray:
-    """Bound of each contact's force between steps minus its largest force at a step, N.
+    """Return bounds of each contact's force between steps minus its largest force at a step, N.
 
     Between steps the indentation follows the parabola through three of them, with an error of at
-    most its change with twice the step. A load f displaces a mode by r f / ω². The amplitude of
-    vibration that it causes is at most r / ω² times the sum of changes of f, and at most r / ω³
+    most its change with twice the step. A load f displaces a mode by r f / ω². The amplitude of the
+    vibration caused by the load is at most r / ω² times the sum of changes of f, and at most r / ω³
     times the sum of changes of its slope. Steps longer than the mode's period show only the
     displacement.
     """
@@ -234,7 +235,7 @@ def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray
 
 
 def _highest_crest(free: BoolArray, ours: FloatArray, coarse: FloatArray) -> float:
-    """Largest indentation at which a contact without force turns back, or the record ends, m.
+    """Return the largest indentation, m, at which an open contact turns back or the record ends.
 
     `free` is True at steps without force; `ours` and `coarse` are the indentations with the steps
     dt and 2 dt.
@@ -252,7 +253,7 @@ def _highest_crest(free: BoolArray, ours: FloatArray, coarse: FloatArray) -> flo
 
 
 def _unresolved(plan: Scenario, body: int, dt: float) -> FloatArray:
-    """Largest vibration of a body's ports in modes that steps do not resolve, m, (ports,)."""
+    """Return the largest vibration of a body's ports in modes that steps do not resolve, m."""
     model, load, slowest = plan.bodies[body], plan.load_on(body), _RESOLVED / dt
     pull = 0.0 if plan.preload else float(np.linalg.norm(plan.pull))
     if model.wall or (load is None and pull == 0.0):

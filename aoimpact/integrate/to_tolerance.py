@@ -19,33 +19,33 @@ from .settings import TIGHTEST, Adaptive
 FLOOR = 0.01 * TIGHTEST
 
 # Largest difference of two adaptive runs for which errors are assumed proportional to their causes;
-# above it the error is set to 1. A third of this value costs 1.3 % more steps. With seven times as
-# much, a scene of 784 touches fails that another run confirms. Three times as much still detects
-# chaos; with 1, the estimate is 0.07 where two runs differ by 0.27.
+# above it the error is set to 1. A third of this value costs 1.3 % more steps. With seven times
+# this value, a scene of 784 touches fails although another run confirms it. Three times this value
+# still detects chaos; with a value of 1, the estimate is 0.07 where two runs differ by 0.27.
 LINEAR = 0.03
 
 # Safety factor of the comparison of two adaptive runs: errors are proportional to the tolerance,
-# except for this factor by which single contacts fall below or exceed theirs. A second run, with a
-# tolerance smaller by this factor and the number of touches, confirms itself unless errors
-# multiply. Over 61 scenes of 2 to 58 touches and five tolerances the largest true error is 0.19 of
-# the tolerance; with 3 it is 1.7, and 30 costs 8 % more steps.
+# but those of single contacts may deviate by this factor. A second run, with a tolerance smaller by
+# this factor and the number of touches, confirms itself unless errors multiply. Over 61 scenes of 2
+# to 58 touches and five tolerances the largest true error is 0.19 of the tolerance; with a factor
+# of 3 it is 1.7; a factor of 30 costs 8 % more steps.
 SPREAD = 10.0
 
 # Share of the tolerance to which a scene of several contacts is run. Bodies that meet after other
-# contacts at a twentieth of their speeds multiply these contacts' errors by twenty: with 1, errors
-# of two of 6000 scenes were 11 and 17 times the tolerance. It costs 13 % more steps over 306 such
-# scenes; 0.1 costs 22 %, and in one of 30 scenes of dashpots on a massless point no step meets it
-# at 1e-9.
+# contacts at a twentieth of their speeds multiply these contacts' errors by twenty: with a share of
+# 1, errors of two of 6000 scenes were 11 and 17 times the tolerance. The share of 0.3 costs 13 %
+# more steps over 306 such scenes. A share of 0.1 costs 22 %, and in one of 30 scenes of dashpots on
+# a massless point no step meets it at a tolerance of 1e-9.
 SEVERAL = 0.3
 
-# Relative rounding error per contact. It adds up over equal contacts, and tighter runs have the
-# same. The largest one found was 2.0e-15 per bounce, for 200 balls on a floor with a closed form.
+# Relative rounding error per contact. It adds up over equal contacts, and is the same in tighter
+# runs. The largest one found was 2.0e-15 per bounce, for 200 balls on a floor with a closed form.
 ROUNDING = 12.0 * float(np.finfo(float).eps)
 
 # Largest tolerance of a tighter run. With larger ones two runs may take the same steps through a
 # first touch that is hardly longer than a step. Both then have the same error, which later touches
-# multiply: in one of 3000 scenes by 1e5. It costs 13 % more steps over 1200 scenes with a tolerance
-# of 6e-5, and none with 1e-6 or less.
+# multiply: in one of 3000 scenes by 1e5. This limit costs 13 % more steps over 1200 scenes with a
+# tolerance of 6e-5, and none with tolerances of 1e-6 or less.
 OTHER_STEPS = 1e-7
 
 # Largest number of steps of a tighter run, in units of the first run's: twice what a method of

@@ -44,26 +44,27 @@ if TYPE_CHECKING:
 
 # ------------------------------------------------------------------- limits of linear elasticity
 
-# Largest ratio of contact radius to radius of curvature, and ratio of the strain to it (Tabor).
-# Sneddon's spherical punch has 1 % less force than Hertz's paraboloid here, and 3 % less at .5.
+# _WIDTH: largest ratio of contact radius to radius of curvature. _STRAIN: ratio of the strain to
+# that ratio (Tabor). The force on Sneddon's spherical punch is 1 % less than on Hertz's paraboloid
+# at the ratio _WIDTH, and 3 % less at .5.
 _WIDTH, _STRAIN = 0.3, 0.2
 
 # Largest impact velocity relative to the wave speed in a bar, c. The strain of two bars that meet
 # at v is of the order of v/c.
 _SPEED = 0.01
 
-# Largest deflection relative to the thickness of a body constrained on both sides, and relative to
-# the size of any body. At the first the linear deflection has an error of 12 %: the load on a
-# clamped plate is proportional to w + .471 w³/h² (Timoshenko, *Theory of Plates and Shells*,
-# section 100).
+# _THICKNESS: largest ratio of deflection to thickness of a body constrained on both sides. _SIZE:
+# largest ratio of deflection to size of any body. At _THICKNESS the linear deflection has an error
+# of 12 %: the load on a clamped plate is proportional to w + .471 w³/h² (Timoshenko, *Theory of
+# Plates and Shells*, section 100).
 _THICKNESS, _SIZE = 0.5, 0.1
 
 # Largest abs(cosine) between an axis and the contact's direction at which supports along the axis
 # count as in-plane: they stop the edges from being drawn in.
 _ACROSS = 0.5
 
-# Ratios of projectile to plate mass. Below the first the impact is over before waves return from
-# the supports; above the second the plate responds quasi-statically (R. Olsson, Composites A 31,
+# Ratios of projectile to plate mass. Below _WAVES the impact is over before waves return from the
+# supports; above _QUASI_STATIC the plate responds quasi-statically (R. Olsson, Composites A 31,
 # 879, 2000).
 _WAVES, _QUASI_STATIC = 0.2, 2.0
 
@@ -77,8 +78,8 @@ class Advice:
     name : str
         "yield", "deflection", "mass ratio" or "speed".
     value : float
-        Peak force over the force of first yield, deflection over the body's thickness or size,
-        projectile's over target's mass, or impact velocity over wave speed.
+        Ratio of the peak force to that at first yield, of the deflection to the body's thickness or
+        size, of the projectile's mass to the target's, or of the impact velocity to the wave speed.
     limit : float
         Largest value without a warning; infinite where there is no limit.
     meaning : str
@@ -95,7 +96,7 @@ class Advice:
 
     @property
     def within(self) -> bool:
-        """True if the value is within the limit."""
+        """True if the value does not exceed the limit."""
         return self.value <= self.limit
 
     def __str__(self) -> str:
@@ -119,7 +120,7 @@ class Limit(NamedTuple):
     meanings : (str, str)
         `Advice.meaning` within the limit and beyond it.
     rows : callable, optional
-        Returns the `Advice` of a run where its value is not `of` over `scale`.
+        Returns the `Advice` of a run if its value is not the ratio of `of` to `scale`.
     """
 
     of: str
@@ -163,7 +164,7 @@ def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]
     both = zip(plan.bodies, run.velocities_before.tolist(), strict=True)
     moving = [(math.inf if of.known_mass is None else of.known_mass, v) for of, v in both if v]
     before = run.velocities_before
-    if len(plan.contacts) > 1:  # others may have come first
+    if len(plan.contacts) > 1:  # other contacts may have come first
         before = run.mean_velocities(events.contacts[0][0])
     reached = {
         "force": events.peak_force,
@@ -213,7 +214,7 @@ def _yield(joint: _Joint) -> Limit | None:
 
 
 def _width(joint: _Joint) -> Limit | None:
-    """Limit of the force: a wider contact is too large relative to the radius of curvature."""
+    """Limit of the force, above which the contact is too wide for the radius of curvature."""
     if (surface := joint.surface) is None:
         return None
     text = (
@@ -238,7 +239,7 @@ def _speed(joint: _Joint) -> Limit | None:
 
 
 def _deflection(joint: _Joint) -> Limit | None:
-    """Limit of the energy, below which each constrained body surely has a small deflection.
+    """Limit of the energy, below which the deflection of each constrained body is surely small.
 
     A deflection u takes at least the energy k0 u²/2. Where no such bound is known the limit is 0,
     so that the deflection itself is always checked.
@@ -290,7 +291,7 @@ def _stretches(tip: ContactPoint) -> bool:
 
 
 def _thickness(joint: _Joint) -> Limit | None:
-    """Limit of the force: a wider contact exceeds the thickness of a shell or of a beam's wall."""
+    """Limit of the force, above which the contact is wider than a shell or beam's wall is thick."""
     walls = [tip.thin.narrowest for _, _, tip in joint.tips if tip.thin is not None]
     if (surface := joint.surface) is None or not walls:
         return None
@@ -317,7 +318,7 @@ def _mass_ratio(joint: _Joint) -> Limit | None:
 
 
 def _shell(joint: _Joint) -> Limit | None:
-    """Limit of the force: 0 if a contact lies on flat solid elements of a thin sheet."""
+    """Limit of the force: 0, so always exceeded, on flat solid elements of a thin sheet."""
     shells = [shell for _, _, tip in joint.tips if (shell := _as_a_shell(tip))]
     return Limit("force", 1.0, 0.0, "; ".join(shells)) if shells else None
 
@@ -339,8 +340,8 @@ RULES: dict[str, Callable[[_Joint], Limit | None]] = {
 # ------------------------------------------------------------------- models fitted to a contact
 
 # Largest relative unbalanced force at which contacts after the first are accurate. On five bodies
-# that ring between two to four contacts the relative error of the impulse was .02 to .45 above
-# 6e-5, and less than .001 below 2e-5.
+# that ring between two to four contacts, the relative error of the impulse was .02 to .45 for
+# unbalanced forces above 6e-5, and less than .001 for those below 2e-5.
 _BALANCED_AGAIN = 3e-5
 
 # Largest relative unbalanced force at which the displacement after a contact is accurate. On twelve
@@ -352,8 +353,8 @@ _BALANCED_AFTER = 1e-3
 def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
     """Warn where a model is inaccurate for the durations of its body's contacts.
 
-    Two durations are checked: of the contact with the peak force, and from the first to the last
-    contact of the body, whose motion between two contacts determines the force of the second.
+    Two durations are checked: that of the contact with the peak force, and the time from the body's
+    first contact to its last, since its motion in between determines the later forces.
 
     Parameters
     ----------
@@ -370,7 +371,7 @@ def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
             if fitted is None or body in said or not events.contacts:
                 continue
             start, end = events.peak_contact or (0.0, 0.0)
-            # A contact that the record cuts off would have lasted at least as long as fitted.
+            # Do not warn that a contact is too short if the record cuts it off.
             contact_time = max(end - start, fitted) if end >= run.duration else end - start
             starts, ends = zip(*_touches(run, body), strict=True)
             touched_for = max(ends) - min(starts) if max(starts) > min(ends) else 0.0
@@ -395,8 +396,8 @@ def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
 def follows(run: Run, body: int) -> bool:
     """Return whether a body's displacement is known to be accurate after the contact.
 
-    The criterion is the forces that its model leaves unbalanced at the time scale of the record:
-    they cost a few products with K and M, an estimate of the error another run.
+    The criterion is the force that its model leaves unbalanced at the time scale of the record. It
+    costs a few products with K and M, whereas an error estimate costs another run.
     """
     model, touches = run.plan.bodies[body], _touches(run, body)
     if model.contact_time is None or not touches or not len(run.t):
@@ -409,7 +410,7 @@ def follows(run: Run, body: int) -> bool:
 
 
 def _touches(run: Run, body: int) -> list[tuple[float, float]]:
-    """Start and end of every contact of a body, s."""
+    """Return start and end of every contact of a body, s."""
     return [
         touch
         for contact, of in zip(run.plan.contacts, run.events, strict=True)
@@ -420,17 +421,19 @@ def _touches(run: Run, body: int) -> list[tuple[float, float]]:
 
 # ------------------------------------------------------------------- bodies and contact points
 
-# Ratio of β to the contact's duration above which neglected dashpots at a massless contact matter.
-# At it, the relative errors for a body of one oscillator are 2e-4 (peak), 9e-4 (rebound velocity).
+# Largest ratio of the damping coefficient β to the contact's duration at which dashpots at a
+# massless contact are negligible. For a body of one oscillator, the relative errors at this ratio
+# are 2e-4 (peak force) and 9e-4 (rebound velocity).
 _LAGS = 1e-4
-# Mass that a warning proposes for such a contact, relative to the body's: its effect is as small.
+# Ratio of the mass that a warning proposes for a massless contact to the body's mass. Its effect is
+# as small as that of dashpots at _LAGS.
 _LIGHT = 1e-6
 
-# Least cosine of the angle between direction and normal without a warning. 10° allow for the facets
-# of coarse meshes.
+# Least cosine of the angle between a contact's direction and normal without a warning. The angle of
+# 10° allows for the facets of coarse meshes.
 _OBLIQUE = math.cos(math.radians(10.0))
 
-# Largest distance of two contact points that count as one, relative to the first body's size.
+# Largest distance between two contact points that count as one, relative to the first body's size.
 _SHARED = 1e-3
 
 
@@ -506,7 +509,7 @@ def _face_alike(first: ContactPoint, second: ContactPoint) -> bool:
 
 
 def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
-    """Warn of a finite-element projectile with supports, where the target is free.
+    """Warn if a finite-element projectile has supports and the target is free.
 
     A projectile on springs only is accepted: it may be a tup on its guide.
     """
@@ -524,11 +527,11 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
 
 # ------------------------------------------------------------------- errors
 
-# Largest ratio of energy drift to the error of time integration, and least value of that error,
-# which allows for rounding.
+# _DRIFT: largest ratio of energy drift to the error of time integration. _LEAST_ERROR: least value
+# of that error, which allows for rounding.
 _DRIFT, _LEAST_ERROR = 100.0, 1e-12
 
-# Largest relative error from a mesh, or from a contact, without a warning.
+# Largest relative error due to a mesh or a contact law without a warning.
 MESH_LIMIT = 0.1
 
 
@@ -565,7 +568,7 @@ def _size(error: float) -> str:
 
 
 def _as_a_shell(tip: ContactPoint) -> str:
-    """Return text that proposes a shell instead of flat solids under a contact; else empty."""
+    """Return text that proposes a shell in place of flat solids under a contact, or ""."""
     if not tip.flat:
         return ""
     material = tip.made_of
@@ -578,7 +581,8 @@ def _as_a_shell(tip: ContactPoint) -> str:
 def warn_of_ledger(energy: float, error: float | None) -> None:
     """Warn where the energy drifts by far more than the error of time integration allows.
 
-    Over 600 random scenes the drift was at most 0.3 times that error, 10 at massless contacts.
+    Over 600 random scenes the drift was at most 0.3 times that error; 10 times with massless
+    contacts.
     """
     if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
         warn(
@@ -589,9 +593,10 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
 
 # ------------------------------------------------------------------- limits and misses
 
-# Largest ratio of element to bending wave length, (D/(m s²))^(1/4) at s = 5 / (rise time of the
-# force), at which the finer mesh gives an error estimate. For shells and beams, whose finer
-# elements are half as long, it is 0.9 of half a wave of which a quarter period is the rise time.
+# Largest ratio of element length in the finer mesh to the length (D/(m s²))^(1/4) of bending waves,
+# s = 5 / (rise time of the force), at which that mesh gives an error estimate. Before refinement,
+# elements of shells and beams are twice as long: 0.9 of half the length of a wave whose quarter
+# period is the rise time.
 _BENDING = 2.5
 
 
@@ -635,7 +640,7 @@ def warn_of_run(run: Run) -> None:
 
 
 def outgrown(run: Run) -> Iterator[tuple[int, ContactPoint, float, float, float]]:
-    """Yield the contact points with elements too long for bending waves to estimate their error.
+    """Yield the contact points whose elements are too long for an error estimate in bending waves.
 
     Each row is the body's number, its contact point, the length of the elements there, m, the rise
     time of the force, s, and the largest length that resolves the waves, m.
@@ -654,7 +659,7 @@ def outgrown(run: Run) -> Iterator[tuple[int, ContactPoint, float, float, float]
 
 
 def _missed(run: Run) -> str:
-    """Text of the warning that no bodies met, for the contact that came closest; or empty."""
+    """Return the warning that no bodies met, for the contact that came closest; else ""."""
     recorder, layout = run.recorder, run.plan.layout
     t = run.even_times(0.0, run.duration) if recorder.dense else recorder.times
     rows = recorder.rows(t, energies=False)

@@ -91,10 +91,10 @@ class ErrorParts:
 
     @property
     def total(self) -> float:
-        """Sum of the parts; NaN if one of them is not known: `least` is the sum of the known ones.
+        """Sum of the parts; NaN if a part is not known. The sum of the known parts is `least`.
 
-        NaN also for a number that does not exist, such as the restitution of bodies that have not
-        parted.
+        It is NaN also for a number that does not exist, such as the restitution of bodies that have
+        not parted.
         """
         return math.nan if self.unknown else self.least
 
@@ -109,7 +109,7 @@ class ErrorParts:
         return tuple(name for name, part in self._sources.items() if part is None)
 
     def listed(self) -> str:
-        """Return the parts in percent, in words.
+        """Return text with the parts in percent, and the names of unknown parts.
 
         :meta private:
         """
@@ -119,7 +119,7 @@ class ErrorParts:
         return ", ".join([missing, *parts] if last else parts)
 
     def bound(self) -> str:
-        """Return the error in percent, in words; "at least" its known parts if one is not known.
+        """Return the error as text, in percent; "at least" the known parts if a part is not known.
 
         :meta private:
         """
@@ -137,7 +137,7 @@ class ErrorEstimate(ErrorParts):
 
     ``error.mesh``, ``.contact``, ``.model``, ``.time`` and ``.total`` are those of the first
     quantity of interest, or of the force if none was given. The tolerance bounds only the model's
-    part of the quantities of interest; all other errors are only estimated. Iterating gives the
+    part of the quantities of interest; all other errors are only estimated. Iteration yields the
     names.
 
     Attributes
@@ -192,7 +192,7 @@ class ErrorEstimate(ErrorParts):
 
 
 def percent(share: float | None) -> str:
-    """Return a relative error in percent with two digits, without the sign."""
+    """Return a relative error in percent with two digits, without the percent sign."""
     if share is None:
         return "not known"
     if math.isnan(share):

@@ -2,8 +2,8 @@
 
 A plot is drawn on the given axes, or on those of a new figure, and returns them; keywords go to
 ``Axes.plot``. Units get the prefix that suits the numbers, and a second curve on the same axes
-keeps the prefix of the first. `during` is the time span that is drawn: "contact", from shortly
-before the first contact to shortly after the last, "record", or (start, end), s. An ``ax`` that is
+keeps the prefix of the first. `during` is the time span that is drawn: "contact" (from shortly
+before the first contact to shortly after the last), "record", or (start, end), s. An ``ax`` that is
 no Axes raises InputTypeError.
 """
 
@@ -49,10 +49,10 @@ _SIZE = 0.35
 
 
 def shown(run: AnyRun, during: During) -> AnyRun:
-    """Return a run at enough times within a time span to draw its curves.
+    """Return a run read at enough times within a time span for smooth curves.
 
-    Runs with fixed steps, or read at chosen times, keep their times. Dense output is evaluated as
-    finely as the fastest natural mode requires.
+    Runs with fixed steps, or read at chosen times, keep their times. Any other run is evaluated as
+    finely as its fastest natural mode requires.
 
     Raises
     ------
@@ -219,7 +219,7 @@ def plot_displacement(
 
 
 def plot_interaction(result: Result, ax: Axes | None = None, **kwargs: Any) -> Axes:
-    """Draw the force over the approach of the centres of mass (paper, Fig. 7).
+    """Draw the force against the approach of the centres of mass (paper, Fig. 7).
 
     Examples
     --------
@@ -262,7 +262,7 @@ def plot_force(
     curves: list[Curve] = []
     for contact, of in zip(run.plan.contacts, run.each_contact, strict=True):
         first, second = (run.plan.body_names[body] for body in (contact.first, contact.second))
-        # A contact without a name is told apart by the names of its bodies.
+        # The label of a contact without a name includes the names of its bodies.
         alone = contact.name or not (first and second)
         label = of.name if alone else f"{of.name}: {first} on {second}"
         curves.append((of.force, {"label": label} if len(run.each_contact) > 1 else {}))

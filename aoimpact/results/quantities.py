@@ -28,26 +28,28 @@ if TYPE_CHECKING:
     from .run import Run
 
 
-# Returns the values of a run at times, s, as an array of shape (rows, times).
+# Function of a run and times, s, that returns the values of histories, shape (rows, times).
 History = Callable[["Run", FloatArray], FloatArray]
 
 # Least value that an error is divided by, relative to the largest value of all contacts of a scene:
 # a contact that only grazes has no accurate digits.
 _LEAST_CONTACT = 0.1
 
-# Least value that an error is divided by: of a rebound velocity relative to the largest initial
-# velocity, and of a restitution. Those of a body that is almost stopped have no accurate digits.
+# Least value that an error is divided by: for a rebound velocity, relative to the largest initial
+# velocity; for a restitution, absolute. A body that is almost stopped has no accurate digits in
+# either.
 _LEAST_REBOUND = 0.1
 
 # Number of times at which two runs' momenta are compared while bodies touch.
 _ON_THE_WAY = 400
 
-# Number of times, around the largest friction force of a record, at which it is looked for again.
+# Number of times around the maximum of a record at which the largest friction force is searched
+# again.
 _BETWEEN = 65
 
 
 def recorded(rows: Callable[[Run], FloatArray]) -> History:
-    """Return a `History` from a function that gives rows at a run's own times."""
+    """Return a `History` from a function that returns rows at a run's own times."""
     return partial(read, rows)
 
 
@@ -70,9 +72,8 @@ class Speeds:
     Attributes
     ----------
     before, after : array
-        Velocities of the centres of mass along the direction of travel, m/s: `before` when the
-        first contact begins, 0 for supported bodies at rest, `after` when the last one has ended,
-        NaN where not known.
+        Velocities of the centres of mass along the direction of travel, m/s, when the first contact
+        begins (0 for supported bodies at rest) and when the last one has ended (NaN if unknown).
     fixed : array of bool
         True for a constrained body or a wall.
     pair : (int, int) or None
@@ -171,11 +172,11 @@ class Quantity:
         return np.broadcast_to(np.asarray(number, dtype=np.float64), speeds.before.shape[1:])
 
     def names(self, run: Run) -> list[str]:
-        """Return the names of its numbers: "peak_force", in a scene "contacts.0.peak_force"."""
+        """Return the names in a run: "peak_force", in a scene "contacts.0.peak_force"."""
         return [self.called(run, i) for i in range(len(self.values(run)))]
 
     def called(self, run: Run, number: int) -> str:
-        """Return the name of its number at index `number`."""
+        """Return the name of the quantity's number at index `number`."""
         owned = run.plan.scene and self.each
         return f"{self.each}.{number}.{self.name}" if owned else self.name
 
@@ -184,18 +185,18 @@ class Quantity:
         return float(np.abs(self.deviation(run, exact)).max(initial=0.0))
 
     def deviation(self, run: Run, exact: Run) -> FloatArray:
-        """Return the signed relative differences of a run to a more accurate one, flattened.
+        """Return the signed relative differences of a run from a more accurate one, flattened.
 
         Histories are compared at the times of the more accurate run. Differences are relative to
-        the largest value of the history, or to the number, but to no less than a tenth of the
-        largest one of all contacts.
+        the number, or to the largest value of the history, but at least to a tenth of the largest
+        such value of all contacts.
         """
         if self.history is not None:
             mine, right = self.history(run, exact.t), self.history(exact, exact.t)
             size = np.abs(right).max(axis=1)
         else:
             mine, right = self.compared(run), self.compared(exact)
-            if not len(right):  # such as friction in runs without friction
+            if not len(right):  # the run lacks the quantity, such as friction
                 return np.zeros(1)
             there = ~(np.isnan(mine) & np.isnan(right))
             if not there.any():  # no number to compare
@@ -250,8 +251,8 @@ class Quantity:
     def compared(self, run: Run) -> FloatArray:
         """Return the numbers by which runs are compared; they are cached in the run.
 
-        Unlike `values` they use velocities at the record's end if contact has not ended, and the
-        mean over the static mode where a centre of mass is not known.
+        Unlike `values`, they use the velocities at the record's end if contact has not ended, and
+        the mean velocity over the static mode if a centre of mass is not known.
         """
         if self.name not in run.compared:
             if self.of_contact is not None:
@@ -273,7 +274,7 @@ class Quantity:
 
 
 def look_up(result: Run, name: str, argument: str) -> float:
-    """Return a number of a run by its name: of a quantity, or else of an attribute of the run.
+    """Return a number of a run by the name of a quantity or, failing that, of an attribute.
 
     Parameters
     ----------
@@ -281,7 +282,7 @@ def look_up(result: Run, name: str, argument: str) -> float:
     name : str
         Name as of `Run.value`. Attributes are dotted, with numbers as indices of sequences.
     argument : str
-        Name of the argument that the name was given as, for messages.
+        Argument of the caller that has the name, for messages.
 
     Raises
     ------
@@ -327,14 +328,15 @@ def number_errors(
 ) -> Mapping[str, float]:
     """Return relative error estimates of the force and of each number of a run, by name.
 
-    The error of "peak_force" or, in a scene, "contacts.0.peak_force", is the largest difference to
-    the other runs, each times its factor. It is infinite where one of the runs has no such number.
+    The error of "peak_force" or, in a scene, "contacts.0.peak_force", is the largest difference
+    from the other runs, each multiplied by its factor. It is infinite where one of the runs has no
+    such number.
 
     Parameters
     ----------
     run : Run
     others : sequence of (Run, float)
-        Runs to compare with, and the factor of the difference to each.
+        Runs to compare with, and the factor of the difference from each.
     known : mapping of str to float, optional
         Errors that are known already.
     on_the_way : bool, optional
@@ -365,10 +367,10 @@ def number_errors(
 
 
 def _momentum_apart(run: Run, other: Run) -> FloatArray:
-    """Root mean square difference of the momentum that each contact has transferred, N s.
+    """Return the root mean square difference of each contact's transferred momentum, N s.
 
-    The mean is over the time from the first to the last contact, the shape is (contacts,). It is
-    infinite for a contact that touches more often in one run.
+    The mean is over the time from the first to the last contact, and infinite for a contact that
+    touches more often in one run. The shape is (contacts,).
     """
     first, last = run.touching or (0.0, 0.0)
     times = np.linspace(first, last, _ON_THE_WAY)
@@ -381,7 +383,7 @@ def _momentum_apart(run: Run, other: Run) -> FloatArray:
 
 
 def number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
-    """Quantity with this name, index of the number, and all numbers; KeyError if there is none."""
+    """Return a name's quantity, the number's index and all numbers; raise KeyError if unknown."""
     *_, at, last = ("", "", *name.split("."))
     quantity, place = QUANTITIES[last], int(at) if at.isdigit() else 0
     known = not quantity.is_history and name == quantity.called(run, place)
@@ -391,7 +393,7 @@ def number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
 
 
 def _speeds(run: Run, after: FloatArray) -> Speeds:
-    """`Speeds` of a run from the velocities after its last contact, m/s."""
+    """Return the `Speeds` of a run with given velocities after its last contact, m/s."""
     plan = run.plan
     pair = (plan.contacts[0].first, plan.contacts[0].second) if len(plan.contacts) == 1 else None
     fixed = np.array([of.constrained for of in plan.bodies])
@@ -399,7 +401,7 @@ def _speeds(run: Run, after: FloatArray) -> Speeds:
 
 
 def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
-    """Differences divided by the scale of each row; infinite for a scale of 0, but 0/0 is 0."""
+    """Return differences divided by the scale of each row; x/0 is infinite, but 0/0 is 0."""
     scales = scales.reshape(-1, *(1,) * (difference.ndim - 1))
     relative = np.where(difference == 0.0, 0.0, np.copysign(np.inf, difference))
     np.divide(difference, scales, out=relative, where=np.broadcast_to(scales > 0.0, relative.shape))
@@ -407,7 +409,7 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
 
 
 def _allowed(run: Run, momenta: FloatArray) -> FloatArray:
-    """Uncertainties of contacts' momenta, N s, limited by the energy left in the bodies.
+    """Return uncertainties of contacts' momenta, N s, bounded by the energy left in the bodies.
 
     Two bodies that part with e times their velocity keep 1 - e² of their energy as vibration. If
     all of it is uncertain, the relative uncertainty of the impulse is (1 - e)/(2 e).
@@ -433,12 +435,12 @@ def _of_bodies(run: Run, momenta: FloatArray) -> FloatArray:
 
 
 def _unbounded(run: Run, momenta: FloatArray) -> FloatArray:
-    """Bounds of each body's number: infinite if a change of momentum is, else 0."""
+    """Return inf for each body if the momentum change at any contact is infinite, else 0."""
     return np.full(len(run.plan.bodies), math.inf if np.isinf(momenta).any() else 0.0)
 
 
 def _restitution(of: Speeds) -> FloatArray:
-    """Ratio of the velocity at which two bodies part to that of their approach; or empty.
+    """Return the ratio of separation to approach velocity of two bodies; empty if undefined.
 
     Bodies held at rest stay at rest.
     """
@@ -453,21 +455,21 @@ def _restitution(of: Speeds) -> FloatArray:
 
 
 def _of_events(name: str, unit: str, **options: Any) -> Quantity:
-    """Quantity that is the attribute `name` of `Events`."""
+    """Return the quantity for the attribute `name` of `Events`."""
     return Quantity(name, unit, of_contact=attrgetter(name), **options)
 
 
 def _displacement(name: str, body: int) -> Quantity:
-    """Quantity that is the displacement of a body's contact point in an impact."""
+    """Return the quantity for the displacement of a body's contact point in an impact."""
     history = recorded(lambda run: run.bodies[body].port_displacements)
     return Quantity(name, "m", history=history, scenes=False, lasting=True)
 
 
 def _friction_peaks(run: Run) -> FloatArray:
-    """Largest friction force of each contact, N; 0 without friction.
+    """Return the largest friction force of each contact, N; 0 without friction.
 
-    It is looked for again between the times next to that of the record's maximum: at the start of
-    slip, the force has a kink.
+    It is searched again, at closely spaced times, around the maximum of the record: the force may
+    have a kink there, at the start of slip.
     """
     found, run = list[float](), replace(run, asked=None)  # at the solver's own times
     for number, contact in enumerate(run.plan.contacts if run.plan.oblique is not None else ()):
@@ -488,9 +490,9 @@ def _friction_peaks(run: Run) -> FloatArray:
 
 
 def _tangential_restitution(run: Run) -> FloatArray:
-    """Tangential velocity after contact over that before, along the initial tangential direction.
+    """Return the ratio of tangential velocities after and before contact.
 
-    The velocity is that of one body relative to the other.
+    They are those of one body relative to the other, along the initial tangential direction.
     """
     plan = run.plan
     if plan.oblique is None or len(plan.contacts) != 1:
@@ -510,7 +512,7 @@ def _tangential_restitution(run: Run) -> FloatArray:
 
 
 def _final_spins(run: Run) -> FloatArray:
-    """Magnitude of each body's spin after the last contact, rad/s; NaN for constrained bodies."""
+    """Return each body's spin after the last contact, rad/s; NaN for constrained bodies."""
     if run.plan.oblique is None:
         return np.empty(0)
     bodies = enumerate(run.plan.bodies)

@@ -205,10 +205,10 @@ class BodyResult(Frozen, Measured):
 
     @cached_property
     def error(self) -> Mapping[str, FloatArray]:
-        """Errors of the histories from mesh and model, relative to the largest value of each.
+        """Errors of the histories due to mesh and model, relative to the largest value of each.
 
-        ``error["velocity"]``, shape (n,), is twice the difference to the run with other elements;
-        ``displacement``, ``centre_displacement`` and ``centre_velocity`` have the same. Errors of
+        ``error["velocity"]``, shape (n,), is twice the difference from the run with other elements;
+        so are those of ``displacement``, ``centre_displacement`` and ``centre_velocity``. Errors of
         the contact law come in addition. The mapping is empty for a body given by numbers.
 
         Examples
@@ -237,13 +237,13 @@ class BodyResult(Frozen, Measured):
         }
 
     def _told(self, name: str) -> FloatArray:
-        """Return a history; warn if its error may be large, which may take another run."""
+        """Return a history; warn if its error may be large. The estimate may take another run."""
         if name.endswith("velocity") or not follows(self._run, self._number):
             return self._histories[name].told()
         return self._motion[name]
 
     def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
-        """Return functionalᵀX, m, at `times`, s, from the model's shapes; of a wall, its motion.
+        """Return functionalᵀX, m, at `times`, s, from the model's shapes; for a wall, its motion.
 
         `probe` is more accurate at the price of a factorisation.
 
@@ -256,7 +256,7 @@ class BodyResult(Frozen, Measured):
 
 
 def _moved(number: int, name: str, run: Run, times: FloatArray) -> FloatArray:
-    """History `name` of a body of a run at times, s."""
+    """Return the history `name` of body `number` of a run at times, s."""
     return read(lambda of: of.bodies[number]._motion[name], run, times)
 
 
@@ -316,7 +316,8 @@ class ContactResult(Frozen, Eventful):
     friction_force : (n, 3) array or None
         Friction force on the second body [N], opposite to that on the first; None without friction.
     stuck : (n,) array or None
-        Radius of the stick zone over that of the contact: 1 in full stick, 0 in full slip or apart.
+        Ratio of the radius of the stick zone to that of the contact: 1 in full stick, 0 in full
+        slip or without contact.
     friction_energy : (n,) array or None
         Energy dissipated by friction since t = 0 [J]; None without energies.
     """
@@ -405,7 +406,8 @@ class Cost:
 
 _NOTHING_KNOWN = LeftOut()
 
-# Points of a curve: in the shortest period of the models, and their least and largest total.
+# Numbers of points of a curve. _PER_PERIOD: in the shortest period of the models; _FEWEST, _MOST:
+# least and largest total.
 _PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
 
 
@@ -464,7 +466,7 @@ class Run:
     Attributes
     ----------
     time_error : float or None
-        Relative error of peak force and impulse from integration in time.
+        Relative error of peak force and impulse due to time integration.
     chosen : Chosen or None
         Quantities, tolerance and errors of models that `simulate` chose; None for given models.
     modelled : float
@@ -568,7 +570,7 @@ class Run:
     def pushes(self) -> FloatArray:
         """Contact forces, N, each followed by its friction forces along two tangents, if any.
 
-        Without friction they are computed without the motions, which would cost more.
+        If there is no friction, the motions, which cost more, are not computed.
 
         :meta private:
         """
@@ -607,7 +609,7 @@ class Run:
 
     @property
     def _parted(self) -> float:
-        """End of the last contact, s, or of the record; with fixed steps, the step at or after."""
+        """End of the last contact, s, or of the record; with fixed steps, the end of that step."""
         touching, end = self.touching, self.duration
         end = end if touching is None else min(touching[1], end)
         if self.recorder.dense:
@@ -639,7 +641,8 @@ class Run:
     def motion_at(self, body: int, time: float | None = None) -> FloatArray:
         """Return the velocity of a body's centre of mass and its spin, m/s and rad/s, shape (6,).
 
-        By default after the last contact, or at the record's end; rounding errors are set to 0.
+        By default the time is that after the last contact, or the record's end. Rounding errors are
+        set to 0.
 
         :meta private:
         """
@@ -648,7 +651,7 @@ class Run:
         return np.where(np.abs(both[:, 1]) < np.finfo(float).eps * size, 0.0, both[:, 1])
 
     def _whole_motion(self, body: int, times: FloatArray) -> FloatArray:
-        """Velocity of a body's centre of mass and its spin at times, s, shape (6, times)."""
+        """Return the velocity of a body's centre of mass and its spin at times, s, (6, times)."""
         model = self.plan.bodies[body]
         if self.plan.oblique is None:
             raise InputError(
@@ -667,7 +670,7 @@ class Run:
         :meta private:
         """
         if self.other_runs is None or FullModel in map(type, self.plan.bodies):
-            return []  # what the mesh of a full body leaves out is not known
+            return []  # the mesh error of a full body is not known
         found = self.other_runs(replace(self, asked=None))
         runs = [of for of in found if isinstance(of, Run)]
         return runs if len(runs) == len(found) else []
@@ -683,8 +686,8 @@ class Run:
     def mean_velocities(self, time: float) -> FloatArray:
         """Return the velocities of the centres of mass at a time, s, shape (bodies,), m/s.
 
-        Where a centre of mass is not known, the mean over the static mode stands in, by which runs
-        can be compared.
+        Where a centre of mass is not known, the mean over the static mode replaces it: runs can
+        still be compared.
 
         :meta private:
         """
@@ -698,7 +701,7 @@ class Run:
 
     @cached_property
     def each_contact(self) -> tuple[ContactResult, ...]:
-        """The contacts of a run; of a `Result` too, whose `contacts` are intervals.
+        """The contacts of any run, also of a `Result`, whose attribute `contacts` has intervals.
 
         :meta private:
         """
@@ -753,7 +756,7 @@ class Run:
         recorded = [layout.body(self._rows, number) for number in range(len(layout.ports))]
         strain = [of.elastic.copy() for of in recorded]
         for between, touch in zip(self.plan.contacts, contacts, strict=True):
-            # c F²/2 is counted as energy of the law.
+            # The energy c F²/2 of the meshes' own indentation is part of the law's energy.
             for port, c in zip(between.ports, between.removed, strict=True):
                 strain[port.body] -= 0.5 * c * touch.force**2
         bodies = tuple(
@@ -882,7 +885,7 @@ class Run:
         """Errors of the quantity of interest; ``error["restitution"]`` has those of a number."""
         energy, models = None, self.plan.bodies
         walls = [i for i, body in enumerate(models) if body.wall]
-        # The energy that a moving wall supplies is not counted.
+        # Without the unknown work of a moving wall, the total energy is not constant.
         if self.plan.energies and not any(self.bodies[i].port_velocities.any() for i in walls):
             of = (replace(self, asked=self.recorder.marks) if self.recorder.dense else self).energy
             stored = float((of.kinetic + of.elastic + of.contact).max())
@@ -988,7 +991,7 @@ class Result(Eventful, Run):
 
     @property
     def stuck(self) -> FloatArray:
-        """Radius of the stick zone over that of the contact, shape (n,); see `ContactResult`."""
+        """Ratio of the radius of the stick zone to that of the contact, shape (n,)."""
         return self._with_friction("stuck")
 
     @property

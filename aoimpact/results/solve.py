@@ -24,7 +24,8 @@ from .run import Result, Run
 
 TimeSolver = Adaptive | Newmark
 
-# Default solvers without and with friction, whose coefficient is known to fewer digits.
+# _BY_DEFAULT: default solver. _RUBBING: that with friction, whose coefficient is known to few
+# digits.
 _BY_DEFAULT, _RUBBING = Adaptive(), Adaptive(rtol=1e-4)
 
 
@@ -100,9 +101,9 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
 # Longest record in units of the first guess, for contacts that never end, such as under gravity.
 _MOST = 4096.0
 
-# Length of the record from the start of the first contact, in units of the time to the end of the
-# last one. It is rounded up to one of _LENGTHS lengths per octave, so that models that hardly
-# differ have the same length.
+# AS_LONG_AGAIN: ratio of the record's length, from the first touch on, to the time between first
+# touch and last release. _LENGTHS: number of lengths per octave to which the record is rounded up,
+# so that runs of models that hardly differ have the same length.
 AS_LONG_AGAIN, _LENGTHS = 2.0, 16.0
 
 
@@ -161,12 +162,12 @@ class RecordLength:
 
 
 def _lasting(plan: Scenario, length: float) -> Scenario:
-    """Plan with the duration `length`, s."""
+    """Return the plan with the duration `length`, s."""
     return plan if plan.duration == length else replace(plan, duration=length)
 
 
 def _ahead(plan: Scenario, length: float, solver: TimeSolver | None) -> Run:
-    """Run of the duration `length`, s; longer if the solver is `Adaptive`: free motion is cheap."""
+    """Return a run of at least `length`, s; longer with `Adaptive`, where free motion is cheap."""
     if isinstance(time_solver(plan, solver), Adaptive):
         with suppress(AOImpactError):  # an error may come from a contact after `length`
             return solve(_lasting(plan, AS_LONG_AGAIN * 2.0 ** (1.0 / _LENGTHS) * length), solver)
@@ -174,7 +175,7 @@ def _ahead(plan: Scenario, length: float, solver: TimeSolver | None) -> Run:
 
 
 def _shortened(run: Run, length: float) -> Run:
-    """First part of a run, up to `length`, s; the whole run if it has fixed steps.
+    """Return the part of a run up to `length`, s; the whole run if it has fixed steps.
 
     Peak force and impulse of each contact remain those of the whole run.
     """
@@ -189,7 +190,7 @@ def _shortened(run: Run, length: float) -> Run:
 
 
 def _until_over(run: Run) -> float:
-    """Duration that the record must have, s; infinite while not known."""
+    """Return the duration that the record must have, s; infinite while it is not known."""
     touching = run.touching
     forced = run.plan.preload or run.plan.weighed or run.plan.loads
     if touching is None and not forced and run.each_contact:

@@ -1,4 +1,4 @@
-"""The summary of a result that it prints."""
+"""The summary that a result prints."""
 
 from __future__ import annotations
 
@@ -125,14 +125,14 @@ def summary_text(head: str, rows: Sequence[tuple[str, str]], width: int) -> str:
 
 
 def _told(run: Run, name: str, digits: int = 4, *, listed: bool = False, along: str = "") -> str:
-    """A number of a run with its unit and error."""
+    """Return a number of a run with its unit and error."""
     value = run.numbers[name]
     number = _number(QUANTITIES[name.rpartition(".")[2]], value, digits)
     return f"{number}{along}{_within(run, name, value, listed=listed)}"
 
 
 def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
-    """The error of a number, with its parts if `listed`; empty where none is known.
+    """Return the error of a number, with its parts if `listed`; empty where none is known.
 
     Empty also if only the error of time integration is known, as of bodies given by numbers.
     """
@@ -147,7 +147,7 @@ def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
 def _bound(
     run: Run, interest: Quantity, value: float, error: ErrorParts, *, listed: bool = False
 ) -> str:
-    """Text of an error: absolute if the number is below the least scale of relative errors."""
+    """Return an error as text: absolute for a number below the least scale of relative errors."""
     least = 0.0 if interest.least is None else interest.least(run.velocities_before)
     if math.isinf(error.least):
         return " not bounded"
@@ -238,7 +238,7 @@ def error_rows(run: Run) -> list[tuple[str, str]]:
 
 
 def _interest(run: Run, name: str, parts: ErrorParts) -> str:
-    """A quantity of interest, its value and its total error."""
+    """Return a quantity of interest, its value and its total error."""
     words, interest = name.replace("_", " "), QUANTITIES.get(name)
     if interest is None or interest.is_history:
         bound = _bound(run, QUANTITIES["force"], math.inf, parts)
@@ -266,7 +266,7 @@ def _interest(run: Run, name: str, parts: ErrorParts) -> str:
 
 
 def _number(interest: Quantity, value: float, digits: int = 5) -> str:
-    """A number with its unit; velocities have no prefix, so that they are easy to compare."""
+    """Return a number with its unit; velocities get no prefix, so that they are easy to compare."""
     if math.isnan(value):
         return "none"
     if interest.count or not interest.unit or "/" in interest.unit:

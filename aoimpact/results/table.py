@@ -46,7 +46,7 @@ _HISTORIES = {
 
 
 def _history(run: Run, kind: str, number: int, name: str) -> FloatArray | None:
-    """History by its name, shape (n,) or (n, 3); None if the run does not have it."""
+    """Return a history by its name, shape (n,) or (n, 3); None if the run does not have it."""
     of: Any = {"contact": run.each_contact, "body": run.bodies, "run": (run,)}[kind][number]
     absent = run.plan.oblique is None or (name == "spin" and of.constrained)
     if absent and name in ("spin", "friction_energy"):

@@ -51,10 +51,10 @@ class Port(NamedTuple):
 
 
 # Precision of the tangential stretches of a contact's springs, relative to the largest stretch. The
-# relative error of the friction force is a tenth of it.
+# relative error of the friction force is a tenth of this precision.
 _PRECISION = 1e-4
 
-# Poisson's ratio of unknown materials, which are assumed to be equal, for G*/E*.
+# Poisson's ratio that G*/E* is computed from if both materials are unknown, and assumed equal.
 _USUAL = 0.3
 
 
@@ -66,7 +66,7 @@ class Friction(NamedTuple):
     mu : float
         Coefficient of friction.
     ratio : float
-        G*/E*, tangential over normal stiffness (Mindlin).
+        Ratio G*/E* of tangential to normal stiffness (Mindlin).
     compliance : ndarray, shape (3, 3), or None
         Local compliance c of the meshes, which replaces that of half-spaces, in the direction of
         travel and the two tangents, m/N; None for bodies without meshes.
@@ -94,8 +94,9 @@ class Friction(NamedTuple):
     def for_core(self, law: ContactLaw, precision: float) -> tuple[Any, ...]:
         """Return the core's tuple; the normal compliance is that of `law`.
 
-        If it differs from the meshes' by the contact's width or an altered law, the difference over
-        `ratio` is added to the tangential compliances. `precision` is as for `_PRECISION`.
+        If it differs from that of the meshes, due to the contact's width or an altered law, the
+        difference divided by `ratio` is added to the tangential compliances. `precision` is as for
+        `_PRECISION`.
         """
         if self.compliance is None:
             return self.mu, self.ratio, precision, None
@@ -121,14 +122,14 @@ class Contact(NamedTuple):
     name : str
         Name given by the user; may be empty.
     friction : Friction or None
-        Friction; with it the contact has three coordinates per body: along the normal and two
-        tangents, the first of which `first_port` and `second_port` number.
+        Friction; with it the contact has three coordinates per body, along the normal and two
+        tangents. `first_port` and `second_port` are then the numbers of the normal ones.
     removed : (float, float)
         Compliances of the two bodies' meshes that were taken out of the law, m/N.
     width : float or None
         Estimated radius of the contact at its largest force, m; None if not known.
     law_error : float
-        Relative error of the law's stiffness due to that of the surfaces' curvatures.
+        Relative error of the law's stiffness due to errors of the surfaces' curvatures.
     """
 
     first: int
@@ -152,8 +153,8 @@ class Contact(NamedTuple):
             Models of the scene.
         bounded : bool, optional
             True to take nothing out of the law of a contact that is stiffer than its meshes. On a
-            shell, the resulting force is a bound; the force with as much taken out as possible is
-            the other one.
+            shell, the resulting force is one bound; the other is the force with as much taken out
+            as possible.
 
         Raises
         ------

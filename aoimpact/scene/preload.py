@@ -30,35 +30,39 @@ _EPSILON = float(np.finfo(np.float64).eps)
 # Largest number of steps. Towers of a thousand balls take up to 400.
 _MOST_STEPS = 1000
 
-# Factor of the damping after a full step, least damping, and factor after a shortened step.
-# First factors of 0.02 to 0.2 and last ones of 1 to 10 change the number of steps by up to a third.
+# _TIGHTER: factor on the damping after a full step; _LOOSER: that after a shortened one. Values of
+# 0.02 to 0.2 and of 1 to 10 change the number of steps by up to a third. _LEAST_DAMPING: lower
+# bound.
 _TIGHTER, _LEAST_DAMPING, _LOOSER = 0.1, 1e-12, 2.0
 
-# Largest work of the forces at a step's end against the step, relative to the work of those at its
-# start. Above it the step is shortened by the secant's factor, within bounds.
+# _TOO_FAR: largest ratio of the work against a step of the forces at its end to the work of the
+# forces at its start. Above it the step is shortened by the secant method, with a factor in
+# _SHORTER.
 _TOO_FAR, _SHORTER = 0.5, (0.1, 0.5)
 
-# Number of steps after the forces are balanced to rounding errors: each squares the error.
+# Number of steps after the forces are balanced to rounding errors: each step squares the error.
 _MORE_STEPS = 2
 
-# Stiffness of springs to the ground at coordinates without stiffness, relative to the contacts': it
-# is negligible but keeps matrices regular. And least relative change of the imbalance in a step
-# with the least damping, which exceeds any gap: a body held by these springs alone changes it less.
+# _BARELY: stiffness, relative to the contacts', of springs to the ground at coordinates without
+# stiffness: negligible, but it keeps matrices regular. _FALLS: least relative change of the
+# imbalance in a step with the least damping. Such a step is longer than any gap; if it changes the
+# imbalance less, a body is held by these springs alone.
 _BARELY, _FALLS = 1e-12, 1e-3
 
-# Largest imbalance in equilibrium, relative to the forces on the same coordinate, and relative to
-# the largest force, for bodies that touch without force. Ten times both values, or a tenth of the
-# first, give the same results.
+# Largest imbalance in equilibrium: _BALANCED: relative to the forces on the same coordinate;
+# _SETTLED: relative to the largest force, for bodies that touch without force. Ten times both
+# values, or a tenth of _BALANCED, give the same results.
 _BALANCED, _SETTLED = 1e-12, 1e-14
 
-# Rounding error of positions in units in the last place, one for each term of an indentation (with
-# 16, determinate rows are refused); largest relative error of the forces that may result: six
-# digits, as in a run (with 1e-8, such rows are refused); and negligible force relative to those of
-# the initial overlap (1e-6 has the same effect).
+# _UNITS: rounding error of positions in units in the last place, one for each term of an
+# indentation (with 16, determinate rows of bodies are refused). _DETERMINED: largest relative error
+# of forces due to rounding: six digits, as in a run (with 1e-8, such rows are refused).
+# _NEGLIGIBLE: negligible force, relative to the forces of the initial overlap (1e-6 has the same
+# effect).
 _UNITS, _DETERMINED, _NEGLIGIBLE = 4.0, 1e-6, 1e-9
 
-# First and largest indentation, m, of the search by doubling for that under a load, which does not
-# evaluate a user's law much deeper than the run will.
+# First and largest indentation, m, in the search for the indentation under a load. It proceeds by
+# doubling, so as not to evaluate a user's law much deeper than the run will.
 _SHALLOWEST, _DEEPEST = 2.0**-50, 2.0**30
 
 
@@ -115,9 +119,10 @@ class _Configuration:
     Attributes
     ----------
     x, balance, present : ndarrays, shape (n,)
-        Coordinates, the sum of the forces on each, and the sum of their absolute values.
+        Coordinates, the sum of the forces on each, and the sum of the absolute values of the
+        forces.
     depth, force, slope, rounding : ndarrays, shape (contacts,)
-        Indentation, m, force, N, stiffness, N/m, and error of the force by rounding of x, N.
+        Indentation, m, force, N, stiffness, N/m, and error of the force due to rounding of x, N.
     """
 
     x: FloatArray
@@ -139,8 +144,8 @@ class _Statics:
     owner : ndarray of int, shape (n,)
         Number of the body of each coordinate.
     movable, sprung, free : ndarrays of bool, shape (n,)
-        True for coordinates that are not a wall's, for those of them with a stiffness, and for
-        those of them without.
+        True for all coordinates but those of walls, for the movable ones with a stiffness, and for
+        the movable ones without.
     directions, reach : sparse arrays, shape (contacts, n)
         Matrix D of the indentations D x - gaps, and its absolute values.
     """
@@ -203,8 +208,8 @@ class _Statics:
     def slopes(self) -> FloatArray:
         """Reference stiffness of each contact, N/m, which scales the damping of steps.
 
-        It is that under the sum of all loads, or under the largest force of the initial overlap if
-        that is larger.
+        It is the stiffness under the sum of all loads or, if larger, the largest force of the
+        initial overlap.
         """
         overlap = float(self.first.force.max(initial=0.0))
         return self.springs.stiffness_under(max(float(np.abs(self.load).sum()), overlap))
@@ -227,7 +232,8 @@ class _Statics:
     def settled(self, at: _Configuration) -> bool:
         """True if the reactions balance the loads to the rounding errors of the largest force.
 
-        A contact that touches without force has no force that its imbalance could be relative to.
+        The largest force is the reference since a contact that touches without force has none of
+        its own.
         """
         holds = np.minimum(at.present - np.abs(self.load), _SETTLED * self.size(at))
         rounding = _BALANCED * at.present + self.reach.T @ at.rounding
@@ -254,7 +260,7 @@ class _Statics:
 
     @cached_property
     def _constant(self) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array, FloatArray]:
-        """D of coordinates with and without stiffness, contacts' compliance, ground springs."""
+        """D for coordinates with and without stiffness, contacts' compliance, ground springs."""
         own, free = self.directions[:, self.sprung], self.directions[:, self.free]
         between = own @ sp.diags_array(1.0 / self.stiffness[self.sprung]) @ own.T
         ground = (free**2).T @ self.slopes
@@ -301,7 +307,7 @@ class _Statics:
         return at
 
     def floating(self, at: _Configuration) -> Iterator[tuple[IntArray, FloatArray]]:
-        """Yield the bodies that no force keeps in place, and the way back to their places.
+        """Yield the bodies that no force keeps in place, and their displacements back.
 
         Yields
         ------

@@ -64,7 +64,7 @@ class BodyRows(NamedTuple):
     port_velocities: FloatArray
 
 
-# AOI_CONTACT_ROWS, AOI_BODY_ROWS, AOI_PORT_ROWS and AOI_FRICTION_ROWS of the core.
+# Numbers of rows; in the core AOI_CONTACT_ROWS, AOI_BODY_ROWS, AOI_PORT_ROWS, AOI_FRICTION_ROWS.
 _CONTACT, _BODY, _PORT, _SLIDING = 4, len(BodyRows._fields) - 2, 2, 8
 
 
@@ -88,8 +88,8 @@ class RecordLayout:
     sliding: tuple[bool, ...]
 
     def __post_init__(self) -> None:
-        # First row of each contact, then that of the bodies; first row of each body, then the
-        # number of rows.
+        # _starts: first row of each contact, then of the bodies. _first: first row of each body,
+        # then the number of rows.
         sliding = np.array(self.sliding, dtype=bool)
         sizes = np.where(sliding, _SLIDING, _CONTACT)
         self._starts: IntArray = np.append(0, np.cumsum(sizes))

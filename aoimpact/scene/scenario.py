@@ -261,8 +261,8 @@ class Scenario:
     def approach(self, contact: Contact) -> tuple[float, float]:
         """Return the time at which the bodies of a contact meet, s, and their speed then, m/s.
 
-        Both are of rigid bodies, whose distance changes by v t + a t²/2. They meet at the speed
-        √(v² + 2 a gap). Bodies that do not meet give (inf, 0).
+        The bodies are taken as rigid: their distance changes by v t + a t²/2, and they meet at the
+        speed √(v² + 2 a gap). Bodies that do not meet give (inf, 0).
         """
         first, second = contact.first, contact.second
         speed = self.velocities[first] - self.velocities[second]
@@ -273,7 +273,7 @@ class Scenario:
         return 2.0 * max(contact.gap, 0.0) / (meets + speed), meets
 
     def _acceleration(self, body: int) -> float:
-        """Acceleration of a body by gravity and the loads at t = 0, m/s²; 0 if constrained."""
+        """Return the acceleration due to gravity and loads at t = 0, m/s²; 0 if constrained."""
         model = self.bodies[body]
         if math.isinf(mass := model.most_mass):
             return 0.0
