@@ -1,6 +1,6 @@
 """Mass, centre, density and wave speed of a body, which reveal wrong units in K and M.
 
-They follow from K and M and from the coordinates and labels of their rows alone.
+All are computed from K, M, and the coordinates and labels of their rows alone.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ..base import FloatArray, aligned, record, sp, with_unit
 from ..mesh import motions_at
 from .labels import axes_of
 
-# Range of a body's mass over the volume of its bounding box, kg/m³: foam and rings to tungsten.
+# Range of a body's mass divided by its bounding box's volume, kg/m³: foam and rings to tungsten.
 _DENSITIES = 10.0, 25e3
 
 # Range of longitudinal wave speeds in solids, m/s: from cork (500) to diamond (18 000), "Speed of
@@ -36,11 +36,11 @@ _CAUSES = {
     1e4: "coordinates in millimetres? Give length=1e-3 (with N and tonnes, mass=1e3)",
 }
 
-# Smallest thickness of a bounding box over its largest edge, as all nodes may lie in one plane.
+# Smallest ratio of a bounding box's thickness to its largest edge: nodes may lie in one plane.
 _THINNEST = 1e-3
 
-# ‖K r‖ / ‖|K| |r|‖ of a rigid motion r: below the first a result of rounding or of few printed
-# digits, so that the motion is free; above the second the motion meets elastic force.
+# Limits of ‖K r‖ / ‖|K| |r|‖ of a rigid motion r. Below _FREE, a result of rounding or of few
+# printed digits, the motion is free. Above _RESISTED it meets elastic force.
 _FREE, _RESISTED = 1e-6, 1e-4
 
 # Number of nodes whose nearest neighbours are checked.
@@ -65,8 +65,8 @@ class Audit:
     extent : ndarray, shape (3,), or None
         Edges of the box around the nodes, m.
     density : float or None
-        Mass over the volume of the box around the nodes, kg/m³. If M lacks the constrained nodes,
-        an estimate from the free ones.
+        Ratio of mass to the volume of the box around the nodes, kg/m³. If M lacks the constrained
+        nodes, it is estimated from the free ones.
     speed : float or None
         Speed of longitudinal waves, m/s: √(dᵀKd/tᵀMt) for a uniform strain d and a translation t
         along an axis, median over the three axes. Exact for a free uniform body; supports raise the
@@ -176,7 +176,7 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
 
 
 def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
-    """Signs that the rows of K, those of M and the nodes are in different orders."""
+    """Return signs that the rows of K, the rows of M and the nodes are in different orders."""
     if body.nodes is None:  # dofs may be modal coordinates, which M couples and K does not
         return []
     said = []
@@ -200,14 +200,14 @@ def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
 
 
 def _missing(matrix: Any, other: Any) -> float:
-    """The share of off-diagonal entries of `matrix` whose positions are empty in `other`."""
+    """Return the share of off-diagonal entries of `matrix` at positions empty in `other`."""
     off = sp.triu(matrix, 1).tocsr()
     missing = off.nnz - off.multiply(other).count_nonzero()
     return float(missing / off.nnz) if off.nnz else 0.0
 
 
 def _missing_neighbours(body: Any) -> float:
-    """The share of nodes that K does not couple with their nearest neighbour."""
+    """Return the share of nodes that K does not couple with their nearest neighbour."""
     node = body.free // 3 % len(body.nodes)
     places = np.unique(node)
     if len(places) < 2:
@@ -222,7 +222,7 @@ def _missing_neighbours(body: Any) -> float:
 
 
 def _doubts(density: float | None, speed: float | None) -> list[str]:
-    """Signs of wrong units, each with the likely correction."""
+    """Return signs of wrong units, each with the likely correction."""
     said = []
     if speed is not None and not _SPEEDS[0] <= speed <= _SPEEDS[1]:
         known = (of for most, of in _CAUSES.items() if speed <= most * _TYPICAL_SPEED)

@@ -60,7 +60,7 @@ class BeamSection:
     J : float
         Torsion constant, m⁴.
     shear_factors : (float, float), optional
-        Shear area over `area` for shear along y and along z. Infinity makes the section rigid in
+        Ratios of the shear areas along y and along z to `area`. Infinity makes the section rigid in
         shear, as in Euler-Bernoulli theory, but with rotary inertia.
     points : array_like, shape (n, 2), optional
         Points (y, z) at which stress is evaluated, m.
@@ -528,7 +528,7 @@ _AT_ENDS = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 1, 1], [0, 1, 2, 3]], dt
 
 
 def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray) -> ArrayPair:
-    """Motions (u, θ) and strains at places per nodal dof, each (n, n_places, 6, 12).
+    """Return motions (u, θ) and strains at places per nodal dof, each (n, n_places, 6, 12).
 
     Motions and strains are in the element's axes, nodal dofs in the global axes.
     """
@@ -564,7 +564,7 @@ def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray
 
 
 def _global(rows: FloatArray, frames: FloatArray, beam: Beam) -> FloatArray:
-    """Rows per nodal dof in global axes, from rows per motion of the centroid in element axes."""
+    """Return rows per nodal dof in global axes for rows per motion of the centroid in beam axes."""
     turned = rows.reshape(*rows.shape[:3], 2, 2, 3) @ frames[:, None, None, None]
     if any(beam.offset):  # displacement of the centroid: u + θ × d
         d = np.einsum("i,nij->nj", beam.offset, frames[:, 1:])
@@ -573,7 +573,7 @@ def _global(rows: FloatArray, frames: FloatArray, beam: Beam) -> FloatArray:
 
 
 def _rectangle_twisted(y: FloatArray, z: FloatArray, short: float, long: float) -> ArrayPair:
-    """τxy and τxz over Gθ' at points (y, z) of a rectangle with its short side along y, m."""
+    """Return τxy, τxz divided by Gθ' at points (y, z) of a rectangle with short side along y, m."""
     n, half = _TERMS * np.pi / short, 0.5 * long
     alternating = 4.0 * short * 2.0 / np.pi**2 / _TERMS**2 * np.sin(0.5 * np.pi * _TERMS)
     above, below = (np.exp(n * (sign * z[:, None] - half)) for sign in (1.0, -1.0))

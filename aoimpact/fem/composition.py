@@ -37,7 +37,7 @@ _SOLID: tuple[str, Any] = ("a Material or an Orthotropic", Solid)
 
 @record
 class Materials(Frozen):
-    """The materials of a body made of several.
+    """The materials of a body that has several materials.
 
     Attributes
     ----------
@@ -223,7 +223,7 @@ def thickness_of_cells(mesh: Mesh, material: AnyMaterial) -> FloatArray:
 
 @record
 class Layout:
-    """Pairs of a node and a material that meets there, as stress jumps between materials.
+    """Pairs of a node and a material at this node, since stress jumps between materials.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ from .material import Material
 # with quadratic elements 4 %.
 _NEARLY_INCOMPRESSIBLE = 0.45
 
-# Largest relative difference of mass by the area at the nodes and by that of the middle surface.
+# Largest relative difference between the masses by the area at the nodes and at the middle surface.
 _CURVED = 0.01
 
 
@@ -61,7 +61,7 @@ def check_joints(mesh: Mesh, material: AnyMaterial) -> None:
 
 
 def warn_of_curved_offsets(mesh: Mesh, material: AnyMaterial) -> None:
-    """Warn if the offset of shells gives a middle surface with another area than at the nodes.
+    """Warn if the middle surface of shells with an offset has another area than at the nodes.
 
     The middle surface is found by moving each node along the mean normal of its elements.
     """

@@ -111,7 +111,7 @@ def finer_body(body: FEModel) -> FEModel | None:
 
 
 def _halved(body: Any) -> FEModel:
-    """The body with each element cut.
+    """Return the body with each element cut.
 
     Masses and springs stay on their nodes. Supports also hold the new nodes between held ones.
     """
@@ -150,7 +150,7 @@ def _placed(dofs: Any, n: int, added: int) -> Any:
 
 
 def _masses(masses: Any, mesh: Any, n_nodes: int) -> Any:
-    """The added masses of a body with `mesh` over all dofs of its finer body with n_nodes nodes."""
+    """Return the added masses of a body with `mesh` over all dofs of its finer body."""
     of = masses.tocoo()
     size = n_nodes * (6 if mesh.thin else 3)
     at = tuple(_placed(index, mesh.n_nodes, n_nodes - mesh.n_nodes) for index in of.coords)
@@ -158,7 +158,7 @@ def _masses(masses: Any, mesh: Any, n_nodes: int) -> Any:
 
 
 def _with(matrix: Any, block: Any) -> Any:
-    """The matrix with its leading block replaced by `block`."""
+    """Return the matrix with its leading block replaced by `block`."""
     n = block.shape[0]
     change = (block - matrix[:n, :n]).tocsr()
     change.resize(matrix.shape)

@@ -1,4 +1,4 @@
-"""Frequency response functions: displacement, velocity or acceleration over force at a frequency.
+"""Frequency response functions: displacement, velocity or acceleration per unit force.
 
 The displacement cᵀX under a unit force along b, with b_j = φ_jᵀb and c_j = φ_jᵀc, is
 
@@ -16,8 +16,8 @@ with S_k = cᵀ(K⁻¹M)ᵏ K⁻¹ b minus the contribution of the modes j ≤ m
 The error is bounded by the sum of three terms.
 
 - Truncation after p terms leaves at most rᵖ/(1 - r) · √(bᵀX_b cᵀX_c), by Cauchy and Schwarz, with
-  r = |μ|/ω_{m+1}² and the static residuals X. The series neglects modal damping, with a bound of
-  the same kind.
+  r = |μ|/ω_{m+1}² and the static residuals X. The neglect of modal damping in the series is bounded
+  in the same way.
 - Rounding of ω_j² is that of φ_jᵀKφ_j, growing as √k with k entries per row; rigid modes have none.
 - Far above the highest mode, the modal terms nearly cancel. If E = ΦᵀMΦ - I is the modes' error of
   orthogonality, the sum is wrong by up to ω² ‖E‖ ‖b_j g_j‖ ‖c_j g_j‖ with g_j = 1/(ω_j² - ω²).
@@ -56,21 +56,21 @@ if TYPE_CHECKING:
 
 KINDS = {"receptance": "m/N", "mobility": "m/(s N)", "accelerance": "m/(s² N)"}
 
-# Highest modal frequency over the highest requested one; the second applies to modal damping, and
-# leaves an error of 2ζ/10 of the static residual.
+# `_BEYOND`: least ratio of the highest modal frequency to the highest requested frequency.
+# `_BEYOND_DAMPED`: the same with modal damping; the error is 2ζ/10 of the static residual.
 _BEYOND, _BEYOND_DAMPED = 2.0, 10.0
 
 # Number of dofs up to which all modes are computed.
 _ALL = 600
 
-# Largest remainder of the series over the static residual.
+# Largest ratio of the remainder of the series to the static residual.
 _NEGLIGIBLE = 1e-12
 
 # Largest number of entries of a table modes × frequencies in memory.
 _AT_ONCE = 2**22
 
-# Number of modes computed first, and largest number of modes per requested frequency: so many modes
-# take about as long as one direct solution.
+# `_FIRST`: number of modes computed first. `_FOR_EACH`: largest number of modes per requested
+# frequency, which take about as long as one direct solution.
 _FIRST, _FOR_EACH = 16, 16
 
 
@@ -83,10 +83,10 @@ class FrequencyResponse(Frozen):
     frequencies : ndarray, shape (n,)
         Frequencies, Hz.
     values : ndarray of complex, shape (n,)
-        Response over force for e^{iωt}, in the unit of `kind`.
+        Ratio of response to force for e^{iωt}, in the unit of `kind`.
     error : ndarray, shape (n,)
-        Bound of |values - exact|, in the unit of the values. Exact means for the given K and M: the
-        discretisation error of the mesh is not included.
+        Bound of |values - exact|, in the unit of the values. The exact values are those of the
+        given K and M: the discretisation error of the mesh is not included.
     kind : str
         "receptance" (displacement, m/N), "mobility" (velocity) or "accelerance" (acceleration).
     modes : int
@@ -159,7 +159,7 @@ def frequency_response(
 def _solved(
     body: FEModel, b: FloatArray, c: FloatArray, omega: FloatArray
 ) -> tuple[ComplexArray, FloatArray]:
-    """The receptance and its error, m/N, by a complex factorisation at each frequency."""
+    """Return receptance and error, m/N, from a complex factorisation at each frequency."""
     from scipy.sparse.linalg import splu  # slow to import
 
     values, error = np.empty(len(omega), dtype=np.complex128), np.empty(len(omega))
@@ -224,7 +224,7 @@ def _by_modes(
     moved = body.M @ shapes
 
     def static(load: FloatArray) -> FloatArray:
-        """K⁻¹ times a load, with the part of the computed modes removed, shape (n_dofs,)."""
+        """Return K⁻¹ times a load, without the part of the computed modes, shape (n_dofs,)."""
         rest = load - moved @ (shapes.T @ load)
         if not np.abs(rest).max(initial=0.0) > 1e-12 * np.abs(load).max(initial=0.0):
             return np.zeros_like(load)

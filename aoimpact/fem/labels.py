@@ -1,4 +1,4 @@
-"""Labels of the rows of K, node number and component, from the program that wrote K."""
+"""Labels of the rows of K: node number and component in the program that wrote K."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def node_numbers(nodes: FloatArray, which: IntArray, of_mesh: FloatArray, size: 
 
 
 def missing_node(name: str, labels: IntArray, node: int) -> InputError:
-    """The error for an unknown label; a label of -1 means a node without a row in K."""
+    """Return the error for an unknown label; a label of -1 means a node without a row in K."""
     known = np.unique(labels[labels > 0])
     if not len(known):
         return InputError(f"{name} {node}: no row of K has the label of a node")

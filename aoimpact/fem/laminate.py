@@ -29,7 +29,7 @@ _PLANE, _SHEAR = [0, 1, 3], [5, 4]
 # Range of thicknesses, m, that is neither absurd nor leads to overflow of the stiffness.
 _thickness = partial(within, low=1e-9, high=1e3)
 
-# Largest plausible offset over thickness; millimetres taken for metres make it a thousand.
+# Largest plausible ratio of offset to thickness; an offset in millimetres gives about a thousand.
 FAR_OFF = 100.0
 
 # Gauss points in a ply: shear stresses are quadratic in z, so that their energy has degree 4.

@@ -32,7 +32,7 @@ SIX = tuple(np.transpose(PAIRS))
 
 
 # Unit and plausible range of each property: from the softest rubbers to diamond, and from foams to
-# osmium. For smaller numbers follow the likely units: upper limit of the number, name, SI factor.
+# osmium. Last, likely units of smaller numbers: upper limit of the number, name, SI factor.
 _SOLIDS = {
     "E": ("Pa", 1e6, 1.22e12, ((1.22e3, "GPa", 1e9), (1e6, "MPa", 1e6))),
     "G": ("Pa", 3e5, 6e11, ((600.0, "GPa", 1e9), (3e5, "MPa", 1e6))),
@@ -55,11 +55,11 @@ _AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 # Largest cosine between axes given as perpendicular, which allows for rounded digits.
 _SQUARE = 1e-4
 
-# Numbers of surface directions θ and of angles of the integral in the mean deflection of a
-# half-space. Both integrands are periodic, so that the sums are exact up to E1/E3 of some hundreds.
+# Mean deflection of a half-space. `_TURNS`: number of surface directions θ. `_ANGLES`: angles of
+# the integral. Both integrands are periodic, so that sums are exact up to E1/E3 of some hundreds.
 _TURNS, _ANGLES = 48, 96
 
-# Smallest over largest eigenvalue of the compliance; below it, positivity is lost in rounding.
+# Least ratio of the smallest eigenvalue of the compliance to the largest; a lower one is rounding.
 _ROUNDED = 8.0 * np.finfo(np.float64).eps
 
 # Range of ν of the isotropic material equivalent to an orthotropic half-space.
@@ -365,9 +365,9 @@ def _half_space(material: Orthotropic, normal: Triple) -> Material:
 
 
 def _barnett_lothe(tensor: FloatArray, one: FloatArray, other: FloatArray) -> FloatArray:
-    """Barnett-Lothe tensor L = ⟨(mm) - (mn)(nn)⁻¹(nm)⟩, shape (3, 3).
+    """Return the Barnett-Lothe tensor L = ⟨(mm) - (mn)(nn)⁻¹(nm)⟩, shape (3, 3).
 
-    Mean over perpendicular unit vectors m, n turning in the plane of `one` and `other`, with
+    The mean is over perpendicular unit vectors m, n turning in the plane of `one` and `other`, with
     (ab)_jk = a_i C_ijkl b_l (T. C. T. Ting, Anisotropic Elasticity, 1996, section 7.2).
     """
     total, angles = np.zeros((3, 3)), np.pi / _ANGLES * np.arange(_ANGLES)

@@ -2,7 +2,7 @@
 
 Elements that share a whole face cannot move against each other without strain. So each part, a set
 of elements connected by whole faces, has six rigid motions. Shared edges, shared nodes and supports
-constrain these. The remaining motions, apart from the rigid motions of the whole body, are
+constrain these motions. What they leave free, apart from rigid motions of the whole body, are
 mechanisms: a part swings about an edge or a node. Curved edges of second order, several edges
 together, or parts in a ring may prevent this, so that a rank is computed.
 """
@@ -34,8 +34,8 @@ class Mechanism:
     Attributes
     ----------
     motions : ndarray, shape (n_dofs, m)
-        Basis, M-orthonormal and M-orthogonal to the rigid motions. Without a mesh a single motion,
-        which combines all of them.
+        Basis, M-orthonormal and M-orthogonal to the rigid motions. Without a mesh: one combination
+        of all such motions.
     """
 
     motions: FloatArray

@@ -73,20 +73,21 @@ if TYPE_CHECKING:
     from .statics import Grounding
 
 
-# Mass, kg, length, m, and edge of an element, m, above which coordinates are probably in
-# millimetres.
+# Values above which coordinates are probably in millimetres. `_HEAVY`: mass, kg. `_LONG`: length,
+# m. `_COARSE`: edge of an element, m.
 _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 
-# Largest elastic force of a free body's translation over the largest entry of K, if K was printed
-# with few digits.
+# Largest ratio of the elastic force of a free body's translation to the largest entry of K, if K
+# was printed with few digits.
 _FEW_DIGITS = 1e-6
 
-# Cache of models of a body: memory, bytes; assumed vectors of length n_dofs per model; largest and
-# smallest number of entries. The smallest number holds two models with their patches.
+# Cache of models of a body. `_BYTES`: memory. `_VECTORS`: assumed vectors of length n_dofs per
+# model. `_MOST`, `_LEAST`: limits of the number of entries; the smaller holds two models with
+# patches.
 _BYTES, _VECTORS, _MOST, _LEAST = 2**30, 64, 32, 4
 
-# Bodies of this process by their marks, and the last bodies received from another process. Its
-# tasks send the same body repeatedly, and all of them then share one body with its cached results.
+# `_BODIES`: bodies of this process by their marks. `_RECEIVED`: last bodies received from another
+# process, whose tasks send a body repeatedly and then share its cached results.
 _BODIES: WeakValueDictionary[str, FEModel] = WeakValueDictionary()
 _RECEIVED: deque[FEModel] = deque(maxlen=2)
 
@@ -159,7 +160,7 @@ class FEModel(Frozen):
     assembled: bool = field(init=False, default=False)
     # Combination of all motions without elastic force, for bodies given by K, M and nodes.
     _soft: FloatArray | None = field(init=False, default=None)
-    # The body that a finer body was made from; None for all others.
+    # The body that a finer body was made from; None for other bodies.
     coarse: FEModel | None = field(init=False, default=None)
     # Indices of the dofs of `coarse` among the dofs of this body.
     own: ClassVar[slice | IntArray] = slice(None)
@@ -178,7 +179,7 @@ class FEModel(Frozen):
         soft = False
         if (
             along is not None and nodes is None and along.any(axis=0).all()
-        ):  # a free body: translations meet no force but for rounding
+        ):  # a free body: translations meet no force apart from rounding
             force = np.abs(K @ along).max(initial=0.0)
             soft = bool(force <= _FEW_DIGITS * np.abs(K.data).max(initial=0.0))
         if along is not None and (whole or soft):
@@ -338,8 +339,7 @@ class FEModel(Frozen):
         Raises
         ------
         InputError, InputTypeError
-            If the body has no nodes, one of them is not a node of the mesh, or `material` is not a
-            material.
+            If the body has no nodes or one that the mesh lacks, or `material` is not a material.
         MeshError
             If the mesh cannot be read.
 
@@ -554,7 +554,7 @@ class FEModel(Frozen):
     def mechanism(self) -> Mechanism | None:
         """Motions without elastic force that are not rigid-body motions; None if there are none.
 
-        They are sought for bodies with a mesh and, up to 10 000 dofs, for bodies with nodes.
+        Such motions are sought for bodies with a mesh and, to 10 000 dofs, for bodies with nodes.
         Without nodes they are part of `rigid_modes`.
         """
         if self.surface is None or self._pencil.rotates:  # joints of shells and beams are rigid
@@ -698,7 +698,7 @@ class FEModel(Frozen):
         return np.arange(0 if self.shapes is None else self.shapes.n_cells)
 
     def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
-        """Return motions of the body or of `given`, (n, k) each, on common dofs, and K there.
+        """Return motions of the body or of `given`, (n, k) each, on common dofs, and their K.
 
         :meta private:
         """
@@ -759,7 +759,7 @@ class FEModel(Frozen):
         frequencies : array_like, shape (n,)
             Frequencies, Hz.
         kind : {"receptance", "mobility", "accelerance"}, optional
-            Displacement, velocity or acceleration over force.
+            Displacement, velocity or acceleration per unit force.
 
         Returns
         -------
@@ -769,7 +769,7 @@ class FEModel(Frozen):
         Raises
         ------
         InputError, InputTypeError
-            If a point belongs to another body, a frequency is negative, or a free body's is 0.
+            If a point belongs to another body, a frequency is negative, or it is 0 for a free body.
 
         Examples
         --------
@@ -812,15 +812,15 @@ class FEModel(Frozen):
         dof : int, optional
             Row of K, instead of `point` and `direction`.
         b : array_like, shape (n_dofs,), optional
-            Functional b, instead of all of these: the contact's displacement is u = bᵀX, and its
-            force f loads the body with b f. If b has a resultant of 1 and acts at a point of the
-            surface, the compliance of the mesh is removed from the law as for other contacts.
+            Functional b, instead of all arguments above: the contact's displacement is u = bᵀX, and
+            its force f loads the body with b f. If b has a resultant of 1 and acts at a point of
+            the surface, the compliance of the mesh is removed from the law as for other contacts.
         radius : float or "auto", optional
             Radius of the patch that carries the contact under Hertz's pressure, m. Results hardly
             depend on it between 1.2 contact radii and half the thickness of the body, since the
             compliance of the mesh under the patch is removed from the law. "auto" takes 1.4 times
             the `expected` contact radius, or the edge of an element, but at most a quarter of the
-            thickness; `simulate` takes 1.4 times the contact radius of the impact. 0 is a single
+            thickness; `simulate` takes 1.4 times the contact radius of the impact. 0 loads a single
             node, equally good on coarse meshes. Bodies without a mesh have no patch.
         expected : float, optional
             Largest contact radius, m, for "auto"; √(Rδ) for Hertz's law.

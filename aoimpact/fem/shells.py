@@ -149,7 +149,7 @@ def element_mass(corners: FloatArray, layers: Layers) -> FloatArray:
 def element_frames(corners: FloatArray, layers: Layers | None) -> ArrayPair:
     """Return the elements' axes as rows, (n, 3, 3), and their nodes in these axes, (n, nodes, 3).
 
-    x is the projection of the layers' reference direction or, without one, about the first edge.
+    x is the projection of the layers' reference direction or, without it, roughly the first edge.
     """
     if corners.shape[1] == 3:
         first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -174,9 +174,9 @@ def element_frames(corners: FloatArray, layers: Layers | None) -> ArrayPair:
 def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatArray]:
     """Return the surface's unit normals at the nodes of elements, (n, 3 or 4, 3) for each group.
 
-    For each element and node, the mean over the normals of all elements at the node that differ by
-    less than the angle of `FOLD`, with equal orientation. The others belong to another surface,
-    joined at a fold.
+    Each normal is the mean over the normals of all elements at the node that differ from that of
+    the element by less than the angle of `FOLD`, with equal orientation. The others belong to
+    another surface, joined at a fold.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def rigid_ends(
     If plates meet at an angle θ and their faces lie at heights f over the nodes, the faces meet at
     a distance of (f_other + f cos θ)/sin θ from the line of the nodes. A plate that ends at the
     line is rigid over this distance. A plate that continues beyond the line is held on one face
-    only. By the theorems of minimum energy, its stiffness lies between those with the distance free
+    only. By the theorems of minimum energy, its stiffness is between those with the distance free
     and rigid; half the distance is taken as rigid. Plane elasticity gives a rigid share of 0.25,
     0.47 and 0.70 for bending, for webs of 1, 2 and 4 thicknesses.
 
@@ -331,7 +331,7 @@ def strain_rows(
 
 
 def _flatness(local: FloatArray, normals: FloatArray | None, stiffness: FloatArray) -> FloatArray:
-    """Factor of a triangle's membrane strains due to drilling rotations, 1/(1 + (h δ/t)²).
+    """Return the factor of a triangle's strains due to drilling rotations, 1/(1 + (h δ/t)²).
 
     δ is the angle between the normals of the element and of the surface at its nodes, h the longest
     edge, t the thickness. On curved surfaces drilling rotations take part in bending, which would
@@ -385,7 +385,7 @@ def _stiffness(layers: Layers) -> FloatArray:
 
 
 def _mean_membrane(stiffness: FloatArray) -> tuple[float, float]:
-    """Poisson's ratio and shear stiffness, N/m, of the membrane, averaged over directions."""
+    """Return Poisson's ratio and shear stiffness, N/m, of the membrane, means over directions."""
     direct = float(stiffness[0, 0] + stiffness[1, 1])
     across, shear = float(stiffness[0, 1]), float(stiffness[2, 2])
     ratio = (direct + 6.0 * across - 4.0 * shear) / (3.0 * direct + 2.0 * across + 4.0 * shear)
@@ -395,7 +395,7 @@ def _mean_membrane(stiffness: FloatArray) -> tuple[float, float]:
 def _condensed(
     rows: FloatArray, inner: FloatArray, stiffness: FloatArray, weights: FloatArray
 ) -> FloatArray:
-    """Strains per nodal dof, with inner freedoms such that the forces on these vanish."""
+    """Return strains per nodal dof, with inner freedoms on which no forces act."""
     force = weights[..., None, None] * (stiffness @ inner)
     n, dofs = len(rows), inner.shape[-1]
     force = force.reshape(n, -1, dofs).swapaxes(1, 2)
@@ -406,14 +406,14 @@ def _condensed(
 
 
 def _bilinear(places: FloatArray) -> ArrayPair:
-    """Shape functions at (r, s), (points, 4), and derivatives along r and s, (points, 2, 4)."""
+    """Return shape functions at (r, s), (points, 4), and r and s derivatives, (points, 2, 4)."""
     r, s = places[:, :1], places[:, 1:]
     a, b = 1.0 + r * _CORNERS[:, 0], 1.0 + s * _CORNERS[:, 1]
     return 0.25 * a * b, 0.25 * np.stack([_CORNERS[:, 0] * b, _CORNERS[:, 1] * a], axis=1)
 
 
 def _areas(corners: FloatArray, normal: FloatArray) -> ArrayPair:
-    """Shape functions at the quadrature points, and the points' areas in the mean plane, m²."""
+    """Return shape functions at quadrature points, and the points' areas in the mean plane, m²."""
     if corners.shape[1] == 3:
         edges = corners[:, 1:] - corners[:, :1]
         area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
@@ -424,7 +424,7 @@ def _areas(corners: FloatArray, normal: FloatArray) -> ArrayPair:
 
 
 def _plane_rows(slope: FloatArray, shape: FloatArray) -> FloatArray:
-    """Strain rows from slopes ∂N/∂x, ∂N/∂y, shape (n, points, 2, nodes), without shear.
+    """Return strain rows from slopes ∂N/∂x, ∂N/∂y, shape (n, points, 2, nodes), without shear.
 
     The result, shape (n, points, 9, nodes, 6), contains membrane, bending and drilling strains; the
     rows of transverse shear are zero.
@@ -441,7 +441,7 @@ def _plane_rows(slope: FloatArray, shape: FloatArray) -> FloatArray:
 
 
 def _quadrilateral(local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Strains per nodal dof in the element's plane, strains per incompatible mode, and areas."""
+    """Return strains per nodal dof in the element's plane and per incompatible mode, and areas."""
     plane = local[..., :2]
     shape, slopes = _bilinear(_GAUSS * _CORNERS)
     jacobian = np.einsum("qda,nai->nqdi", slopes, plane)  # rows are along r and s
@@ -467,7 +467,7 @@ def _quadrilateral(local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
 
 
 def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatArray:
-    """Covariant shear strain w,d + x,d·(θy, -θx) at points per dof, d = r or s: (n, places, 24)."""
+    """Return covariant shear strain w,d + x,d·(θy, -θx) per dof, d = r or s: (n, places, 24)."""
     shape, slopes = _bilinear(places)
     slope = slopes[:, direction]
     edge = np.einsum("qa,nai->nqi", slope, plane)
@@ -481,7 +481,7 @@ def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatAr
 def _triangle(
     local: FloatArray, stiffness: FloatArray, flatness: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Strains per nodal dof in the element's plane, strains per bubble rotation, and areas."""
+    """Return strains per nodal dof in the element's plane and per bubble rotation, and areas."""
     plane, n = local[..., :2], len(local)
     jacobian = plane[:, 1:] - plane[:, :1]  # rows are along r and s
     inverse = np.linalg.inv(jacobian)
@@ -507,7 +507,7 @@ def _triangle(
 
 
 def _tied_shear(jacobian: FloatArray) -> FloatArray:
-    """MITC3+'s covariant shear strains at q points per dof of nodes and bubble: (n, q, 2, 4, 6)."""
+    """Return MITC3+'s covariant shear strains at q points per dof and bubble: (n, q, 2, 4, 6)."""
     d = 1e-4
     third, sixth = 1.0 / 3.0, 1.0 / 6.0
     places = np.array(
@@ -533,7 +533,7 @@ def _tied_shear(jacobian: FloatArray) -> FloatArray:
 
 
 def _optimal_membrane(plane: FloatArray, area: FloatArray, stiffness: FloatArray) -> ArrayPair:
-    """Membrane strains per (u, v, θz) of the nodes: basic (constant) and higher-order ones.
+    """Return basic (constant) and higher-order membrane strains per (u, v, θz) of the nodes.
 
     Shapes (n, 3, 3 nodes, 3) and (n, points, 3, 3 nodes, 3). The higher-order strains are linear
     with zero mean.

@@ -26,16 +26,16 @@ from ..mesh import motions_at
 from .model import FEModel
 from .supports import selected_nodes
 
-# s² of the shifted K + s²M over ΣK_ii / ΣM_ii, which is about the highest ω². The shift is below
-# ω₁² for all but the longest bodies, and large enough that K + s²M is not singular by rounding.
+# Ratio of s² in K + s²M to ΣK_ii / ΣM_ii, which is about the highest ω². This s² is below ω₁² for
+# all but the longest bodies, and large enough that K + s²M is not singular by rounding.
 _NEAR_K = 1e-9
 
 # Largest ratio of successive corrections in iterative refinement; above it, some elastic motion is
 # too soft for the shifted matrix.
 _SLOW = 0.5
 
-# Iterative refinement ends if the correction relative to the solution is below the first value, or
-# if it is below the second and exceeds the third times the previous correction.
+# Iterative refinement ends if the ratio of the correction to the solution is below _AT_ROUNDING, or
+# below _NEAR_ROUNDING while the correction exceeds _STALLED times the previous one.
 _AT_ROUNDING, _NEAR_ROUNDING, _STALLED = 1e-14, 1e-10, 0.9
 
 
@@ -53,7 +53,7 @@ def displacement(
 ) -> FloatArray:
     """Return the static displacement x = K⁻¹ b, shape (n_dofs,).
 
-    For a body with rigid modes, which b must not excite, x is M-orthogonal to these.
+    For a body with rigid modes, x is M-orthogonal to the modes; b must not excite them.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ from .material import PAIRS, PLACES, Material
 # Components in VTK's order of symmetric tensors.
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "xz")
 
-# Engineering strain over tensor component: shear angles are γ = 2ε.
+# Ratios of engineering strains to tensor components: shear angles are γ = 2ε.
 ANGLE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 
 # Tensors of unit engineering strains, shape (6, 3, 3): γ = 1 for shear.
@@ -226,7 +226,7 @@ def slopes_at_nodes(mesh: Mesh, piece: Piece) -> FloatArray:
 
 @cache
 def extrapolation(kind: str) -> FloatArray:
-    """Matrix that extrapolates values from the Gauss points to the nodes, (n_nodes, n_gauss).
+    """Return the matrix that extrapolates from Gauss points to nodes, (n_nodes, n_gauss).
 
     The polynomial of lower degree is a least-squares fit with the quadrature weights. A single
     Gauss point gives a constant.

@@ -39,7 +39,7 @@ from .stress import UNIT_STRAINS, batches, hooke, slopes_at_nodes
 _OF_SHELLS = ("bottom", "middle", "top")
 _SIDES = (*_OF_SHELLS, "left", "right")
 
-# Number of elements per batch, for the sake of memory.
+# Number of elements per batch, which limits memory.
 _BATCH = 4096
 
 # Decimal digits to which normals of one smooth surface agree at a node.
@@ -266,7 +266,7 @@ def body_stress_rows(
         Position in the sections. With a ply's index, stress refers to the ply's axes, otherwise to
         the body's.
     strain : bool, optional
-        If True, the strain tensor instead of stress.
+        If True, the matrix gives the strain tensor instead of stress.
     """
     if layer.part is not None and not mesh.thin:
         raise InputError(f"part={layer.part!r} is for bodies with shells or beams; leave it out")
@@ -302,7 +302,7 @@ def body_stress_rows(
 
 
 def _averaged(wanted: _Wanted) -> sp.csr_array:
-    """Matrix of the stress at points on shells and solids, (6 n, dofs).
+    """Return the matrix of the stress at points on shells and solids, (6 n, dofs).
 
     The stress is averaged over the elements of one smooth surface of a shell, or of one solid.
     """
@@ -369,14 +369,14 @@ def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, Floa
 
 
 def _turning(frames: FloatArray) -> FloatArray:
-    """Matrices, (n, 6, 6), from components of σ to those of Fᵀ σ F; rows of F are axes of σ."""
+    """Return matrices, (n, 6, 6), from components of σ to those of Fᵀ σ F; rows of F: axes of σ."""
     unit = np.eye(6)[:, PLACES]
     found: FloatArray = np.einsum("nai,cab,nbj->ncij", frames, unit, frames)[..., *SIX]
     return found.swapaxes(1, 2)
 
 
 def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> FloatArray:
-    """Return the largest von Mises stress of each beam element, Pa, (k, n_cells); else 0.
+    """Return the largest von Mises stress of each beam element, Pa, (k, n_cells); 0 elsewhere.
 
     Parameters
     ----------
@@ -396,7 +396,7 @@ def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> Floa
 def _by_dofs(
     place: IntArray, cells: IntArray, rows: FloatArray, shape: tuple[int, int]
 ) -> sp.csr_array:
-    """Sparse matrix over all dofs from rows of elements over their own dofs, (n, 6, element dofs).
+    """Return the matrix over all dofs of rows of elements over their own, (n, 6, element dofs).
 
     Rows with the same index `place` are added.
     """
@@ -408,7 +408,7 @@ def _by_dofs(
 
 
 def _dofs(cells: IntArray, n_nodes: int) -> IntArray:
-    """Indices of the dofs (u, v, w, θx, θy, θz) of each node of elements, (n, 6 nodes)."""
+    """Return dofs (u, v, w, θx, θy, θz) of each node of elements, shape (n, 6 nodes)."""
     moved = 3 * cells[:, :, None] + np.arange(3)
     both = np.concatenate([moved, moved + 3 * n_nodes], axis=2)
     return both.reshape(len(cells), 6 * cells.shape[1])

@@ -37,8 +37,8 @@ _UNKNOWN = 1e-5
 # Largest number of nodes of a rigid mass, since its matrix of size 3 · nodes is full.
 _MOST_NODES = 500
 
-# Largest distance or radius of gyration of a rigid mass over the body's size; above it, it was
-# probably given in millimetres.
+# Largest ratio of a rigid mass's distance or radius of gyration to the body's size; a larger one
+# was probably given in millimetres.
 _FAR = 50.0
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
@@ -293,7 +293,7 @@ def added_mass(mesh: Mesh, masses: Sequence[Mounted] | None, free: IntArray) -> 
 
 
 def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
-    """Mass matrix WᵀJW: q = W u is the rigid motion at the attachment's centre, J its inertia.
+    """Return WᵀJW: q = W u is the rigid motion at the attachment's centre, J its inertia.
 
     q is the least-squares fit to the displacements u of the nodes.
     """

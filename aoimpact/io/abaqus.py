@@ -81,7 +81,7 @@ _KINDS = {
         "|(CAP|CASTIRON|CLAY|CONCRETEDAMAGED|CONNECTOR|POROUSMETAL)PLASTICITY|BRITTLECRACKING"
         "|NOCOMPRESSION|NOTENSION|USERMATERIAL"
     ),
-    # Additions to a section: that of their ELSET, or else the section before them.
+    # Additions to a section, which is that of their ELSET or else the section before them.
     "addition": (
         "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
         "|SHEARCENTER|BEAM(ADDED|FLUID)INERTIA|BEAMSECTIONOFFSET"
@@ -176,7 +176,7 @@ def _kind(name: str) -> str:
 
 @record
 class AbaqusDeck:
-    """A deck beyond its mesh.
+    """The contents of a deck beyond its mesh.
 
     Attributes
     ----------
@@ -449,7 +449,7 @@ class Scope:
     name : str
         Name of the part or instance as written in the deck.
     part : str
-        Name, in capitals, of this part, or of the part that this is an instance of.
+        Name, in capitals, of this part, or of the part that this scope is an instance of.
     keyword : Keyword or None
         The *PART or *INSTANCE keyword.
     keywords : list of Keyword
@@ -467,7 +467,7 @@ class Scope:
     sets : mapping of (Which, str) to list of Keyword
         Keywords that add members to a set, by the set's name in the form of `key`.
     missing : mapping of str to int
-        For each set with undefined members, the label of the first of these.
+        For each set with undefined members, the label of the first undefined member.
     known : mapping of Which to (ndarray of int, ndarray of int)
         Ascending labels of nodes and of elements, and the row of each.
     """
@@ -537,7 +537,7 @@ class Scope:
     def _system(self, keyword: Keyword) -> None:
         """Set the rectangular axes of the nodes that follow (*SYSTEM).
 
-        They are given by the origin, a point on x, and a point in the x-y plane. Without the third
+        The axes are given by the origin, a point on x, and one in the x-y plane. Without the third
         point, z remains the global z, and x is projected. With the origin alone, axes are global.
         """
         what = "the points a and b in one line, and c in the next"
@@ -739,8 +739,8 @@ def _constants(card: Keyword, count: int) -> list[float]:
     return numbers[:count]
 
 
-# For each TYPE of *ELASTIC, the number of constants, and the function from these and the density to
-# the material.
+# For each TYPE of *ELASTIC, the number of constants, and the function that makes the material from
+# the constants and the density.
 _ELASTIC: dict[str, tuple[int, Callable[..., Solid]]] = {
     **dict.fromkeys(("ISO", "ISOTROPIC"), (2, Source.isotropic)),
     "LAMINA": (6, Source.ply),
@@ -788,14 +788,14 @@ class _Section:
             return make(self.source, *_constants(elastic, count), rho)
 
     def differs(self, of: str, other: str, cure: str) -> None:
-        """Add to the warning what CalculiX interprets otherwise, unless the deck has parts."""
+        """Warn that `of` is taken as in Abaqus, not as in CalculiX, unless the deck has parts."""
         if not self.deck.whole.inner:  # CalculiX has no parts
             self.source.left_out.append(f"{of} as in Abaqus; {other} ({cure})")
 
     def axes(self, name: str) -> tuple[FloatArray, int]:
         """Return the unit axes of an orientation in rows, and the number of its rotation axis.
 
-        The second data line gives this axis and the angle by which the others are rotated about it.
+        The second data line gives that axis and the angle by which the others are rotated about it.
         Without the line the axis is 3; a blank axis is 1, as in Abaqus.
         """
         found: dict[str, Keyword] = {}
@@ -826,7 +826,7 @@ class _Section:
     def along(self, name: str) -> FloatArray:
         """Return the direction whose projection on a shell is axis 1 of the orientation `name`.
 
-        It is the axis after the orientation's rotation axis (see `axes`), which must be near the
+        This is the axis after the orientation's rotation axis (see `axes`), which must be near the
         normal. Without a name it is the global x, or z if x is the normal.
         """
         normals = self.source.directions(self.members)

@@ -19,7 +19,7 @@ import numpy as np
 from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
 from .raw import Line, columns, number, numbers, read_text
 
-# Number of numbers in a full data line.
+# Count of numbers in a full data line.
 _FULL = 16
 
 # Upper bound of the number of a node or element, which doubles represent exactly.

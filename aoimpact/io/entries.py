@@ -29,7 +29,7 @@ _LEAST_BYTES, _LEAST_DENSE = 6, 2
 def _is_entry(line: bytes, integers: int, between: bytes | None = None) -> bool:
     """Return whether a line holds the given count of integers, then a number.
 
-    They are separated by `between`, or by blanks if that is None.
+    The numbers are separated by `between`, or by blanks if that is None.
     """
     *labels, value = line.strip().removesuffix(b",").split(between) or [b""]
     with contextlib.suppress(ValueError):

@@ -136,7 +136,7 @@ def _names(arrays: dict[str, Any], prefix: str, what: str, members: str) -> list
 def _on_sides(
     name: str, blocks: tuple[RawBlock, ...], first: IntArray, elements: IntArray, sides: IntArray
 ) -> IntArray:
-    """Return the nodes on the given sides of elements; both are numbered from 1."""
+    """Return the nodes on sides of elements; `elements` and `sides` are numbered from 1."""
     if elements.shape != sides.shape or ((elements < 1) | (elements > first[-1])).any():
         raise ValueError(f"the set of sides {name!r} names elements that are not there")
     members = [np.zeros(0, np.int64)]

@@ -129,8 +129,8 @@ def read_matrices(
     Raises
     ------
     InputError
-        If a file is spoilt, cut short, of an unknown format, or of another model than the other
-        file; the message names file and line.
+        If a file is spoilt, cut short or of an unknown format, or if the files are of different
+        models; the message names file and line.
     MissingFileError, MemoryLimitError
         If a file does not exist, or is too large for the memory.
 
@@ -269,7 +269,7 @@ def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
 
 
 def _named(role: str, file: Path, matrices: list[RawMatrix], wanted: str) -> RawMatrix:
-    """Return the matrix of the `wanted` name, or without it the only one whose name fits."""
+    """Return the matrix named `wanted` or, without a name, the only one whose name fits `role`."""
     if wanted:
         fit = [one for one in matrices if one.name == wanted]
     elif len(matrices) == 1:
@@ -330,7 +330,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
     K, M = stiffness.symmetric(), inertia.symmetric()
     for name, matrix in (("K", K), ("M", M)):
         without = np.flatnonzero((matrix.diagonal() == 0.0) & (abs(matrix).sum(axis=1) > 0.0))
-        if name == "K" and labels is not None:  # Abaqus' internal rows may lack it
+        if name == "K" and labels is not None:  # Abaqus' internal rows may lack stiffness
             without = without[labels[without, 0] > 0]
         for row in without[:1].tolist():
             more = f"and of {len(without) - 1} more rows: is the file cut short?"
@@ -505,7 +505,7 @@ def _labelled(where: str, table: FloatArray) -> Places:
 
 
 def _lines(file: Path) -> FloatArray | None:
-    """Return label, x, y, z of lines that begin with these, as Ansys' NWRITE; None if others."""
+    """Return label, x, y, z from lines that begin so, as Ansys' NWRITE; None for other files."""
     text = file.read_text(encoding="latin-1")
     rows = [line.replace(",", " ").split()[:4] for line in text.splitlines() if line.strip()]
     if not rows or any(len(row) < 4 or not row[0].isdigit() for row in rows):

@@ -327,7 +327,7 @@ class Grids:
         return x
 
     def axes(self, label: int, error: Callable[[str], MeshError]) -> Axes:
-        """Return a coordinate system by its label; `error` is of the entry that refers to it.
+        """Return a coordinate system by its label; `error` makes errors of the entry with it.
 
         Raises
         ------
@@ -458,7 +458,7 @@ _ISOTROPIC = 0.01
 
 @dataclass(eq=False)
 class NastranDeck:
-    """A deck beyond its mesh: case control, bulk data, nodes, and the entries of each mesh block.
+    """The contents of a deck beyond its mesh, with the entries of each mesh block.
 
     `source` is the argument of the last `read`.
     """
@@ -703,7 +703,7 @@ def _bar(deck: NastranDeck, card: Card, own: IntArray, shear: float = math.inf) 
 def _constant(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
     """Return the beam of a PBEAM of constant cross-section, by conversion to PBAR."""
     of = [*card.fields, *[""] * 16]
-    if of[8] in _STATIONS:  # C to F are left out
+    if of[8] in _STATIONS:  # the fields of the stress points C to F are missing
         of[8:8] = [""] * 8
     card, at = replace(card, fields=of), 16
     while of[at] in _STATIONS:

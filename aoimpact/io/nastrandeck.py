@@ -329,7 +329,7 @@ class Card:
         return [self.real(first + i, name) for i, name in enumerate(names.split())]
 
     def must_be(self, at: int, what: str, wanted: float) -> None:
-        """Refuse a field unless it is blank or has the `wanted` value, that of a blank field."""
+        """Refuse a field unless it is blank or has the `wanted` value, which a blank stands for."""
         value = self.real(at, what, wanted)
         if abs(value - wanted) > _DIGITS * abs(wanted):
             raise self.error(f"{what}={value:g} is not supported; only {wanted:g} is")

@@ -18,8 +18,9 @@ import numpy as np
 from ..base import FloatArray, InputError, record
 from ..fem import CircularSection, RectangularSection, TubularSection
 
-# Largest values that count as rounding: distance between the ends of a closed ARBITRARY section
-# over its longest wall; third moment of area over A^2.5, and edge length over the longest edge.
+# Largest values that count as rounding. `_CLOSED`: ratio of the distance between the ends of a
+# closed ARBITRARY section to its longest wall. `_ROUND`: ratios of the third moment of area to
+# A^2.5, and of an edge length to the longest edge.
 _CLOSED, _ROUND = 1e-6, 1e-9
 
 # Gauss points and weights on a panel of the outline. Panels grow by the factor _COARSER away from
@@ -140,7 +141,7 @@ def rows(*of: tuple[float, ...]) -> Profile:
     """Return a section of rectangles in rows, stacked upwards from v = 0.
 
     A row is its height, then pairs of h: left and right end of each rectangle. The shear factor
-    along an axis is the share in the area of the walls along this axis.
+    along an axis is the ratio of the area of the walls along this axis to the whole area.
     """
     if any(row[0] <= 0.0 or [*row[1:]] != sorted({*row[1:]}) for row in of):
         raise InputError("its walls are thicker than there is room for, or 0")

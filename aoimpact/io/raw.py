@@ -98,9 +98,9 @@ class RawMesh:
     left_out : mapping of str to str
         Groups that hold more than solids, with the rest of their contents, as in "3 MASS, 20 S4R".
     deck : AbaqusDeck, NastranDeck or None
-        Cards of a deck beyond its mesh; None for other formats, where cells of lower dimension may
-        just be sides and edges. Its `sections` counts the cards on shells and beams, as in
-        "2 PSHELL"; its `read` takes a `sections.Source` and returns the sections in SI by group.
+        Deck beyond its mesh; None for other formats, where cells of lower dimension may just be
+        sides and edges. Its `sections` counts the cards on shells and beams, as in "2 PSHELL"; its
+        `read` takes a `sections.Source` and returns the sections in SI by group.
     """
 
     nodes: FloatArray
@@ -136,7 +136,7 @@ class RawMesh:
         return np.searchsorted(self.first, members, side="right") - 1
 
     def rows(self, members: IntArray) -> Iterator[tuple[RawBlock, IntArray]]:
-        """Yield each block, and the rows in it of the cells numbered `members` that it holds."""
+        """Yield each block, and the rows of its cells that are in `members`, cell numbers."""
         for block, (start, stop) in zip(self.blocks, pairwise(self.first.tolist()), strict=True):
             yield block, members[(members >= start) & (members < stop)] - start
 
@@ -215,7 +215,7 @@ def labels_of(arrays: Any, name: str, count: int) -> IntArray | None:
     Raises
     ------
     ValueError
-        If its length is not `count`.
+        If the array's length is not `count`.
     """
     if name not in arrays:
         return None
@@ -339,7 +339,7 @@ def columns(lines: Any, width: int, delimiter: str | None = None, **how: Any) ->
             contextlib.suppress(ValueError, OverflowError, RuntimeError),
             warnings.catch_warnings(),
         ):
-            warnings.simplefilter("ignore")  # that there are no data
+            warnings.simplefilter("ignore")  # the warning that there are no data
             how = {"comments": None, "ndmin": 2, "encoding": "latin-1"} | how
             found = np.loadtxt(lines, delimiter=delimiter, converters=converters, **how)
             table: FloatArray = found.reshape(len(found), -1 if len(found) else width)
@@ -419,7 +419,7 @@ class RawMatrix:
     triangle : bool
         True if the file declares that it holds one triangle only.
     unfit : str
-        Reason why it can be neither stiffness nor mass (complex, not square, empty); else "".
+        Reason why the matrix is neither stiffness nor mass (complex, not square, empty); else "".
     before : int or None
         Number of lines before the first entry, in files with one entry per line; else None.
     """
@@ -506,7 +506,7 @@ def labelled(file: Path, name: str, rows: Any, cols: Any, values: Any, **more: A
 
 
 def passed_over(file: Path, name: str, why: str) -> RawMatrix:
-    """Return an empty matrix for one that is unfit, so that others in its file can be used."""
+    """Return an empty matrix in place of an unfit one, so that others in its file can be used."""
     return RawMatrix(file, name, sp.coo_array((0, 0)), unfit=why)
 
 

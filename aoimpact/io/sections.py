@@ -290,5 +290,5 @@ def refusing(error: Callable[[str], MeshError]) -> Iterator[None]:
         raise
     except ArithmeticError:
         raise error("its numbers are 0, or lie too far apart to compute with") from None
-    except (InputTypeError, ValueError, RecursionError) as wrong:  # of mutual references
+    except (InputTypeError, ValueError, RecursionError) as wrong:  # from mutual references
         raise error(str(wrong)) from None

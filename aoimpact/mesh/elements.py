@@ -328,9 +328,8 @@ def _space(degree: int, has: Callable[[int, int, int], bool]) -> tuple[_Powers, 
 # Spaces of functions. Hexahedra of 20 nodes: products quadratic in at most one coordinate, the
 # serendipity space (D. Arnold & G. Awanou, Found. Comput. Math. 11, 337, 2011). Wedges of 15 nodes:
 # quadratic functions of x, y times 1 and z, and linear functions of x, y times z². Pyramids of 13
-# nodes: all
-# quadratic functions, xy/(1-z), x²y/(1-z) and xy²/(1-z) (G. Bedrosian, Int. J. Num. Meth. Eng. 35,
-# 95, 1992). Linear pyramids: all linear functions and xy/(1-z).
+# nodes: all quadratic functions, xy/(1-z), x²y/(1-z) and xy²/(1-z) (G. Bedrosian, Int. J. Num.
+# Meth. Eng. 35, 95, 1992). Linear pyramids: all linear functions and xy/(1-z).
 _TETRAHEDRON_4 = _space(1, lambda i, j, k: i + j + k <= 1)
 _TETRAHEDRON_10 = _space(2, lambda i, j, k: i + j + k <= 2)
 _HEXAHEDRON_8 = _space(1, lambda i, j, k: True)
