@@ -10,7 +10,7 @@ from .checks import written_file
 
 
 def aligned(rows: Iterable[Sequence[str]], *, left: Collection[int] = ()) -> list[str]:
-    """Return a line per row with columns aligned: flush right, but for those in `left`."""
+    """Return a line per row with aligned columns, flush left if in `left`, else flush right."""
     columns = []
     for number, cells in enumerate(zip(*rows, strict=True)):
         width = max(map(len, cells))

@@ -1,4 +1,4 @@
-"""Checks of single arguments, and records that check theirs and whose arrays are read-only.
+"""Checks of single arguments, and records that check their fields and have read-only arrays.
 
 Every function takes the argument's name first and returns the value in the one form that the
 rest of the package works with (`float`, `int`, contiguous native float64 arrays).
@@ -41,8 +41,9 @@ Check = Callable[[str, Any], Any]
 # Largest magnitude of inputs in SI units: products of up to three of these do not overflow.
 HUGE = 1e100
 
-# Relative differences that count as rounding: of results in double precision, some thousand
-# roundings of 1e-16 with room to spare; and of numbers that were printed with ten digits.
+# Relative differences that count as rounding. ROUNDING: of results in double precision, some
+# thousand roundings of 1e-16 with room to spare. PRINTED: of numbers that were printed with ten
+# digits.
 ROUNDING, PRINTED = 1e-12, 1e-9
 
 
@@ -171,7 +172,7 @@ def nearest(value: str, options: Iterable[str]) -> str:
 
 
 def spelled(made: Any, module: str) -> Any:
-    """Return a public function or class whose errors on misspelt keywords suggest the right one.
+    """Return a public function or class whose errors suggest names for misspelt keywords.
 
     Parameters
     ----------
@@ -356,7 +357,7 @@ def plain(vector: FloatArray) -> str:
 def integers(
     name: str, value: Any, what: str, *, shape: Sequence[int | None] | None = None
 ) -> IntArray:
-    """Return `value` as a new array of integers of that shape, where None stands for any length.
+    """Return `value` as a new array of integers of `shape`, where None stands for any length.
 
     `what`: description of the entries for messages.
 
@@ -504,7 +505,7 @@ def _freeze(items: tuple[Any, ...] | dict[Any, Any]) -> None:
 
 
 class Kept:
-    """Cache of the `most` results that were last used, by their keys."""
+    """Cache, by key, of the `most` results that were used last."""
 
     def __init__(self, most: int) -> None:
         self._most = most

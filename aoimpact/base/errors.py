@@ -34,11 +34,11 @@ class MemoryLimitError(AOImpactError, MemoryError):
 
 
 class MeshError(InputError):
-    """A mesh cannot be read or cannot be computed with."""
+    """A mesh cannot be read, or is not fit for computation."""
 
 
 class LawLimitError(InputError):
-    """A contact goes deeper than its law is valid: beyond its patch, or its table.
+    """A contact is deeper than its law is valid for: beyond the law's patch or table.
 
     Attributes
     ----------
@@ -239,9 +239,9 @@ def core_error(
     time : float
         Simulated time of the failing step, s; negative where time has no meaning.
     indentation, rate : float, optional
-        State at which a contact law gave no force, m and m/s; NaN: not known.
+        Indentation, m, and rate, m/s, at which a contact law gave no force; NaN: not known.
     contact : int, optional
-        Number of the contact that went deeper than its law is valid; negative: not known.
+        Number of the contact that is deeper than its law is valid for; negative: not known.
     """
     kind, text = _CORE.get(code, (AOImpactError, f"unknown status {code} of the core"))
     when = f" at t = {time:.6g} s" if time >= 0.0 else ""

@@ -1,4 +1,4 @@
-"""Progress bars for what takes longer than a second: on a terminal, and in a notebook."""
+"""Progress bars for tasks that take longer than a second, on a terminal or in a notebook."""
 
 from __future__ import annotations
 

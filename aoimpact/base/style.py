@@ -31,8 +31,8 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), (0, (3, 1)
 def styled() -> Iterator[None]:
     """Give new figures and axes the style of this package within the context.
 
-    Only the settings made here are restored, unlike by ``rc_context``: a notebook's backend turns
-    interactive with its first figure, and would show no other if that were undone.
+    Only the settings made here are restored, unlike with ``rc_context``: a notebook's backend turns
+    interactive with its first figure, and would show no other figure if that were undone.
     """
     import matplotlib.pyplot as plt
     from cycler import cycler  # of matplotlib
@@ -119,7 +119,7 @@ def draw_curves(
     Parameters
     ----------
     ax : Axes or None
-        None makes a new figure. Axes that are labelled in these units keep their prefixes.
+        None makes a new figure. Axes that are labelled in the given units keep their prefixes.
     across : (values, name, unit)
         Quantity on the horizontal axis.
     name, unit : str

@@ -55,5 +55,5 @@ def _cores() -> int:
 
 @cache
 def _pool(process: int, count: int) -> ThreadPoolExecutor:
-    """Return the pool of the process of that id: a forked one has none of its parent's threads."""
+    """Return the pool of a process, by its id: a forked process has no threads of its parent."""
     return ThreadPoolExecutor(count - 1, thread_name_prefix=_PREFIX)

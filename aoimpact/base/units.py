@@ -16,10 +16,10 @@ Scale = tuple[float, str]
 
 
 def scale_for(largest: float, unit: str) -> Scale:
-    """Return the scale that shows numbers up to `largest` (SI, any sign) well.
+    """Return the scale that suits numbers up to `largest`, in SI units and of any sign.
 
-    Zero, infinite and undefined values keep the bare unit, and so do numbers per unit: no prefix
-    stands before a 1.
+    Zero, infinite and undefined values keep the bare unit, and so do units that begin with 1, such
+    as 1/s: no prefix stands before a 1.
     """
     size = abs(largest)
     if not math.isfinite(size) or size == 0.0 or not unit or unit.startswith("1/"):

@@ -24,7 +24,7 @@ import numpy as np
 from ..base import FilePath, InputError, InputTypeError, file_path, sp, warn
 from ..fem import FEModel
 
-# Value kept of a case, or its exception; and its warnings.
+# Outcome of a case: the value kept of it, or its exception; and its warnings.
 Outcome = tuple[Any, tuple[str, ...]]
 
 _HEAD = b'{"aoimpact": "checkpoint"}\n'
@@ -111,7 +111,7 @@ class Checkpoint:
 
 
 def as_json(value: Any) -> Any:
-    """Return a kept value as a checkpoint will restore it: numbers, strings, lists and dicts.
+    """Return a value as a checkpoint restores it: made of numbers, strings, lists and dicts.
 
     Raises
     ------
@@ -132,7 +132,7 @@ class Digests:
     Parameters
     ----------
     key : str or None
-        Text that stands for the code of all functions, which are identified by their names; None
+        Text that stands for the code of functions, of which only the names enter a digest; None
         refuses functions.
     shared : optional
         Value that enters the digest of every case.
@@ -148,7 +148,8 @@ class Digests:
         Raises
         ------
         InputTypeError
-            If it has a function and there is no key, or an object whose content cannot be read.
+            If the value has a function and there is no key, or has an object whose content cannot
+            be read.
         """
         if isinstance(value, Mapping):
             value = dict(sorted(value.items(), key=repr))

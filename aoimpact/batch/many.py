@@ -40,8 +40,9 @@ from ..results import QUANTITIES, look_up
 from .checkpoint import Checkpoint, Digests, Outcome, as_json
 from .plain import PLAIN_NUMBERS, plain_numbers
 
-# Intended time of one task, s, in our threads and in other executors: far above the cost of handing
-# it over, and short enough that all workers finish together.
+# Intended time of one task, s, in this process's threads (_TASK_HERE) and in other executors
+# (_TASK_AWAY): far above the cost of submitting the task, and short enough that all workers finish
+# together.
 _TASK_HERE, _TASK_AWAY = 0.015, 0.1
 
 # Submitted tasks per worker: one that runs and one that waits.
@@ -78,8 +79,8 @@ def simulate_many(
         as ("peak_force", "impulse", "error.time"), keep a dict of these numbers, in scenes for each
         contact or body. If models are chosen, each has its error, such as "impulse_error"
         (`ErrorParts.total`), and "impulse_controlled". A function of the result must be importable
-        by other processes. Impacts of two AO models run many in one call of the core if only named
-        numbers are kept.
+        by other processes. If only named numbers are kept, one call of the core runs many impacts
+        of two AO models.
     checkpoint : path, optional
         A file that keeps finished cases, a line of JSON each: the same call resumes where an
         earlier one was stopped or killed. Cases are recognised by their content; one that has
@@ -119,7 +120,7 @@ def simulate_many(
     try:
         if isinstance(cases, (Mapping, str)) or not isinstance(cases, Iterable):
             raise TypeError
-        # An array without axes, or a sparse one, has __len__ all the same, which raises TypeError.
+        # An array without axes, or a sparse array, has a __len__ that raises TypeError.
         total = len(cases) if isinstance(cases, Sized) else None
     except TypeError:
         raise InputTypeError(
@@ -211,9 +212,9 @@ def _items(
 
 @dataclass(frozen=True)
 class _Job:
-    """Runs cases and keeps the wanted numbers; returns exceptions instead of raising them.
+    """Function that runs cases and keeps the wanted numbers; it returns exceptions of cases.
 
-    `stored`: whether a checkpoint keeps the values, which must then be such as JSON holds.
+    `stored`: whether a checkpoint keeps the values, which must then be of types that JSON has.
     """
 
     keep: Keep | None
@@ -224,7 +225,7 @@ class _Job:
         start = time.perf_counter()
         together: Sequence[Any] = [None] * len(items)
         if isinstance(self.keep, Named) and PLAIN_NUMBERS.issuperset(self.keep.names):
-            # The plain impacts, from one call of the core.
+            # One call of the core runs all plain impacts.
             together = plain_numbers([item.case for item in items], self.keep.names)
         outcomes: list[Outcome | None] = []
         for item, found in zip(items, together, strict=True):
@@ -320,14 +321,15 @@ def _run_tasks(workers: Any, task: _Job, items: Iterable[_Item]) -> Iterator[tup
                 return
             batch, future = under_way.popleft()
             outcomes, seconds = _asked(workers, future.result) if submit else task(batch)
-            # As many items as take the intended time, and at most four times as many as before.
+            # The next batch has as many items as take the intended time, at most four times the
+            # last number.
             wanted = target * len(batch) / seconds if seconds > 0.0 else math.inf
             size = int(max(1.0, min(wanted, 4.0 * len(batch))))
             yield from zip(batch, outcomes, strict=True)
 
 
 def _asked(workers: Any, ask: Callable[..., Any], *arguments: Any) -> Any:
-    """Call an executor; what it raises is its own failure, since tasks raise nothing."""
+    """Call an executor; any exception is a failure of the executor, since tasks raise none."""
     try:
         return ask(*arguments)
     except Exception as error:

@@ -40,7 +40,7 @@ Column = NDArray[Any]
 # Memory per number, bytes: 8 in its column, and 8 in the structured array of all columns.
 _BYTES_PER_NUMBER = 16.0
 
-# Maximum rows of a printed table, few enough that the note below stays on the screen.
+# Maximum rows of a printed table: few enough that the note below the table stays on the screen.
 _SHOWN = 10
 
 _OTHERWISE = "take .data, a structured array, or .to_csv(path)"
@@ -57,7 +57,8 @@ class SweepTable(Frozen):
     parameters, quantities : tuple of str
         Names of the columns.
     shape : tuple of int
-        Number of values of each parameter: a column reshaped to it is an array over the grid.
+        Number of values of each parameter: a column reshaped to this shape is an array over the
+        grid.
     errors : dict of int to exception
         Exceptions by failed row, whose quantities are NaN. Numbers that do not exist are NaN as
         well, such as the restitution of bodies that have not parted.
@@ -292,7 +293,7 @@ def _checked_grid(grid: Any) -> dict[str, list[Any]]:
 
 
 def _cases(make: Any, grid: Mapping[str, Sequence[Any]]) -> Iterator[Any]:
-    """Make each case when it is needed; yield the exception of one that cannot be made."""
+    """Yield each case, made when it is needed, or the exception of a case that cannot be made."""
     for values in itertools.product(*grid.values()):
         try:
             yield make(**dict(zip(grid, values, strict=True)))
@@ -336,7 +337,7 @@ def _table(
     """
     axes = np.meshgrid(*map(_column, grid.values()), indexing="ij")
     shape, count = axes[0].shape, axes[0].size
-    # Filled with NaN, since only some cases have estimated errors.
+    # Columns start as NaN, since only some cases have estimated errors.
     columns = defaultdict[str, Column](lambda: np.full(count, math.nan))
     errors: dict[int, Exception] = {}
     for i, value in enumerate(values):
@@ -384,7 +385,7 @@ def _heading(name: str) -> str:
 
 
 def _text(value: Any, digits: str = "{}") -> str:
-    """Return a number with all digits or those asked for, or the label or place of an object."""
+    """Return a number as text in the format `digits`, or the label or place of an object."""
     if isinstance(value, float):
         return digits.format(value)
     if isinstance(value, ContactPoint) and value.point is not None:

@@ -18,7 +18,7 @@ from ..scenefile import SceneFile
 
 _FIGURES = ("force", "indentation", "displacement", "energy")
 
-# Number of times of a body's field, besides that of the peak force: enough to see it move.
+# Number of times of a body's field, besides that of the peak force: enough to see the body move.
 _FRAMES = 20
 
 
@@ -60,7 +60,7 @@ def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
     kept: Any = keeper(quantities) if quantities else lambda _: {}
 
     def intervals(name: str) -> Any:
-        """Return start and end of each touch, or slip; of a scene, a list of these by contact."""
+        """Return (start, end) of each touch, or slip; for a scene, a list of them per contact."""
         found = [getattr(of, name) for of in result.each_contact]
         return found[0] if isinstance(result, Result) else found
 

@@ -16,21 +16,23 @@ import numpy as np
 
 from ..base import ArrayPair, FloatArray, InputError, checked, positive, warn, with_unit
 
-# Corner frequency of a single pass, the pole, over the frequency of the class (SAE J211-1, appendix
-# C). Both passes together are 3 dB down at 1.65 times the class.
+# Ratio of the pole, the corner frequency of a single pass, to the class's frequency (SAE J211-1,
+# appendix C). Both passes together are 3 dB down at 1.65 times the class's frequency.
 _POLE = 2.0775
 
-# Pole over the frequency at which two passes of a Butterworth filter of order 2 are 3 dB down.
+# Ratio of the pole to the frequency at which two passes of a Butterworth filter of order 2 are 3 dB
+# down.
 _POLE_OF_CORNER = math.pow(math.sqrt(2.0) - 1.0, -0.25)
 
 # Share of a transient at either end that is left after the settling time.
 _SETTLED = 1e-4
 
-# Samples per period of the pole, and minimum number in a record. For a plate whose acceleration is
-# 40 times what passes CFC 1000, the error is 1.5e-3 with 200 per period, and 5e-5 with 1000.
+# _SAMPLES: samples per period of the pole. _LEAST_SAMPLES: minimum number in a record. For a plate
+# whose unfiltered acceleration is 40 times that behind CFC 1000, the error is 1.5e-3 with 200
+# samples per period, and 5e-5 with 1000.
 _SAMPLES, _LEAST_SAMPLES = 1000, 1000
 
-# Number of samples beyond which a filter is taken for a mistake.
+# Largest number of samples; a filter that needs more is taken for a mistake.
 _MOST = 20_000_000
 
 
@@ -133,7 +135,7 @@ def filtered_acceleration(
 ) -> FloatArray:
     """Return the acceleration of a motion behind a channel's filter, m/s², shape (times, ...).
 
-    Its samples are second differences of the displacement, which are means of the acceleration
+    The filter's input is second differences of the displacement: means of the acceleration,
     weighted by triangles, so that there is little aliasing. Before the record the velocity is
     constant. What follows the record is not known, and the filter runs backward as well, so that
     the acceleration is NaN within the settling time of the end.
@@ -141,7 +143,8 @@ def filtered_acceleration(
     Parameters
     ----------
     motion : callable
-        Times within the record, s ↦ displacement, m, and velocity, m/s, of shape (times, ...).
+        Function of times within the record, s, that returns displacement, m, and velocity, m/s, of
+        shape (times, ...).
     duration : float
         Length of the record, s.
     channel : Channel

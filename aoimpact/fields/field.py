@@ -39,12 +39,13 @@ from ..fem import (
 )
 from ..mesh import Mesh, meshio_of_all_kinds, plane_of
 
-# Largest drawn displacement over the bodies' size by default, which shows the motion and keeps the
-# shape recognisable. The factor on displacements is rounded down, so that it is 3 to 8 %.
+# Default ratio of the largest drawn displacement to the bodies' size; it shows the motion and keeps
+# the shape recognisable. The factor on displacements is rounded down, so that the ratio is 3 to 8
+# %.
 _SHOWN = 0.08
 
-# Percentile of stress at which the colours end: with the peak under a contact, the rest of the body
-# would be in one colour.
+# Percentile of stress at which the colours end: if they ended at the peak under a contact, the rest
+# of the body would be in one colour.
 _COLOURED = 98.0
 
 # Size of a picture, pixels; videos need multiples of 16.
@@ -54,7 +55,8 @@ _OTHERWISE = "write files for ParaView: to_vtu(path)"
 
 DOWN = (0.0, 0.0, -1.0)
 
-# Direction to the camera: components along two axes across `down`, and against it.
+# Direction to the camera: components along two axes perpendicular to `down`, and opposite to
+# `down`.
 _VIEW = (0.55, -0.75, 0.5)
 
 
@@ -66,7 +68,7 @@ class Shown:
     ----------
     mesh : Mesh
     points : ndarray, shape (n_nodes, 3)
-        Places of its nodes, undeformed, m.
+        Coordinates of the undeformed mesh's nodes, m.
     displacement : ndarray, shape (k, n_nodes, 3)
         Displacement of the nodes at k times, m.
     von_mises : ndarray, shape (k, n_nodes)
@@ -159,7 +161,7 @@ def write_movie(
     Raises
     ------
     MissingPackageError
-        If a package that draws or writes it is not installed.
+        If a package that draws or writes movies is not installed.
     InputError
         If the path does not end in .gif or .mp4, or its folder does not exist.
     """
@@ -255,10 +257,10 @@ def write_series(
     return listing
 
 
-# Relative error above which a history warns.
+# Relative error of a history above which a warning is issued.
 _BADLY_WRONG = 0.2
 
-# Number of even times of the record among which the largest value is searched.
+# Number of even times of a record at which the largest value of a history is searched.
 LOOKS = 200
 
 
@@ -287,7 +289,7 @@ class Field:
     displacement: FloatArray
     velocity: FloatArray
     rotation: FloatArray
-    # The `Response` that this is from, and the dofs of all nodes at these times, (k, dofs).
+    # _response: the `Response` that the field is computed by. _dofs: dofs of all nodes, (k, dofs).
     _response: Any = field(repr=False)
     _dofs: FloatArray = field(repr=False)
 
@@ -341,7 +343,7 @@ class Field:
         Warns
         -----
         AOImpactWarning
-            If the stress by a reduced model may be badly wrong; see `error`.
+            If the stress computed by a reduced model may be badly wrong; see `error`.
 
         Notes
         -----
@@ -478,7 +480,7 @@ class Field:
         return plotter
 
     def movie(self, path: FilePath, *, scale: float | None = None, fps: float = 15.0) -> Path:
-        """Write a movie of the body with one frame per time, drawn as by `plot`.
+        """Write a movie of the body with one frame per time, drawn as in `plot`.
 
         `Result.movie` shows both bodies of an impact.
 
@@ -515,7 +517,7 @@ class Field:
 
 
 def solid(body: FEModel, what: str) -> tuple[Mesh, AnyMaterial]:
-    """Return the body's mesh and material; `what` needs them."""
+    """Return the body's mesh and material; raise InputError, naming `what`, if it has none."""
     if body.mesh is None or body.material is None:
         raise InputError(
             f"{what} needs elements and a material, and this body was given by its matrices K and "

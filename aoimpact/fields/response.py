@@ -1,4 +1,4 @@
-"""Response of a whole body in a run: its motion on all dofs, recomputed from recorded forces.
+"""Response of a whole body in a run: the motion of all dofs, recomputed from recorded forces.
 
 A contact force F on a patch deforms the elements about it as far as their shape functions allow. F
 times `Compliance.mesh_field` is the part of this deformation that approximates the field u_B of a
@@ -24,18 +24,18 @@ from ..reduction import PACE, FullModel, Recovery
 from ..scene import extraction_of
 from .field import LOOKS, Field
 
-# Number of values per doubling to which the shift s of the recovery is rounded, so that runs that
-# differ little share factors.
+# Number of values per octave to which the shift s of the recovery is rounded, so that similar runs
+# share factorisations.
 _SHIFTS = 4
 
-# Smallest contact radius in closed forms, over that of the patch: far from smaller contacts they
-# would lose digits as the square of the distance over the radius.
+# Smallest ratio of the contact radius in closed forms to the radius of the patch: they lose digits
+# in proportion to the square of the ratio of distance to contact radius.
 _NARROWEST = 1e-2
 
-# Number of places times number of times evaluated together: some 100 MB.
+# Largest product of the numbers of places and times evaluated together: some 100 MB.
 _AT_ONCE = 50_000
 
-# Relative change of the force in the differences that give rates.
+# Relative change of the force in the finite differences for rates of displacement.
 _STEP = 1e-4
 
 
@@ -64,7 +64,7 @@ class Indentation:
     inward : float
         1 if a positive force on the port pushes into the body, else -1.
     width : callable
-        Forces, N, shape (n,) ↦ radius of the contact, m.
+        Function of forces, N, shape (n,), that returns the radius of the contact, m.
     """
 
     port: int

@@ -51,16 +51,17 @@ from .channel import Channel, filtered_acceleration
 from .field import LOOKS, Field, solid, warn_if_wrong
 from .response import Response, response_of
 
-# Velocity, over the largest displacement per length of the record, below which it is rounding.
+# Ratio of velocity to (largest displacement / length of the record) below which it is a rounding
+# error.
 _AT_REST = 1e-9
 
-# Estimated error over the difference from the run with other elements. With 2, 99 % of 458
-# histories on solids and shells had a smaller error, half of them by eight times. With 1, 88 % had,
-# and 57 % of those on 20-node hexahedra, whose error the next degree reduces least if they are
-# long.
+# Ratio of the estimated error to the difference from the run with other elements. With 2, 99 % of
+# 458 histories on solids and shells had a smaller error than estimated, half of them eight times
+# smaller. With 1, this holds for 88 %, and for 57 % on 20-node hexahedra, whose error the next
+# degree reduces least if they are long.
 _DIFFERENCES = 2.0
 
-# Number of even times in a record beyond which dt is taken for a mistake.
+# Largest number of even times in a record; a smaller dt is taken for a mistake.
 _MOST_SAMPLES = 20_000_000
 
 # Gauss points along a gauge on a shell, for its mean strain.
@@ -69,21 +70,21 @@ _ALONG = 8
 # Largest sine of the angle between a gauge and the surface that it lies on.
 _OFF = 0.1
 
-# Over the gauge's length: largest distance of an end from the surface, largest distance of the
-# middle, and largest motion of an end along the gauge to its place on the surface, which is
-# (length/radius)²/16 on a curved surface.
+# Ratios to the gauge's length: _BEYOND: largest distance of an end from the surface; _BESIDE:
+# largest distance of the middle; _SHORTER: largest shift of an end along the gauge by projection on
+# the surface, (length/radius)²/16 on a curved one.
 _BEYOND, _BESIDE, _SHORTER = 0.25, 0.1, 0.01
 
 
 T = TypeVar("T")
 
-# Function of a source and times, s, that returns values of shape (n, ...).
+# Function of a source (`History.source`) and times, s, that returns values of shape (n, ...).
 Seen = Callable[[Any, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """A quantity over time, and its error, each computed when it is first read.
+    """A quantity over time and its error, each computed when it is first read.
 
     Attributes
     ----------
@@ -96,7 +97,7 @@ class History:
     t : ndarray, shape (n,)
         Times, s.
     displacement : callable, optional
-        For a velocity: the function, as `seen`, of the displacement of which it is the rate.
+        For a velocity: the function, like `seen`, that returns the displacement.
     """
 
     name: str
@@ -114,14 +115,14 @@ class History:
     def error(self) -> FloatArray | None:
         """Error due to the body's model, relative to the largest value, (n,).
 
-        It is twice the differences from the runs with other elements, in the worst component; None
-        for a full model.
+        It is twice the sum of the differences from the runs with other elements, in the worst
+        component; None for a full model.
         """
         if not self.source.others:
             return None
         looks = np.union1d(self.t, np.linspace(0.0, self.source.duration, LOOKS))
         own, least = self.seen(self.source, looks), 0.0
-        if self.displacement is not None:  # a smaller velocity is rounding
+        if self.displacement is not None:  # a smaller velocity is a rounding error
             most = float(np.abs(self.displacement(self.source, looks)).max())
             least = _AT_REST * most / self.source.duration
         largest = np.nanmax(np.abs(own), initial=least)
@@ -135,7 +136,7 @@ class History:
         apart = [self.seen(of, self.t) - self.values for of in self.source.others]
         if not apart:
             return np.full_like(self.values, np.nan)
-        # Other runs may lie on both sides of this one: their differences must not cancel.
+        # Not the sum: differences cancel if other runs lie on both sides of this one.
         return _DIFFERENCES * len(apart) * max(apart, key=lambda of: float(np.abs(of).max()))
 
     def told(self) -> FloatArray:
@@ -165,9 +166,9 @@ class Sensed:
     def error(self) -> Mapping[str, FloatArray]:
         """Errors due to the body's model, each relative to the largest value, shape (n,), by name.
 
-        A probe has errors of "displacement", "velocity", "stress" and "strain", a reaction those of
-        "force" and "moment"; each is that of the worst component. See `BodyResult.error`. A full
-        model has no errors.
+        The names are "displacement", "velocity", "stress" and "strain" for a probe, "force" and
+        "moment" for a reaction. Each error is that of the worst component. See `BodyResult.error`.
+        A full model has no errors.
         """
         return errors_of(self._response, self._histories)
 
@@ -210,7 +211,7 @@ class Each(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class At(Each[sp.csr_array]):
-    """Motion along axes at places of a body, by rows on its dofs, (p k, n_dofs).
+    """Motion along axes at places of a body, computed by rows on its dofs, (p k, n_dofs).
 
     Attributes
     ----------
@@ -231,7 +232,7 @@ class At(Each[sp.csr_array]):
         return motion_rows(body, place_rows(body, self.places, self.nodes), self.axes)
 
     def motion(self, response: Response, times: FloatArray, *, rates: bool = True) -> ArrayPair:
-        """Return displacement, m, and velocity, m/s, with half-spaces' part only if `rates`."""
+        """Return displacement, m, and velocity, m/s; without `rates`, that of the dofs alone."""
         motion = response.functionals(self.of(response.body), times)
         added = response.half_space(self.places, times, rates=rates)
         u, v = (
@@ -261,10 +262,10 @@ class At(Each[sp.csr_array]):
 
 @dataclass(frozen=True, eq=False)
 class TensorAt(Each[tuple[StressRows, FloatArray]]):
-    """Stress, Pa, or strain at places of a body, by rows on its dofs and by half-spaces.
+    """Stress, Pa, or strain at places of a body, from its dofs and from half-spaces' fields.
 
-    It prepares for a body the rows, and the compliances, (p, 6, 6), 1/Pa, that give the strain of
-    half-spaces under contacts from their stress; zero for shells, which have no half-spaces.
+    For a body it prepares the rows on the dofs, and the compliances, (p, 6, 6), 1/Pa, that turn the
+    stress of half-spaces under contacts into strain; zero for shells, which have no half-spaces.
 
     Attributes
     ----------
@@ -300,7 +301,7 @@ class TensorAt(Each[tuple[StressRows, FloatArray]]):
         return found.of_dofs(body.free), by_stress.reshape(-1, 6, 6)
 
     def __call__(self, response: Response, times: FloatArray) -> FloatArray:
-        """Return the stress or strain in a run of the body, shape (times, p, 6)."""
+        """Return the stress or strain of a response of the body, shape (times, p, 6)."""
         rows, by_stress = self.of(response.body)
         found = rows.components(response.functionals(rows.rows, times)[0])
         added = response.half_space(self.places, times, rates=False)[2]
@@ -511,7 +512,7 @@ class Reaction(Sensed):
     def nodal_force(self) -> FloatArray:
         """Forces on the nodes, N, shape (n, p, 3); they add up to `force`.
 
-        Each node takes three static solutions of the body.
+        The computation takes three static solutions of the body per node.
         """
         ways = np.eye(6)[:, :3]
         each = (Work(self._nodes[[i]], place, ways) for i, place in enumerate(self.points))
@@ -528,7 +529,7 @@ class Work(Each[VirtualMotion]):
     centre : ndarray, shape (3,)
         Centre of rotation, m.
     ways : ndarray, shape (6, m)
-        Translation and rotation about the centre, of the nodes in each of the motions.
+        Translation of the nodes and rotation about the centre in each of the motions.
     """
 
     nodes: IntArray
@@ -545,9 +546,9 @@ class Work(Each[VirtualMotion]):
 
 
 def gauge_strain(body: FEModel, ends: FloatArray, along: FloatArray, layer: Layer) -> Any:
-    """Return the function of a response and times, s, that gives the strain between two ends.
+    """Return the function of a response and times, s, that returns the strain between two ends.
 
-    The strain is, on a shell, the mean along the gauge on a layer, and on solids the relative
+    On a shell, the strain is the mean along the gauge on a layer; on solids, it is the relative
     change of the ends' distance.
     """
     if body.mesh is None or not body.mesh.thin:
@@ -647,7 +648,7 @@ def place_rows(body: FEModel, places: FloatArray, nodes: IntArray | None = None)
 
 
 def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.csr_array:
-    """Return rows (p k, n_dofs) of the motion along axes (k, 3) at places by nodes' weights."""
+    """Return rows (p k, n_dofs) of the motion along axes (k, 3), from nodes' weights at places."""
     assert body.free is not None
     rows = sp.csr_array(sp.kron(weights, axes))
     if body.mesh is None or not body.mesh.thin:
@@ -818,9 +819,9 @@ class Measured:
     ) -> Reaction:
         """Return the force of supports and springs on the body over time.
 
-        The reaction has the force on the held nodes, its moment about their mean place, and the
-        force on each node. The sum of all reactions, the contact forces and the weight is the rate
-        of the body's momentum p, to rounding, plus the drag α p of `Rayleigh` damping, an external
+        The reaction has the total force on the held nodes, its moment about their mean place, and
+        the force on each node. Up to rounding, the sum of all reactions, contact forces and weight
+        is the rate of the body's momentum p plus the drag α p of `Rayleigh` damping, an external
         force that is no reaction.
 
         Parameters

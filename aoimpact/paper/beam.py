@@ -74,7 +74,8 @@ def hit(models: str, duration: float = SHORT, step: float = STEP) -> ao.Result:
     ----------
     models : str
         "ao": sphere of one anti-oscillator on the beam's anti-oscillators; "rigid": rigid sphere on
-        these; "full": sphere of one anti-oscillator on the beam's finite elements.
+        the beam's anti-oscillators; "full": sphere of one anti-oscillator on the beam's finite
+        elements.
     duration, step : float
         Length of the record and Newmark's step, s.
     """
@@ -143,5 +144,5 @@ def displacement() -> list[Row]:
 
 
 def apart(first: FloatArray, second: FloatArray) -> float:
-    """Return the largest difference of two histories over the largest value, in percent."""
+    """Return the largest difference of two histories, in percent of the largest value."""
     return 100.0 * float(np.abs(first - second).max() / np.abs(second).max())

@@ -108,7 +108,7 @@ def figure_06(ax: Axes) -> None:
 
 
 def figure_07(left: Axes, right: Axes) -> None:
-    """Force over approach for several velocities, and the ratio of local to nonlocal energy."""
+    """Force against approach for several velocities, and the ratio of local to nonlocal energy."""
     for speed, colour in zip((2.0, 1.0, 0.5, 0.1), COLOURS, strict=False):
         hit = pair(sphere.one_ao(), speed)
         end = int(np.flatnonzero(hit.force > 0.0)[-1]) + 2

@@ -26,16 +26,17 @@ BALL = ao.rigid(mass=BALL_MASS)
 # (6 ... 40 µm at the contact) with unilateral contact, explicit, converged; force ± 0.5 N.
 RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 
-# Radius of the patch, m, that the shipped mesh resolves; that of the contact is 0.32 mm.
+# Radius of the patch, m, that the shipped mesh resolves; the radius of the contact is 0.32 mm.
 PATCH = 0.003
 
-# Numbers of modes of Fig. 4; velocities of Fig. 7, m/s.
+# MODE_COUNTS: numbers of modes in Fig. 4. SPEEDS: velocities in Fig. 7, m/s.
 MODE_COUNTS = (6, 25, 50, 100, 200, 300, 400, 500, 600, 700, 800, 900, 1000)
 SPEEDS = (1e-4, 1e-3, 1e-2, 0.1, 0.25, 0.5, 1.0, 2.0, 10.0)
 
-# Newmark's steps at 1 m/s, s, which the paper does not give. Finite elements and modes: with 0.1 µs
-# the peak force has converged to some 1e-5. Rigid and one-AO spheres: the light m0 vibrates at
-# about half a megahertz, which at 0.1 µs is a few 1e-4 of the peak force, at 0.01 µs some 1e-6.
+# Newmark's steps at 1 m/s, s, which the paper does not give. _STEP is for finite elements and
+# modes: with it the peak force has converged to some 1e-5. _STAR_STEP is for rigid and one-AO
+# spheres: the light m0 vibrates at about half a megahertz, with an error of the peak force of a few
+# 1e-4 at 0.1 µs, and of some 1e-6 at 0.01 µs.
 _STEP, _STAR_STEP = 0.1e-6, 0.01e-6
 _DURATION = 100e-6  # length of the records at 1 m/s, s
 
@@ -65,8 +66,8 @@ def at_one_dof(
 ) -> ao.ContactPoint:
     """Return the paper's contact functional, eq. (1): one dof of the node at a point.
 
-    The contact point has no place on the surface, so that the law keeps all of its indentation, as
-    in the paper; `FEModel.contact` would remove the compliance of the mesh from the law.
+    The contact point has no position on the surface, so that the whole indentation is that of the
+    law, as in the paper; `FEModel.contact` would take the compliance of the mesh out of the law.
 
     Parameters
     ----------
@@ -94,19 +95,19 @@ def sphere() -> ao.ContactPoint:
 
 @cache
 def one_ao() -> ao.AOModel:
-    """Return the sphere by one anti-oscillator (Table 3)."""
+    """Return the model of the sphere with one anti-oscillator (Table 3)."""
     return ao.antioscillators(sphere(), n=1)
 
 
 @cache
 def all_dofs() -> ao.FullModel:
-    """Return the sphere by all its finite elements."""
+    """Return the full finite-element model of the sphere."""
     return ao.full(sphere())
 
 
 @cache
 def pair(body: ao.AOModel | ao.Body | ao.FullModel, speed: float = VELOCITY) -> ao.Result:
-    """Run two equal bodies against each other; duration and dt go as V^(-1/5), as contact times."""
+    """Run two equal bodies; duration and dt scale as V^(-1/5), like the contact time."""
     slower = (VELOCITY / speed) ** 0.2
     step = _STAR_STEP if isinstance(body, ao.AOModel) else _STEP
     return ao.simulate(
@@ -127,7 +128,7 @@ def by_modes() -> dict[int, ao.Result]:
 
 
 def of_table_3(mass: float) -> ao.Result:
-    """Run one anti-oscillator each, with the numbers that the paper prints in Table 3."""
+    """Run both spheres with one anti-oscillator each, with the numbers printed in Table 3."""
     return pair(ao.AOModel(m0=0.001 * mass, m=np.array([0.999 * mass]), k=np.array([275.7e6])))
 
 
@@ -193,7 +194,7 @@ def modal_series() -> list[Row]:
 
 
 def energy() -> list[Row]:
-    """Figures 5 and 7: kinetic and elastic energy of the target, local over nonlocal energy."""
+    """Figures 5 and 7: energies of the target, ratio of local to nonlocal energy."""
     percent = 100.0 / (0.5 * one_ao().mass * VELOCITY**2)
     target = pair(one_ao()).energy.target
     ratios = (local_over_nonlocal(speed) for speed in (1e-4, 1.0, 10.0))
@@ -201,7 +202,7 @@ def energy() -> list[Row]:
 
 
 def local_over_nonlocal(speed: float) -> float:
-    """Return contact energy over the target's elastic energy, at the largest indentation."""
+    """Return the ratio of contact to elastic energy of the target, at the largest indentation."""
     energy = pair(one_ao(), speed).energy
     at = int(np.argmax(energy.contact))
     return float(energy.contact[at] / energy.target.elastic[at])

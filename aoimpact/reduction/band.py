@@ -34,18 +34,18 @@ _RIGHT = 1e-3
 # Number of frequencies per decade at which the error is computed.
 _EACH_DECADE = 16
 
-# Ratio of the fitted duration to that of a contact up to which it needs no check: in twelve impacts
-# with three and eight oscillators the force was then hardly less accurate.
+# Largest ratio of the fitted duration to that of a shorter contact without a check: in twelve
+# impacts with three and eight oscillators the force was then hardly less accurate.
 _SHORTER = 3.0
 
-# Ratio of successive durations at which longer contacts are checked. With three oscillators a
-# contact 1.5 times as long as fitted may have an error of a fifth of the force, while eight
-# oscillators are accurate for three times the duration.
+# Ratio of successive durations at which a model is checked for longer contacts. With three
+# oscillators a contact 1.5 times as long as fitted may have an error of a fifth of the force, while
+# eight oscillators are accurate for three times the duration.
 _LONGER = 1.15
 
 # Largest relative unbalanced force at which the force of a contact is as accurate as with a fitted
-# model. In the same impacts its relative error was .02 to .9 above .01, and hardly larger than with
-# a fitted model below .005.
+# model. In the impacts of _SHORTER its relative error was .02 to .9 for unbalanced forces above
+# .01, and hardly larger than with a fitted model for those below .005.
 _BALANCED = 5e-3
 
 
@@ -58,7 +58,7 @@ class Band:
     omega : ndarray, shape (k,)
         Angular frequencies ω, ascending, rad/s.
     error : ndarray, shape (k,)
-        Upper bound of the relative error of the receptance at iω, the largest of all ports.
+        Upper bound of the relative error of the receptance at iω; the largest for all ports.
     """
 
     omega: FloatArray

@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 # Reads the fields of a body in the core's order.
 _PARTS = itemgetter(*_core.MODES.split())
 
-# Relative difference between a translation and the rigid motion that a port excites below which
-# they are equal, up to rounding errors of the mesh.
+# Relative difference, due to rounding errors of the mesh, below which a translation and the rigid
+# motion that a port excites are taken as equal.
 _STRAIGHT = 1e-6
 
 # Velocity along the direction of travel, m/s; or velocity of the centre of mass in three
@@ -149,7 +149,7 @@ class BodyModel(ABC):
 
     @cached_property
     def centre_of_mass(self) -> tuple[FloatArray, float, bool]:
-        """Functional of the centre of mass, (n_dofs,), mass, kg, and True if they are known.
+        """Functional of the centre of mass, (n_dofs,); mass, kg; and True if both are known.
 
         :meta private:
         """
@@ -173,9 +173,9 @@ class BodyModel(ABC):
 
     @property
     def centre_known(self) -> bool:
-        """True if the centre of mass is known, such as for a body given by numbers.
+        """True if the centre of mass is known; it is for a body given by numbers.
 
-        Otherwise the mean over the static mode replaces it.
+        If it is not known, the mean over the static mode replaces the centre of mass.
         """
         return self.numbers is not None or self.centre_of_mass[2]
 
@@ -197,7 +197,7 @@ class BodyModel(ABC):
 
     @property
     def places(self) -> int:
-        """Number of contact points: with tangents each has three ports. A rigid body has one.
+        """Number of contact points; one with tangents has three ports. A rigid body has one point.
 
         :meta private:
         """
@@ -234,7 +234,7 @@ class BodyModel(ABC):
 
     @abstractmethod
     def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
-        """Return Σ |r_p| |r_q| / ω² over modes above `slowest`, rad/s, or a bound of it.
+        """Return Σ |r_p| |r_q| / ω² over modes above `slowest`, rad/s, or a bound of the sum.
 
         Returns
         -------
@@ -347,7 +347,7 @@ class Body(Frozen, BodyModel):
     contact_time : float or None
         Duration of the contact that the model was fitted to, s; None if it fits any.
     slow : float or None
-        Duration of the motion that every other vector was fitted to, s.
+        Duration of the slower motion that every second vector was fitted to, s; None without.
     numbers : AOModel or None
         Anti-oscillator model of a body given by numbers.
     oscillators : AOModel or None
@@ -355,7 +355,7 @@ class Body(Frozen, BodyModel):
     as_whole : AsWhole or None
         Motion as a whole of a body given by numbers.
     series : Body or None
-        Natural modes that an anti-oscillator model was made of; it has their compliances.
+        Natural modes that an anti-oscillator model was made of; its compliances are theirs.
 
     Examples
     --------
@@ -799,7 +799,8 @@ class Body(Frozen, BodyModel):
         return shape @ np.abs(self.push[:, fast].T), by_weight
 
     def _with_tips(self, tips: tuple[ContactPoint, ...]) -> Body:
-        # A contact point on a sheet with a given direction keeps b, and changes its side.
+        # If the direction of a contact point on a sheet was given, b stays, and only the side
+        # changes.
         changed = [one is not was for one, was in zip(tips, self.tips, strict=True)]
         sign = np.array([np.sign(one.b @ was.b) for one, was in zip(tips, self.tips, strict=True)])
         shape, push = sign[:, None] * self.shape, sign[:, None] * self.push
@@ -860,7 +861,7 @@ def in_time(coordinates: npt.ArrayLike, n: int) -> FloatArray:
 
 
 def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArray:
-    """Return an orthonormal basis of the rigid motions in an impact at a port, (k, 0 … 2).
+    """Return an orthonormal basis of the rigid motions that an impact at a port causes, (k, 0 … 2).
 
     Its columns are coordinates on all rigid motions. The first is the motion that the port excites,
     the second the rest of a translation along the direction of travel, with which an eccentric

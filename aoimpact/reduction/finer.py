@@ -1,10 +1,10 @@
-"""A model of the refined body, by which errors of mesh and reduction are estimated.
+"""A model of the refined body, for estimates of the errors due to mesh and reduction.
 
 It is the Ritz model of the refined body (fem/finer.py) in three sets of vectors: those of the given
 model; for each contact, the first members of the sequence (K + s²M)⁻¹ b,
 (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … of the body as meshed; and approximate responses of the refined body
-to the forces that each mode, and the first member, leave unbalanced. The latter are one step of
-inverse iteration from all modes at once, with the shift of the first contact.
+to the forces that each mode, and the first member, leave unbalanced. These responses are one step
+of inverse iteration from all modes at once, with the shift of the first contact.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from ..linalg import Solver, m_orthonormal
 from .body import Body, of_modes
 from .krylov import KrylovSpace, only_excited
 
-# Number of members of the sequence; for shells and beams, of vectors beyond those of the given
-# model. With one member the error estimate of histories of a model of 8 vectors is 0.6 of the true
-# error; with these it is 0.8 to 5 times the true one for 3 to 16 vectors
+# Number of members of the sequence; for shells and beams, number of vectors beyond those of the
+# given model. For a model of 8 vectors, one member gives an error estimate of histories of 0.6 of
+# the true error; for models of 3 to 16 vectors, 12 members give 0.8 to 5 times the true error
 # (tests/accuracy/test_finer.py).
 _TERMS = 12
 
@@ -95,7 +95,7 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
 
 
 def _fitted_alike(model: Body, linear: Solver) -> Body:
-    """Model of more vectors, fitted to the same durations; of halved elements for shells, beams."""
+    """Return a model of more vectors, fitted to the same durations; shells and beams are halved."""
     elastic = int(np.count_nonzero(model.omega))
     if not elastic:
         return model

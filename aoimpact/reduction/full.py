@@ -108,7 +108,7 @@ class FullModel(Frozen, BodyModel):
 
     @property
     def massless(self) -> bool:
-        """True if a port has no mass; False if stepped in its matrices, by implicit steps.
+        """True if a port has no mass; False if implicit steps act on the matrices themselves.
 
         :meta private:
         """
@@ -116,7 +116,7 @@ class FullModel(Frozen, BodyModel):
 
     @cached_property
     def moving(self) -> FloatArray:
-        """Initial velocities of the dofs for a unit velocity, shape (n_dofs,).
+        """Initial velocities of the dofs for a unit velocity of the body, shape (n_dofs,).
 
         The body translates if it can, or if it has several contact points, whose models know no
         other motion as a whole; else it moves in the static mode.
@@ -152,9 +152,9 @@ class FullModel(Frozen, BodyModel):
         return super().weight(gravity)
 
     def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
-        """Return a bound that needs no modes: Σ r² / ω² above s is at most 2 bᵀ (K + s²M)⁻¹ b.
+        """Return a bound without modes: for ω above s, Σ r² / ω² is at most 2 bᵀ (K + s²M)⁻¹ b.
 
-        Σ |r_p| |r_q| / ω² is at most the root of the product of both ports' sums (Cauchy-Schwarz).
+        Σ |r_p| |r_q| / ω² is at most √(Σ r_p²/ω² Σ r_q²/ω²) (Cauchy-Schwarz).
 
         :meta private:
         """

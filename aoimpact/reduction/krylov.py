@@ -48,27 +48,28 @@ from ..linalg import (
 from .body import Body, checked_ports, of_modes, ways_of
 from .star import AOModel, excited, of_body
 
-# Ratio of a shift to the best one within which they are equally good: on the paper's beam 8 to 14
-# over the contact time are.
+# Ratio of a shift to the best one within which both are equally good: on the paper's beam, shifts
+# of 8 to 14 divided by the contact time.
 _AS_GOOD = 1.3
 
 # Largest ratio of vectors to wanted oscillators in the search for missing oscillators.
 _MOST_IDLE = 2
 
 
-# Number of vectors for which the shift SHIFT_TIMES_DURATION over the contact time is best. For more
-# vectors the best shift grows in proportion, up to the highest frequency of the mesh at the
-# contact. On a clamped beam of 17 000 dofs and a clamped plate of 19 000, 200 and 550 vectors then
-# give the force to ten digits; 800 with the unchanged shift give four.
+# Number of vectors for which the ratio of SHIFT_TIMES_DURATION to the contact time is the best
+# shift. For more vectors the best shift grows in proportion, up to the highest frequency of the
+# mesh at the contact. On a clamped beam of 17 000 dofs and a clamped plate of 19 000, 200 and 550
+# vectors then give the force to ten digits; with an unchanged shift, 800 give four.
 ORDER_FITTED = 5
 
-# Number of vectors per contact point after which the shift is first raised, and the factor to the
-# next such number, for which the shift is then best. Each time costs a factorisation.
+# _SHARPENED_FROM: number of vectors per contact point after which the shift is first raised.
+# _SHARPENED_BY: ratio of the next such number, for which the raised shift is best. Each change
+# costs a factorisation.
 _SHARPENED_FROM, _SHARPENED_BY = 48, 4
 
-# Ritz values, relative to the largest, below which a mechanism is possible; slender bodies under
-# short contacts have such values, too. Stiffness of a mechanism, relative to the sum of absolute
-# values of its terms: some hundred rounding errors.
+# _DOUBTFUL: Ritz value, relative to the largest, below which a mechanism is possible; slender
+# bodies under short contacts have such values, too. _NO_STIFFNESS: largest stiffness of a
+# mechanism, relative to the sum of absolute values of its terms: some hundred rounding errors.
 _DOUBTFUL, _NO_STIFFNESS = 1e-12, 1e-14
 
 
@@ -79,20 +80,21 @@ _NOTHING_NEW = 1e-11
 # digit.
 _NO_CANCELLATION = 0.5
 
-# For the search of a compact body's static mode in the span of Krylov vectors: number of vectors
-# per contact point; largest relative residual at which more vectors are tried; largest number of
-# these; and relative residual of a result. The error of bᵀx is of the order of its square, but not
-# that of x orthogonal to the other vectors. A result spares a factorisation of K: models of 8
-# oscillators of blocks of 9 400 and 42 000 dofs are made 1.7 and 2.1 times as fast.
+# For the search of a compact body's static mode in the span of Krylov vectors: _FIRST: first number
+# of vectors per contact point; _PROMISING: largest relative residual at which one more per point is
+# tried; _LAST: largest number of such trials; _REACHED: relative residual of a result. The error of
+# bᵀx is of the order of its square, but not the error of the part of x that is orthogonal to the
+# other vectors. A result spares a factorisation of K: models of 8 oscillators of blocks of 9 400
+# and 42 000 dofs are made 1.7 and 2.1 times as fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
-# Relative residual ‖b - K x‖ / ‖b‖ of a static mode by an iterative method. With 1e-6, errors of
-# models of a clamped plate, up to 180 vectors, are the same.
+# Relative residual ‖b - K x‖ / ‖b‖ of a static mode by an iterative method. With a residual of
+# 1e-6, errors of models of a clamped plate, up to 180 vectors, are the same.
 _STATIC = 1e-4
 
-# ω² of a vector, relative to the largest K_ii/M_ii, above which it has practically no mass, and
-# rounding errors that spoil the others. Bodies with mass everywhere have up to 3; from 2000 on
-# modes are lost if M is singular.
+# ω² of a vector, relative to the largest K_ii/M_ii, above which it has practically no mass, and its
+# rounding errors spoil other vectors. The ratio is up to 3 in bodies with mass everywhere; if M is
+# singular, modes are lost at limits from 2000 on.
 _WITHOUT_MASS = 300.0
 
 # Elastic part of b relative to b, below which it is a rounding error.
@@ -103,11 +105,11 @@ class KrylovSpace:
     """The Krylov space of a body's models fitted to a scene, which grows with their order.
 
     `antioscillators(tip, n, method="krylov")` and `interface` make a space and use it once. A space
-    that is kept gives models of any order, the next order for a single solution more. Symmetric
-    bodies may need up to three when models are accurate to rounding errors, which then add motions
-    that no port excites. The static mode of a constrained compact body is a combination of some six
-    to ten vectors, which larger models need anyway. Slender and thin bodies take a factorisation of
-    K for it.
+    that is kept returns models of any order; each next order costs one more solution. Symmetric
+    bodies may need up to three solutions when models are accurate to rounding errors, which then
+    add motions that no port excites. The static mode of a constrained compact body is a combination
+    of some six to ten vectors, which larger models need anyway. For slender and thin bodies, it
+    takes a factorisation of K.
 
     Parameters
     ----------
@@ -124,8 +126,8 @@ class KrylovSpace:
         The motion of a free body as a whole, and that of a constrained body under slowly varying
         forces, is always accurate.
     sharpened : bool, optional
-        True to fit vectors beyond the 48th and the 192nd to models of that size, at the price of a
-        further factorisation for each.
+        True to fit vectors beyond the 48th and the 192nd to models of that size. Each of the two
+        changes costs a further factorisation.
     solver : str or callable, optional
         See `FEModel.inverse`.
 
@@ -165,14 +167,15 @@ class KrylovSpace:
         self.contact_time = SHIFT_TIMES_DURATION / shift
         refuse_mechanism(self.tips)
         refuse_massless(self.tips)
-        # Shift s of K + s²M, rad/s, which grows with the number of vectors; others taken in turn.
+        # shift: s of K + s²M, rad/s, which grows with the number of vectors; _slow: shifts that
+        # take turns with it.
         self.shift, self._slow = shift, tuple[float, ...]()
         self._highest = highest if boolean("sharpened", sharpened) else 0.0
         self.solver_name, self._solver = "", checked_solver(solver)
         self._solvers: dict[float, LinearSolver] = {}
         rigid = body.rigid_modes
         self.rigid_count = rigid.shape[1]
-        # Rigid motions are in the basis; in b they would dominate the elastic part if s is small.
+        # Rigid motions are taken out of b: they are in the basis, and would dominate if s is small.
         functionals = np.stack([tip.b for tip in self.tips])
         elastic = functionals - (functionals @ rigid) @ (body.M @ rigid).T
         rigid_only = np.linalg.norm(elastic, axis=1) <= _RIGID_ONLY * np.linalg.norm(functionals)
@@ -187,7 +190,8 @@ class KrylovSpace:
         self._basis = np.zeros((self._given, body.n_dofs))
         self._basis[: self.rigid_count] = rigid.T
         self._stiffness = np.zeros((self._given, self._given))
-        # Coordinates on the basis of the vectors of models, in order, and the next Krylov vector.
+        # _ordered: coordinates on the basis of the models' vectors, in order. _next: next Krylov
+        # vector.
         self._ordered = list(np.eye(self.rigid_count, self._given))
         self._next = self._given
         self._statics, self._wanted, self._ended = 0, 0, False
@@ -250,14 +254,15 @@ class KrylovSpace:
         return star if star.n <= wanted else _of_largest_mass(star, wanted)
 
     def of_vectors(self, n: int) -> Body:
-        """Return the model of `n` vectors beside the static mode: of `n` oscillators, or fewer.
+        """Return the model of the static mode and `n` further vectors: `n` oscillators, or fewer.
 
         Its modes are computed when they are needed, which makes the model cheap, but it keeps a
         reference to the whole space.
 
         :meta private:
         """
-        # The static mode of a constrained body is one more vector, of a free body a rigid motion.
+        # The static mode of a constrained body is one more vector; that of a free body is a rigid
+        # motion.
         first = self.rigid_count + (0 if moves_rigidly(self.tips[0]) else 1)
         return only_excited(self.of_all(first + integer("n", n, low=0), "AO"))
 
@@ -282,8 +287,9 @@ class KrylovSpace:
         omega2, y = scipy.linalg.eigh(elastic @ there @ elastic.T)
         doubtful = omega2 <= _DOUBTFUL * np.abs(omega2).max(initial=0.0)
         if doubtful.any():
-            # Recompute the stiffness of soft motions by K: rounding errors of its projection are
-            # those of the stiffest motion. Values below the rounding errors of K are mechanisms.
+            # Recompute the stiffness of soft motions from K: the projected stiffness has the
+            # rounding errors of the stiffest motion. Values below the rounding errors of K are
+            # mechanisms.
             K, motions = self.body.K, self._basis[:first].T @ (elastic.T @ y[:, doubtful])
             soft, turned = scipy.linalg.eigh(motions.T @ (K @ motions))
             sizes = np.abs(motions @ turned)
@@ -343,10 +349,11 @@ class KrylovSpace:
             self._ordered.append(rest / length)
 
     def _static_modes(self, wanted: int) -> list[FloatArray]:
-        """Return the coordinates of the static modes; `wanted` vectors beside rigid motions follow.
+        """Return the coordinates of the static modes; `wanted` vectors will follow.
 
-        With an iterative solver they come before all other vectors, which are made orthogonal to
-        them. In the reverse order, errors of the approximate solutions would displace slow motions.
+        With an iterative solver, static modes come before all other vectors, which are made
+        orthogonal to them. In the reverse order, errors of the approximate solutions would displace
+        slow motions.
         """
         if not self._held:
             return []
@@ -359,12 +366,13 @@ class KrylovSpace:
         invert = lru_cache(1)(dynamic.at or partial(self.body.inverse, solver=self._solver))
         found = []
         for slot, (place, load) in enumerate(zip(self._held, loads, strict=True), self.rigid_count):
-            # An approximate solution depends on the shift of its preconditioner: it is not shared.
+            # An approximate solution is not shared, since it depends on the shift of its
+            # preconditioner.
             known = {} if dynamic.precondition else self.tips[place].deflections
             if self._solver not in known:
                 known[self._solver] = displacement(self.body, load, invert, tolerance=_STATIC)
             self._statics += 1
-            # Its orthogonal remainder takes the slot in the basis.
+            # The orthogonal remainder of the static mode takes the slot in the basis.
             x = known[self._solver]
             x, _, coordinates, length = self._across(x, self.body.M @ x)
             if length > 0.0:
@@ -376,7 +384,7 @@ class KrylovSpace:
     def _across(
         self, x: FloatArray, mx: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-        """Return the M-orthogonal remainder x, M x, the parts along the basis, and the length of x.
+        """Return the M-orthogonal remainder x, M x, the coordinates removed, and the length of x.
 
         The length is 0 if x is a rounding error. Passes of Gram-Schmidt end with one that shortens
         x little.
@@ -403,10 +411,10 @@ class KrylovSpace:
         self._stiffness[slot, : self._count] = self._stiffness[: self._count, slot] = row
 
     def _spanned(self, loads: FloatArray, wanted: int) -> FloatArray | None:
-        """Coordinates of K⁻¹ of each load in the span of Krylov vectors, or None if it is outside.
+        """Return K⁻¹ of each load as coordinates on Krylov vectors; None if outside their span.
 
-        If the residual is small for the `wanted` vectors, more are tried. In compact bodies this
-        spares a factorisation of K.
+        If the residual of `wanted` vectors is small, more vectors are tried. In compact bodies this
+        search spares a factorisation of K.
         """
         places = int(np.linalg.matrix_rank(self._b))
         sizes = np.linalg.norm(loads, axis=1)
@@ -470,7 +478,7 @@ class KrylovSpace:
             turn = self._solved
             if turn < places:
                 self._load = self._b[turn]
-            elif places > 1:  # with one functional, the last vector has set it
+            elif places > 1:  # with one functional, the last pass has set it
                 self._load = self.body.M @ self._basis[self._given + turn - places]
             x, _, mx = inverse.solve_roughly(self._load)
             self._solved += 1
@@ -533,7 +541,7 @@ def only_excited(body: Body) -> Body:
 
 
 def _of_largest_mass(star: AOModel, n: int) -> AOModel:
-    """Model of the `n` oscillators of largest mass, in their order; m0 takes the others' mass."""
+    """Return the model of the `n` heaviest oscillators, in their order; m0 takes the other mass."""
     by_mass = np.argsort(-star.m, kind="stable")
     order = np.concatenate([np.sort(by_mass[:n]), by_mass[n:]])
     assert star.origin is not None

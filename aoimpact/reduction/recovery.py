@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .body import Body
 
 # s T for a contact of duration T. On beams struck at midspan and at the end, supported and free,
-# errors hardly change between 3 and 20; below, they grow if slow modes are left out.
+# errors hardly change for values between 3 and 20; below 3, they grow if slow modes are left out.
 PACE = 10.0
 
 # Relative residual ‖f - A x‖ / ‖f‖ of a correction by an iterative solver. Relative errors of
@@ -37,11 +37,11 @@ PACE = 10.0
 # (2e-7 with 1e-4).
 SOLVED = 1e-6
 
-# Unbalanced force, relative to its parts, up to which it is not corrected. Approximate solutions
-# leave that much for each vector, in a separate direction; exact ones leave one direction for each
-# force, and rounding errors of 1e-12. It causes relative errors of at most 9e-5 in those stresses
-# and a beam's (models of 9 … 67 oscillators; 3e-5 with a third of it), and a probe takes a fifth of
-# the time.
+# Largest unbalanced force, relative to its parts, that is left uncorrected. Approximate solutions
+# leave that much for each vector, in a separate direction; exact solutions leave one direction for
+# each force, and rounding errors of 1e-12. The neglect causes relative errors of at most 9e-5 in
+# the stresses of SOLVED and in a beam's (models of 9 … 67 oscillators; 3e-5 with a third of this
+# limit), and a probe takes a fifth of the time.
 _BALANCED = ROUGH
 
 
@@ -88,7 +88,7 @@ class Recovery:
 
     @cached_property
     def basis(self) -> FloatArray:
-        """Displacement per unit coordinate, and per unit force at once, shape (n_dofs, n + p)."""
+        """Displacement per unit coordinate, and that which follows unit forces, (n_dofs, n + p)."""
         at_once = np.zeros_like(self.loads)
         if (following := self.model.following) is not None:
             at_once[:, : following.shape[1]] = following
@@ -106,7 +106,7 @@ class Recovery:
 
     @cached_property
     def _correction(self) -> ArrayPair:
-        """(K + s²M)⁻¹ r per coordinate and force, as shapes (n_dofs, k) times weights (k, n + p).
+        """(K + s²M)⁻¹ r per coordinate and force: shapes (n_dofs, k) and weights (k, n + p).
 
         Unbalanced forces r are orthogonal to the model's shapes. With any number of
         anti-oscillators or Krylov vectors, r has only one direction for each force, since K times
@@ -140,9 +140,9 @@ class Recovery:
 
 
 def _directions(columns: FloatArray) -> ArrayPair:
-    """Orthonormal basis of some columns, (n, k), and the columns' coordinates on it, (k, m).
+    """Return an orthonormal basis of columns, (n, k), and their coordinates on it, (k, m).
 
-    It is a QR factorisation with column pivoting, by Gram-Schmidt, which ends when the columns'
+    The method is a QR factorisation with column pivoting by Gram-Schmidt; it ends when the columns'
     remainders are negligible.
     """
     directions, weights = [], []

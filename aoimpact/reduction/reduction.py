@@ -39,17 +39,17 @@ from .body import Body, checked_ports, of_modes
 from .krylov import KrylovSpace
 from .star import AOModel, excited, with_shapes
 
-# Largest number of dofs for which LAPACK computes all oscillators, in about a minute; more dofs
-# take minutes and gigabytes.
+# Largest number of dofs for which LAPACK computes all oscillators. It takes about a minute; more
+# dofs would take minutes and gigabytes.
 _DENSE_MOST = 6000
 
-# Largest number of Lanczos steps: the first value, but at most the second plus the third times the
-# number of dofs. If they fail, they have taken a tenth of LAPACK's time from 2000 dofs on. The last
-# value is the residual, relative to the eigenvalue, of a converged mode.
+# Largest number of Lanczos steps: _MOST_STEPS, or _SOME + _SHARE_OF_DOFS times the number of dofs
+# if that is less. If Lanczos' method fails, it has taken a tenth of LAPACK's time from 2000 dofs
+# on. _CONVERGED: residual of a converged mode, relative to the eigenvalue.
 _MOST_STEPS, _SOME, _SHARE_OF_DOFS, _CONVERGED = 600, 60, 1 / 12, 1e-10
 
-# Expected number of linear solutions per oscillator. On a beam, a plate and a block it was 5 to
-# 300, least for many oscillators in the order of frequency.
+# Expected number of linear solutions per oscillator. On a beam, a plate and a block the number was
+# 5 to 300, least for many oscillators in the order of frequency.
 _SOLUTIONS_EACH = 20
 
 # Mass of an oscillator, relative to the static mass, below which it is a rounding error.
@@ -60,7 +60,7 @@ _NO_MASS = 1e-13
 _ROUNDING_OF_MASS = 1e-11
 
 
-# Returns the solver of K + s²M for s².
+# Function of s² that returns the linear solver of K + s²M.
 Invert = Callable[[float], LinearSolver]
 
 # Masses, stiffnesses, and shapes Ψ_i = c_i φ_i of anti-oscillators.
@@ -70,7 +70,7 @@ _Found = tuple[FloatArray, FloatArray, FloatArray]
 def _oscillators(
     tip: ContactPoint, static: StaticMode, omega2: FloatArray, phi: FloatArray
 ) -> _Found:
-    """Oscillators by eqs. (6), (9), (12) from constraint modes in ascending frequency.
+    """Return oscillators by eqs. (6), (9), (12) from constraint modes in ascending frequency.
 
     Modes of equal frequency are joined.
     """
@@ -92,7 +92,7 @@ def _oscillators(
 
 
 def _all_constraint_modes(tip: ContactPoint) -> ArrayPair:
-    """All constraint modes by LAPACK, after a reflection that turns bᵀφ = 0 into φ₁ = 0.
+    """Return all constraint modes by LAPACK, after a reflection that turns bᵀφ = 0 into φ₁ = 0.
 
     The dof with the largest entry of b comes first. Otherwise the mass of a dof with a zero entry
     may be lost in rounding errors of a far heavier one.
@@ -119,8 +119,9 @@ def _first_oscillators(
 
     Lanczos' method is applied in the space bᵀφ = 0, started from the projection of φ_st. The masses
     of its Ritz values are Gauss quadrature weights of the masses m_i over 1/(ω_i² + s²). Between
-    two neighbours lies no more mass than both have (Chebyshev, Markov and Stieltjes; Szegő,
-    Orthogonal Polynomials, 3.41). Of a multiple eigenvalue only the mode with mass is found.
+    two neighbouring Ritz values lies no more mass than both have (Chebyshev, Markov and Stieltjes;
+    Szegő, Orthogonal Polynomials, 3.41). For a multiple eigenvalue, only the mode with mass is
+    found.
     """
     K, M, b = tip.body.K, tip.body.M, tip.b
     if tip.body.rigid_modes.shape[1] == 0:
@@ -156,12 +157,12 @@ def _first_oscillators(
         masses = mass * y[0] ** 2
         found = off[k] * np.abs(y[-1]) <= _CONVERGED * theta
         left = np.where(found, 0.0, masses)
-        if order == "frequency":  # only those below the first one that has not converged
+        if order == "frequency":  # only modes below the first that has not converged
             found &= np.cumsum(~found) == 0
         chosen = np.flatnonzero(found & (masses > _NO_MASS * static.mass))
         largest = float((left + np.append(left[1:], 0.0)).max())
         omega2 = 1.0 / theta[chosen] - base.s2
-        # Due to rounding, several modes of a multiple eigenvalue appear; they are one oscillator.
+        # Due to rounding, several modes of a multiple eigenvalue appear, which are one oscillator.
         enough = np.count_nonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2) >= n
         if enough and order == "mass" and n:
             enough = largest <= np.sort(masses[chosen])[-n]
@@ -232,11 +233,11 @@ def antioscillators(
         stays in m0, eq. (10).
     method : {"eigen", "krylov"}
         For an impact take "krylov", with `contact_time`: 5 of its oscillators give the force on the
-        beam of the paper to 0.5 %, where "eigen" needs 28. They are the oscillators of the body
+        beam of the paper to 0.5 %, where "eigen" needs 28. Its oscillators are those of the body
         projected on its static mode and the motions that an impact excites. Vibration long after
         the impact needs `duration`, and an oscillator or two for each natural mode in it. "eigen"
-        takes the constraint modes of the paper, which are fitted to no time scale and converge at
-        every one.
+        takes the constraint modes of the paper, which are not fitted to a time scale and converge
+        at all.
     order : {"mass", "frequency"}, optional
         Order of the oscillators, of which the first `n` are taken: by descending mass (default of
         "eigen"), or by ascending frequency (the only order of "krylov").
@@ -259,13 +260,13 @@ def antioscillators(
     InputError
         If `n` is not in 0 … n_dofs - 1, or None on a body too large for all of them.
     SingularError
-        If the contact moves part of the body as a mechanism. A mechanism that it does not move is
-        accepted in a free body; in a constrained one it is not if K has to be factorised.
+        If the contact moves part of the body as a mechanism. Any other mechanism is accepted in a
+        free body; in a constrained body only if K need not be factorised.
 
     Warns
     -----
     AOImpactWarning
-        If b excites fewer than `n` oscillators, or it is not proven that they are the heaviest.
+        If b excites fewer than `n` oscillators, or those found are not proven to be the heaviest.
 
     Examples
     --------

@@ -41,13 +41,13 @@ from .body import AsWhole, Body, in_time, ways_of
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
 # Largest m a²/I of a body with a contact at the arm a: that of a ball on a rod of 200 times its
-# radius. With more, the effective mass is so small that steps follow its vibration alone.
+# radius. Above it, the effective mass is so small that its vibration alone determines the steps.
 _MOST_TURNING = 1e5
 
-# Share of the total participation, or mass, below which modes, or oscillators, are not excited.
+# Share of the total participation (or mass) below which a mode (or an oscillator) is not excited.
 _NOT_EXCITED = 1e-13
 
-# Relative difference of ω² up to which they are equal: two units in the last place.
+# Largest relative difference of two ω² that count as equal: two units in the last place.
 _ONE_FREQUENCY = 4e-16
 
 
@@ -181,7 +181,7 @@ class AOModel(Frozen):
 
     @property
     def mass(self) -> float:
-        """Mass of the body, kg; the static mass if it is not known, or for a model of numbers."""
+        """Mass of the body, kg; the static mass if unknown, or for a model given by numbers."""
         found = None if self.origin is None else self.origin.mass
         return self.static_mass if found is None else found
 
@@ -212,9 +212,9 @@ class AOModel(Frozen):
     def natural_frequencies(self) -> FloatArray:
         """Frequencies of the model's natural modes, Hz, ascending, shape (n+1,) or less.
 
-        They are roots of the secular equation, zero for the rigid motion of a free model. There is
-        one less if the contact coordinate is massless (m0 = 0), and one for all oscillators of
-        equal frequency.
+        They are roots of the secular equation, zero for the rigid motion of a free model. Their
+        number is less by one if the contact coordinate is massless (m0 = 0); oscillators of equal
+        frequency count once.
         """
         return np.sqrt(self.to_modal()[0]) / (2.0 * np.pi)
 
@@ -234,7 +234,7 @@ class AOModel(Frozen):
         return self.modal.band
 
     def receptance(self, omega: npt.ArrayLike) -> Any:
-        """Return the receptance at the contact coordinate, displacement over force.
+        """Return the receptance at the contact coordinate, the ratio of displacement to force.
 
         It is Σ r_j²/(ω_j² - ω² + 2iσ_jω) over the natural modes, plus the compliance of a massless
         contact. Without damping it is infinite at a resonance and, but for rounding errors, 0 at an
@@ -265,14 +265,14 @@ class AOModel(Frozen):
 
     @property
     def residual(self) -> float:
-        """Compliance of a massless contact beyond the modes, m/N; 0 of a contact with mass.
+        """Compliance of a massless contact beyond the modes, m/N; 0 for a contact with mass.
 
         :meta private:
         """
         return 0.0 if self.m0 > 0.0 else 1.0 / (self.k0 + math.fsum(self.k))
 
     def _moved(self, omega2: FloatArray) -> FloatArray:
-        """Coordinates λ in modes of these ω², with 1 at the contact, shape (n + 1, modes).
+        """Return the coordinates λ of modes with given ω², 1 at the contact, (n + 1, modes).
 
         The coordinate of oscillator i in mode j is ω_i²/(ω_i² - ω_j²).
         """
@@ -408,7 +408,7 @@ class AOModel(Frozen):
         return self.origin.body.restricted(self._displaced(in_time(coordinates, self.n + 1)))
 
     def _displaced(self, values: FloatArray) -> FloatArray:
-        """Displacement of the body for coordinates λ, (n_dofs,) or (n_dofs, times)."""
+        """Return the displacement of the body for coordinates λ, (n_dofs,) or (n_dofs, times)."""
         assert self.origin is not None
         # Coordinates of M-orthonormal modes are φᵀM times the motion; M is diagonal in λ.
         of, masses = self.origin, np.concatenate([[self.m0], self.m])
@@ -451,7 +451,7 @@ class AOModel(Frozen):
 
 
 def _body_of(numbers: AOModel) -> Body:
-    """Body of given numbers in natural modes that are scaled to 1 at the contact.
+    """Return the body of given numbers in natural modes, scaled to 1 at the contact.
 
     With this scale the masses can differ by any factor. A wall has one mode that no force moves.
     """
@@ -462,10 +462,11 @@ def _body_of(numbers: AOModel) -> Body:
     if numbers.k0:
         masses = np.concatenate([[numbers.m0], numbers.m])
         centre = (masses / numbers.static_mass) @ numbers._moved(omega2)
-        # The supports, and so the deflection under the body's own weight, are not known.
+        # The weight is 0: the supports, and so the deflection under it, are not known.
         as_whole = AsWhole(centre, push * numbers.k0 / omega2, np.zeros(len(omega2)))
     else:
-        # Exact values: rounding errors would press bodies that fall side by side on each other.
+        # The values are exact: rounding errors would press bodies that fall side by side on each
+        # other.
         rigid = np.where(omega2 == 0.0, 1.0, 0.0)
         as_whole = AsWhole(rigid, rigid, np.zeros(1) if wall else rigid)
     return Body(

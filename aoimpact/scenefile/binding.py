@@ -25,7 +25,7 @@ class Numbers:
     """Annotation in place of arrays: a number, or lists of numbers of any depth."""
 
 
-# Names used in annotations, also those that modules import for type checkers alone.
+# Names used in annotations, including names that modules import only for type checkers.
 _ARRAYS = SimpleNamespace(ArrayLike=Numbers, FloatArray=Numbers)
 _STAND_INS = vars(fem) | vars(contact) | vars(_ARRAYS) | {"npt": _ARRAYS}
 
@@ -34,7 +34,7 @@ _STAND_INS = vars(fem) | vars(contact) | vars(_ARRAYS) | {"npt": _ARRAYS}
 class Call:
     """A function with its arguments, which may be calls themselves.
 
-    `keep`: whether the object made is kept for the next runs of a sweep, by the text of the call.
+    `keep`: whether the object made is kept, by the text of the call, for the next runs of a sweep.
     """
 
     function: Callable[..., Any]
@@ -62,13 +62,13 @@ class Reader:
     read: Callable[[Any, Any, Place], Any] = lambda binder, value, place: value
 
     def fits(self, value: Any) -> bool:
-        """Return whether a value is of these types; true and false are no numbers."""
+        """Return whether a value is of the accepted types; true and false are no numbers."""
         if isinstance(value, bool):
             return bool in self.types or object in self.types
         return isinstance(value, self.types)
 
     def __call__(self, binder: Binder, value: Any, place: Place) -> Any:
-        """Return the argument that a value gives; note a wrong value, and return None."""
+        """Return the argument for a value; note a wrong value as a problem, and return None."""
         if not self.fits(value):
             return binder.say(place, f"must be {self.wanted}, got {_shown(value)}")
         return self.read(binder, value, place)
@@ -176,7 +176,7 @@ class Binder:
     def bind(
         self, tables: Table | Sequence[Table], value: Mapping[str, Any], place: Place, **given: Any
     ) -> Call:
-        """Bind a table to the function whose keywords fit its keys best, the first of several.
+        """Bind a table to the function whose keywords fit its keys best; the first if several do.
 
         The `self` of methods is the object that the owner of the enclosing table makes.
 
@@ -254,7 +254,7 @@ def typed(*functions: Table | Callable[..., Any], **more: str) -> Reader:
 
 
 def calls(node: Any) -> Iterator[Call]:
-    """Yield the calls in a value, those in a call's arguments before it."""
+    """Yield the calls in a value; those in a call's arguments precede the call."""
     if isinstance(node, Call):
         yield from calls(node.arguments)
         yield node

@@ -43,7 +43,7 @@ _ARGUMENT = re.compile(r"(\w+)(?:\[(\d+)\])?")
 # Maximum number of problems of a file that are shown: as many as fit on a screen.
 _SHOWN = 20
 
-# Maximum number of objects kept for the next runs of a sweep: those needed again, not every mesh.
+# Maximum number of objects kept for the next runs of a sweep: enough for reuse, not for every mesh.
 _MOST_KEPT = 8
 
 
@@ -183,7 +183,7 @@ class SceneFile:
 
     @property
     def swept(self) -> tuple[str, ...]:
-        """Names of the numbers that the sweep keeps: those reported if it names none."""
+        """Names of the numbers that the sweep keeps; by default those in `reported`."""
         return tuple(self.data.get("sweep", {}).get("keep", self.reported))
 
     @property
@@ -201,7 +201,7 @@ class SceneFile:
             raise SceneFileError("\n".join(lines))
 
     def _sweep_problems(self) -> Iterator[Any]:
-        """Yield problems of the sweep, and of the file with the sweep's values."""
+        """Yield the problems of the sweep, and those of the file with the sweep's values."""
         before: dict[str, Any] = {}
         try:
             grid = self.grid
@@ -301,7 +301,7 @@ class SceneFile:
         """
         case, made = self._bound.bound[self.kind], dict[int, Any]()
         problems: dict[int, SceneFileError] = {}
-        for call in calls(case):  # first the quick calls, except those that fill a scene in order
+        for call in calls(case):  # quick calls; slow ones, and those that fill a scene, later
             late = call.keep or "self" in call.arguments
             if not late and all(id(of) in made for of in calls(call.arguments)):
                 try:

@@ -27,16 +27,16 @@ _TOKEN = re.compile(
 )
 
 
-# Maximum number of characters of a text that is searched for lines: parts of it are parsed some
-# twenty times, which takes half a second at this length.
+# Maximum length of a text in which lines are searched, characters: its parts are parsed some twenty
+# times, which takes half a second at this length.
 _LONGEST = 100_000
 
 
 def line_of(text: str, place: Place) -> int | None:
     """Return the line, from 1, where a place of a TOML text begins.
 
-    If the text does not contain the place, it is the line of the nearest enclosing table. None for
-    the text as a whole, and in long texts.
+    If the text does not contain the place, the line of the nearest enclosing table is returned. It
+    is None for the text as a whole, and in long texts.
     """
     if len(text) > _LONGEST:
         return None

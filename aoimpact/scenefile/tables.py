@@ -23,7 +23,8 @@ from ..results import QUANTITIES, BodyResult, ContactResult, ErrorEstimate, Hand
 from .binding import PATH, READERS, Binder, Call, Numbers, Reader, Table, passes_on, table, typed
 from .lines import Place
 
-# A node lies on a plane of a support if it is closer than this fraction of the body's size.
+# Largest distance between a node and a plane of a support that it lies on, relative to the body's
+# size.
 _ON_PLANE = 1e-6
 
 Triple = tuple[float, float, float]
@@ -207,7 +208,7 @@ def _of_surfaces(law: Callable[..., laws.ContactLaw]) -> Table:
 
 
 def _read_law(binder: Binder, value: Any, place: Place) -> Any:
-    """Return the call of a law, by its parameters or restitution; k may be that of two surfaces."""
+    """Return the call of a law, given parameters or restitution; k may come from two surfaces."""
     law, given = binder.tagged(value, place, _LAWS)
     if law is None:
         return None
@@ -268,7 +269,7 @@ _PROBES = Mapping[str, Annotated[Any, _SENSOR]]
 
 # ------------------------------------------------------------------------- impacts and scenes
 
-# Classes of the parts of results, by the first word of the names of their numbers.
+# Class of each part of a result, by the first word of its numbers' names.
 _PARTS: dict[str, type] = dict.fromkeys(("bodies", "projectile", "target"), BodyResult)
 _PARTS |= {"contacts": ContactResult, "error": ErrorEstimate}
 
@@ -380,7 +381,7 @@ _SCENE = Table(_scene, hints={"quantity": _WANTED | Sequence[_WANTED]}, owner=Sc
 
 # ------------------------------------------------------------------------------------- sweeps
 
-# Number of values of one place beyond which they are taken for a mistake.
+# Largest number of values of one place in a sweep; more are taken for a mistake.
 _MOST_VALUES = 1_000_000
 
 

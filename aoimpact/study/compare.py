@@ -1,4 +1,4 @@
-"""Comparison of models: one impact by rigid bodies, by more and more oscillators, and in full."""
+"""Comparison of models: one impact with rigid, increasingly finer reduced, and full models."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ from ..results import QUANTITIES, ROLES, Result
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Quantities whose errors a row has.
+# Quantities whose errors are in each row.
 _COMPARED = "force", "contact_duration", "impulse", "target_displacement"
 
 # Tolerance of time integration, far below the differences between models.
 _IN_TIME = Adaptive(rtol=1e-6)
 
-# Names of curves.
+# Names of curves, by the kind of model.
 _KINDS = {"AO": "anti-oscillators", "modal": "natural modes"}
 
 Models = tuple[Any, ...]
@@ -119,7 +119,7 @@ class Comparison:
         raise KeyError(model)
 
     def plot(self, ax: Axes | None = None, *, error: str = "force", **kwargs: Any) -> Axes:
-        """Draw an error over the degrees of freedom; keywords go to ``Axes.plot``.
+        """Draw an error against the degrees of freedom; keywords go to ``Axes.plot``.
 
         Parameters
         ----------
@@ -178,7 +178,7 @@ class Comparison:
         return "\n".join([self.scene, f"errors relative to {self.exact}{known}{by}", *rows])
 
 
-# Failures need no heading.
+# The column of failures needs no heading.
 _HEADINGS = (*(field.name.replace("_", " ") for field in fields(Compared)[:-1]), "")
 
 
@@ -273,14 +273,14 @@ def compare(
         body_model(f"other_targets[{text('a label of other_targets', label)!r}]", other)
         if label in {*labels, *truncations, exact}:
             raise InputError(f"other_targets: {label!r} is a row of its own; give another label")
-    with held_warnings():  # each run repeats them
+    with held_warnings():  # each run would repeat the warnings
         _, plan = pair(projectile, target, speed, law, gap=gap)
         law = own_law(plan.contacts[0].law)
         if duration is None:
             duration = simulate(projectile, target, speed, law=law, gap=gap).duration
     run = partial(simulate, law=law, velocity=speed, duration=duration, gap=gap)
-    # Finite-element bodies in place of the models made from them; AO models given by numbers stay.
-    # All get the same patches here: `simulate` would fit only those of full models.
+    # Finite-element bodies replace the models made from them; AO models given by numbers stay. All
+    # bodies get the same patches here, since `simulate` would fit only the patches of full models.
     bodies = tuple(whole(body.tips) if body.tips else body for body in plan.bodies)
     bodies = tuple(Foreseen(replace(plan, bodies=bodies)).fitted(ROLES, {}).bodies)
 

@@ -34,19 +34,19 @@ from ..laws import ContactLaw
 from ..reduction import rigid
 from ..testrig import Signal
 
-# Tolerance of the runs, far below the noise of measurements and of differences, and step of the
-# differences.
+# _SOLVER: its tolerance is far below the noise of measurements and of finite differences. _STEP:
+# step of the finite differences.
 _SOLVER = Adaptive(rtol=1e-9)
 _STEP = 1e-4
 
-# Offset of the variables, since SciPy's steps are relative to the variables.
+# Offset of the variables: SciPy's steps of finite differences are relative to the variables.
 _ORIGIN = 30.0
 
 # Largest relative standard error of a parameter that counts as determined.
 _DETERMINED = 0.5
 
-# First guess of a parameter if a class is fitted. By its unit: a factor, and exponents of the
-# largest force, the indentation and the velocity; else by its name.
+# First guess of a parameter if a class is fitted, by the parameter's unit or else its name: a
+# factor, and exponents of the largest force, the indentation and the velocity.
 _GUESSES: dict[str, tuple[float, float, float, float]] = {
     "N": (0.3, 1.0, 0.0, 0.0),
     "m": (0.3, 0.0, 1.0, 0.0),
@@ -58,15 +58,18 @@ _OF_THE_TEST = ("relative_radius", "mass", "velocity")
 _NAMED = {"n": 1.5, "restitution": 0.7, "alpha": 0.1, "beta": 0.1}
 _BOUNDS = {"n": (1.0, math.inf), "restitution": (0.0, 1.0), "beta": (0.0, 1.0)}
 
-# Largest factor between a parameter and its first guess: beyond it, one is rounding to the other.
+# Largest factor between a parameter and its first guess: beyond it, one is a rounding error of the
+# other.
 _RANGE = 1.0 / np.finfo(float).eps
 
-# Share of the peak force up to which a contact has hardly begun, and share of the indentation at
-# which only a force that jumps exceeds it. Time from start to peak by Hertz's law, in δ/v.
+# _FOOT: share of the peak force up to which a contact has hardly begun. _EARLY: share of the
+# largest indentation at which only a force that jumps exceeds _FOOT. _RISE: time from start to peak
+# by Hertz's law, in units of δ/v.
 _FOOT, _EARLY, _RISE = 0.05, 0.01, 1.47
 
-# Number of samples before and after the estimated start among which the start of a force that jumps
-# is searched, and distance of a start from a sample, over their spacing.
+# For a force that jumps: _SAMPLES: number of samples before and after the estimated start between
+# which the start is searched. _APART: least ratio of the distance between start and sample to the
+# spacing.
 _SAMPLES = 4
 _APART = 1e-3
 
@@ -74,15 +77,16 @@ _APART = 1e-3
 # noise is estimated from second differences of at least _FEW values.
 _OFF, _VISIBLE, _FEW = 3.0, 0.02, 8
 
-# Smallest decrease of the sum of squares per parameter, in variances, by a meaningful fit. A fit of
-# noise alone decreases it by about one variance per parameter, and by a few if it may choose its
-# start among a thousand samples.
+# Smallest decrease of the sum of squares per parameter, in variances, that makes a fit meaningful.
+# A fit of noise alone decreases it by about one variance per parameter, and by a few if it may
+# choose its start among a thousand samples.
 _EXPLAINED = 10.0
 
 # Difference of logarithms of a parameter and a bound within which the parameter is at the bound.
 _AT_BOUND = 1e-2
 
-# Singular values of the scaled sensitivities, relative to the largest, that are rounding.
+# Largest singular value of the scaled sensitivities, relative to the largest one, that is a
+# rounding error.
 _SINGULAR = 1e-9
 
 
@@ -135,11 +139,11 @@ class LawFit(Frozen):
 class _Problem:
     """Misfit of a law to a measurement as a function of the logarithms of its free parameters.
 
-    The last variable of a history is the start of the contact over the time of indentation. All
-    variables are offset by `_ORIGIN`. `shown` returns the values predicted by a law for a contact
-    that begins at a time, s. `force`, N, `depth`, m, `velocity`, m/s, and `start`, s, are estimates
-    of the largest force and indentation, of the velocity and of the start of the contact; `sample`
-    is the spacing of the samples, s.
+    For a history, the last variable is the ratio of the contact's start to the time of indentation.
+    All variables are offset by `_ORIGIN`. `shown` returns the values predicted by a law for a
+    contact that begins at a time, s. `force`, N, `depth`, m, `velocity`, m/s, and `start`, s, are
+    estimates of the largest force and indentation, of the velocity and of the start of the contact;
+    `sample` is the spacing of the samples, s.
     """
 
     measured: FloatArray
@@ -193,8 +197,8 @@ class _Problem:
     def solved(self) -> Any:
         """Return SciPy's solution.
 
-        The misfit of a force that begins with a jump, or nearly so, has a local minimum with a
-        start between any two samples.
+        For a force that begins with a jump, or nearly so, the misfit has a local minimum for a
+        start between any two neighbouring samples.
         """
         first = np.full(self.bounds.shape[1], _ORIGIN)
         refused = 2.0 * self.misfit(first)

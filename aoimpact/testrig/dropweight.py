@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# Share of the impact energy above the errors of a channel and below what a specimen absorbs.
+# Share of the impact energy that exceeds the errors of a channel, and is less than a specimen
+# absorbs.
 _TAKEN = 0.02
 
 # Time added before and after a simulated force, in periods 1/CFC, in which the filter dies out.
@@ -70,7 +71,7 @@ class DropWeight(Frozen):
     start, end : float
         Times of the first and last touch, s.
     simulated : bool
-        True if the bodies are those of a simulation, which cannot break.
+        True for simulated bodies, which cannot break.
 
     Examples
     --------
@@ -100,18 +101,18 @@ class DropWeight(Frozen):
 
     @property
     def peak(self) -> Point:
-        """The largest force, F_M, with deflection l_M and energy W_M (ISO 6603-2)."""
+        """Point of the largest force, F_M, with deflection l_M and energy W_M (ISO 6603-2)."""
         return self._point(int(np.argmax(self.force)))
 
     @property
     def turn(self) -> Point | None:
-        """The largest deflection, where the impactor turns back; None if it does not."""
+        """Point of the largest deflection, where the impactor turns back; None if it does not."""
         at = int(np.argmax(self.deflection[: self._end + 1]))
         return None if at == self._end and self.velocity[at] > 0.0 else self._point(at)
 
     @property
     def puncture(self) -> Point | None:
-        """Fall of the force to half of its peak while the impactor goes on (ISO 6603-2).
+        """Point at which the force has fallen to half its peak before a turn back (ISO 6603-2).
 
         None if the impactor turned back before, and for every simulated impact: its bodies do not
         break, and its force falls only by vibration.
@@ -124,14 +125,14 @@ class DropWeight(Frozen):
 
     @property
     def last(self) -> Point:
-        """The end of the contact: its energy is the absorbed energy of D7136."""
+        """Point at the end of the contact: its energy is the absorbed energy of D7136."""
         return self._point(self._end)
 
     @property
     def absorbed_energy(self) -> float:
         """Energy that the specimen has kept when the contact ends, E_a(t_T), J (D7136).
 
-        In elastic bodies it is the energy of their vibration.
+        For elastic bodies, this is the energy of their vibration.
         """
         return self.last.energy
 
@@ -152,7 +153,7 @@ class DropWeight(Frozen):
     # ---------------------------------------------------------------------- output
 
     def plot_deflection(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the force over the deflection during the contact; returns the axes.
+        """Draw the force against the deflection during the contact; returns the axes.
 
         Keywords go to ``Axes.plot``.
 
@@ -188,7 +189,7 @@ class DropWeight(Frozen):
         return self._draw(ax, "energy", choice("over", over, ("time", "deflection")), kwargs)
 
     def plot_force(self, ax: Axes | None = None, *, raw: bool = True, **kwargs: Any) -> Axes:
-        """Draw the force over time from the first touch on; `raw` adds the unfiltered one in grey.
+        """Draw the force over time from first touch on; `raw` adds the unfiltered force in grey.
 
         Keywords go to ``Axes.plot``.
 
@@ -204,7 +205,7 @@ class DropWeight(Frozen):
     def _draw(
         self, ax: Any, name: str, over: str, kwargs: dict[str, Any], raw: Signal | None = None
     ) -> Axes:
-        """Draw force or energy over the time since first touch, or over deflection in contact."""
+        """Draw force or energy against time since first touch, or against deflection in contact."""
         margin = 0.1 * (self.end - self.start) if over == "time" else 0.0
         shown = slice(*np.searchsorted(self.t, [self.start - margin, self.end + margin]))
         across, unit = (self.t - self.start, "s") if over == "time" else (self.deflection, "m")
@@ -277,8 +278,8 @@ def drop_weight(
     gravity : float, optional
         Gravity g, m/s²; by default 9.80665, or 0 for a result, since `simulate` has none.
     cfc : float, optional
-        Channel frequency class by which the force is filtered; see `Signal.filtered`. The
-        unfiltered force is integrated: integrals need no filter, which smears the contact's ends.
+        Channel frequency class by which the force is filtered; see `Signal.filtered`. Integrals are
+        of the unfiltered force: they need no filter, and a filter smears the contact's ends.
     start : float, optional
         First touch t_i, s; by default the start of a result's first contact, or the last time that
         a measured force is below 1 % of its peak before it first passes 10 %. The end is found
@@ -387,7 +388,7 @@ def _warn_of_doubts(test: DropWeight, cfc: float | None) -> None:
 
 
 def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, float]:
-    """Return first and last touch, s: simulated, as given, or where a share of the peak is passed.
+    """Return the first and last touch, s: simulated, given, or where a share of the peak is passed.
 
     A filter smears the force ahead, so the first touch is searched in the unfiltered force; the rig
     rings on, so the last touch is searched in the filtered force.

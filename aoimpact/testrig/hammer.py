@@ -24,14 +24,15 @@ from ..fields import Probe
 from ..results import Run
 from .signal import RISEN, UNEVEN, Signal, contacts, force_at
 
-# Power of iω by which an accelerance is divided to give each kind.
+# Power of iω by which an accelerance is divided to obtain each kind of response.
 _KINDS = {"accelerance": 0, "mobility": 1, "receptance": 2}
 
-# Smallest force spectrum over its maximum at which a hammer excites: usually -10 to -20 dB.
+# Smallest ratio of the force spectrum to its maximum at which a hammer excites: usually -10 to -20
+# dB.
 _EXCITED = 0.1
 
-# Share of a resonance that comes from the second half of a record in which the vibration falls to a
-# half in each half: q (1 - q)/(1 - q²) with q = 1/2.
+# Contribution of the second half of a record to a resonance, as a share, if the vibration falls to
+# q = 1/2 in each half: q (1 - q)/(1 - q²).
 _SECOND_HALF = 1.0 / 3.0
 
 # One minus the confidence level of the error due to noise.
@@ -47,7 +48,7 @@ class MeasuredResponse(FrequencyResponse):
     frequencies : ndarray, shape (n,)
         Frequencies, Hz: multiples of one over the length of the record, up to half of the rate.
     values : ndarray of complex, shape (n,)
-        Response over force, of the `kind`, for e^{iωt}.
+        Ratio of response to force, of the `kind`, for e^{iωt}.
     error : ndarray, shape (n,)
         Estimated error of the values, in their unit; infinite above a quarter of the rate.
     kind : str
@@ -71,8 +72,8 @@ def frf(
     Parameters
     ----------
     force : Signal, Result or Run; or a list of them, one for each hit
-        The hammer's force, N. That of a result is taken at the times of the response; that of a
-        scene's run is the force of the first contact.
+        The hammer's force, N. The force of a result is taken at the times of the response; for a
+        scene's run, it is that of the first contact.
     response : Signal or Probe; or a list of them, one for each hit
         Velocity (unit "m/s") or acceleration (unit "m/s²") of the measured point, at rest before
         the hit, at the same even times as the force. The mean of a velocity before the force rises
@@ -86,16 +87,16 @@ def frf(
     -------
     MeasuredResponse
         Its ``error`` is the sum of four parts: the contribution of the second half of the record,
-        which exceeds that of the vibration after the record if this falls to a half or less in that
-        time; the change from every second sample to all; the error of a probe's model, by a finer
-        one; and, for several hits, the bound of the error from their scatter, with 95 % confidence
-        if the noise is in the response.
+        which exceeds the contribution after the record if the vibration falls to a half or less in
+        that time; the difference between every second sample and all samples; the error of a
+        probe's model, estimated by a finer model; and, for several hits, the bound of the error
+        from their scatter, with 95 % confidence if the noise is in the response.
 
     Raises
     ------
     InputError, InputTypeError
-        If force and response are not sampled at the same even times, there are not as many of one
-        as of the other, or a record ends in contact.
+        If force and response are not sampled at the same even times or differ in number, or a
+        record ends in contact.
 
     Warns
     -----
@@ -215,7 +216,7 @@ def _spectra(values: FloatArray, step: float, count: int, velocity: bool = False
     if not velocity:
         return step * np.fft.rfft(values, count)[:, 1:]
     turns = np.arange(1, count // 2 + 1) / count
-    # From rest: a model may move at the first sample already, by its residual compliance.
+    # Motion starts from rest: the first sample of a model may move due to its residual compliance.
     steps = np.fft.rfft(np.diff(values, prepend=0.0), count)[:, 1:]
     # Division by sinc gives iω times the sum of the samples, so that sampling changes force and
     # response alike.

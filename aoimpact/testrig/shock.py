@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# Default frequencies: number per octave, lowest over one over the length of the signal, and highest
-# over its sampling rate.
+# Default frequencies: _PER_OCTAVE: number per octave; _LOWEST: lowest frequency times the length of
+# the signal; _HIGHEST: ratio of the highest frequency to the sampling rate.
 _PER_OCTAVE, _LOWEST, _HIGHEST = 12, 0.1, 0.1
 
 # Points per period of the oscillator: the largest response among them is too low by 0.3 % at most.
@@ -140,12 +140,11 @@ def shock_spectrum(
     ----------
     source : Signal, (t, values), Probe or Result
         Acceleration of the base, m/s². A probe of a body along a direction gives that of its point;
-        a result that of the projectile, its contact force over its mass, positive in the direction
-        in which it is decelerated.
+        a result gives that of the projectile, the ratio of its contact force to its mass, positive
+        in the direction in which it is decelerated.
     frequencies : array_like, shape (n,), optional
         Undamped natural frequencies of the oscillators, Hz, up to half of the sampling rate; by
-        default twelve per octave, from a tenth of one over the signal's length to a tenth of its
-        rate.
+        default twelve per octave, from 0.1 / (the signal's length) to a tenth of its sampling rate.
     damping_ratio : float, optional
         Damping ratio ζ, below 1; 0.05 is Q = 10.
     kind : {"absolute acceleration", "relative displacement", "pseudo-velocity"}, optional

@@ -44,16 +44,16 @@ UNEVEN = 0.05
 # Default number of samples of a simulated force in its hardest contact.
 _PER_CONTACT = 500
 
-# Number of samples beyond which a record is taken for a mistake.
+# Largest number of samples; a longer record is taken for a mistake.
 _MOST = 20_000_000
 
-# Samples per period of the class's frequency: minimum by SAE J211-1, and maximum, above which both
-# poles of the digital filter differ from 1 by rounding alone.
+# Minimum (SAE J211-1) and maximum number of samples per period of the class's frequency. Above the
+# maximum both poles of the digital filter differ from 1 only by rounding errors.
 _SAMPLES_OF_CLASS = 10.0, 1e6
 
-# A measured contact begins where the force is last below BEGINS of its peak before it passes RISEN
-# of it, and ends where it is below BEGINS again. Noise of the channel, usually 0.4 % of the peak
-# rms, passes BEGINS now and then, but not RISEN.
+# Shares of the peak force. A measured contact begins where the force is last below BEGINS before it
+# passes RISEN, and ends where the force is below BEGINS again. Noise of the channel, usually 0.4 %
+# of the peak rms, passes BEGINS now and then, but not RISEN.
 BEGINS, RISEN = 0.01, 0.1
 
 # Line style of an unfiltered signal.
@@ -131,8 +131,8 @@ class Signal(Frozen):
         Parameters
         ----------
         source : Signal, (t, values), Result, Run or Probe
-            A result gives its contact force; a probe along a direction the acceleration of its
-            point, from differences of its velocity, which needs closely spaced times.
+            A result gives its contact force. A probe along a direction gives the acceleration of
+            its point, by differences of the velocity, which must be closely spaced in time.
         contact : int, optional
             Number of the contact in a scene's run, in the order of `Scene.connect`.
         rate : float, optional
@@ -193,7 +193,7 @@ class Signal(Frozen):
 
     @property
     def even(self) -> bool:
-        """True if the samples are evenly spaced, to a twentieth of a step."""
+        """True if the samples are evenly spaced, with deviations up to a twentieth of a step."""
         grid = np.linspace(self.t[0], self.t[-1], len(self.t))
         return bool((np.abs(self.t - grid) * self.mean_rate <= UNEVEN).all())
 
@@ -333,7 +333,8 @@ def _steps(length: float, rate: float) -> int:
     return int(count)
 
 
-# SI units by each spelling that takes prefixes; and factor and SI unit by each name of a unit.
+# _BASES: SI units by each spelling that takes prefixes. _UNITS: factor and SI unit by each name of
+# a unit.
 _BASES = {of: of for of in ("N", "s", "m", "V", "m/s", "m/s²")} | {"m/s2": "m/s²", "m/s^2": "m/s²"}
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
 _UNITS = {
