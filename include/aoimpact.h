@@ -83,9 +83,9 @@ AOI_API const char *aoi_version(void);
 /* A status in words: a constant string, never NULL. */
 AOI_API const char *aoi_status_text(int status);
 
-/* A callback during long computations: ask(data), at least every few milliseconds. Where it
- * returns anything but 0, the function returns AOI_ERROR_STOPPED. ask may be NULL, and so may a pointer to
- * a pause: then it is not called. */
+/* A callback of the caller: long computations call ask(data) at least every few milliseconds, and return
+ * AOI_ERROR_STOPPED if it returns anything but 0. No callback is made if ask, or the pointer to an aoi_pause, is
+ * NULL. */
 typedef struct aoi_pause {
     int (*ask)(void *data);
     void *data;
@@ -101,10 +101,9 @@ typedef struct aoi_star {
     const double *m, *k;
 } aoi_star;
 
-/* Checks a star. Returns AOI_OK if it is as above and has some mass, AOI_ERROR_ARGUMENT without m
- * or k, AOI_ERROR_NOT_FINITE or AOI_ERROR_NOT_POSITIVE. The order of the oscillators is not
- * checked: aoi_star_to_modal and aoi_star_modes need k_i/m_i ascending and distinct, and return
- * AOI_ERROR_ARGUMENT otherwise. */
+/* Checks a star. Returns AOI_OK if it meets the conditions of aoi_star and has some mass, AOI_ERROR_ARGUMENT without
+ * m or k, AOI_ERROR_NOT_FINITE or AOI_ERROR_NOT_POSITIVE. The order of the oscillators is not checked:
+ * aoi_star_to_modal and aoi_star_modes need k_i/m_i ascending and distinct, and return AOI_ERROR_ARGUMENT otherwise. */
 AOI_API int aoi_star_check(const aoi_star *star);
 
 /* Static mass m_st = m0 + sum of m_i, eq. (10), kg. */
@@ -150,10 +149,10 @@ AOI_API int aoi_star_to_modal(const aoi_star *star, double *omega2, double *part
 AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
                                 double *k0, double *m, double *k, const aoi_pause *pause);
 
-/* The AO model of a body by its constraint modes: K phi + mu b = omega2 M phi with b^T phi = 0, where b is the contact
- * functional, u = b^T X, and mu the force that holds u at zero. Eqs. (6), (9), (10), (12). Modes of equal frequency form
- * one oscillator, modes without mass none. A residual mass within rounding is set to zero. Where all modes of K and M are known,
- * aoi_star_from_modal is simpler, with weight = (b^T phi)^2/(phi^T M phi).
+/* The AO model of a body from its constraint modes: K phi + mu b = omega2 M phi with b^T phi = 0, where b is the
+ * contact functional, u = b^T X, and mu the force that holds u at zero. Eqs. (6), (9), (10), (12). Modes of equal
+ * frequency form one oscillator, modes without mass none. A residual mass within rounding is set to zero. Where all
+ * modes of K and M are known, aoi_star_from_modal is simpler, with weight = (b^T phi)^2/(phi^T M phi).
  *   n            degrees of freedom
  *   count        modes; all n - 1, or some
  *   phi_st       n: static mode, with b^T phi_st = 1, eqs. (2), (3)
@@ -204,9 +203,9 @@ typedef struct aoi_user_law {
     int given[AOI_USER_FUNCTIONS];
 } aoi_user_law;
 
-/* A contact law. A caller gets one from a function below, and may then set its compliance, limit and note. Or he fills
- * in a law of his own: force and potential, limit = HUGE_VAL, further members as needed, and zero for the rest. Both
- * integrators read all members; aoi_law_push reads them for a caller who integrates himself.
+/* A contact law. A caller gets one from a function below, and may then set its compliance, limit and note. Or the
+ * caller fills in a new law: force and potential, limit = HUGE_VAL, further members as needed, and zero for the rest.
+ * Both integrators read all members; aoi_law_push reads them for callers that integrate on their own.
  *
  * memory is an array of AOI_LAW_MEMORY doubles for one contact, all zero until its first touch. It may be NULL for a
  * law whose remember is NULL. */
@@ -300,9 +299,9 @@ AOI_API int aoi_law_check(const aoi_law *law);
 AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                           aoi_law_value *value);
 
-/* As law->potential, at the total indentation: c F^2/2, which is stored in the bodies, is not
- * included. Past the limit of a law with a compliance, where it has no meaning, it grows as over a
- * straight line. */
+/* As law->potential, at the total indentation: c F^2/2, which is stored in the bodies, is not included. Past the
+ * limit of a law with a compliance, where the energy has no meaning, it grows as under a force that is a straight
+ * line. */
 AOI_API double aoi_law_potential(const aoi_law *law, const double *memory, double indentation);
 
 /* ------------------------------------------------------------------------------------ friction */
@@ -334,7 +333,7 @@ typedef struct aoi_friction {
  * AOI_ERROR_FRICTION for another law, AOI_ERROR_ARGUMENT for other numbers. */
 AOI_API int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision);
 
-/* A point of the curve of stretches over depth, which is straight between two of these: the stretch of the
+/* A point of the curve of stretches as a function of depth, which is straight between two points: the stretch of the
  * spring at a depth, m, along both tangents, and force and stiffness of the normal law there. */
 typedef struct aoi_stretch {
     double depth, along[2];
@@ -372,14 +371,14 @@ typedef struct aoi_friction_value {
 AOI_API void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
                               double share, const double slide[2], aoi_friction_value *value);
 
-/* Adds springs to the state where such a path turns neighbours by different angles; the force does
- * not change. To be called once in a step, with a guess of its end: aoi_friction_try is smooth from
- * then on. AOI_ERROR_SPRINGS without room. */
+/* Adds springs to the state where a path as in aoi_friction_try turns neighbouring springs by different angles; the
+ * force does not change. To be called once in a step, with a guess of its end: aoi_friction_try is smooth from then
+ * on. AOI_ERROR_SPRINGS without room. */
 AOI_API int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
                                 double share, const double slide[2]);
 
-/* Moves the state along such a path, and leaves out springs that the precision does not need.
- * AOI_ERROR_SPRINGS, with the state unchanged, where there is no room for the others. */
+/* Moves the state along a path as in aoi_friction_try, and removes springs that the precision does not need.
+ * AOI_ERROR_SPRINGS, with the state unchanged, if there is no room for the others. */
 AOI_API int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
                               double share, const double slide[2]);
 
@@ -442,22 +441,22 @@ typedef struct aoi_modes {
     const double *gravity;         /* [n]                                            */
     const double *inertia;         /* [n], energy inertia v^2 / 2; NULL: 1           */
     const double *centre;          /* [n], displacement of the centre of mass per x_j; required */
-    const double *centre_residual; /* [ports], the same per force, in addition */
+    const double *centre_residual; /* [ports], further displacement per force, m/N */
     aoi_load load;
     const aoi_full *full;          /* NULL, or the body's matrices                   */
 } aoi_modes;
 
-/* Makes the body of an AO model, without damping, gravity and loads: one port, n + 1 modes (or
- * fewer). memory: aoi_star_modes_size bytes, which the body keeps. Errors as aoi_star_check and
- * aoi_star_to_modal. Moving as a whole at V, its modes have the rates v_j = V m_st centre[j], m_st
- * the static mass; that of a wall has V. */
+/* Makes the body of an AO model, without damping, gravity and loads: one port, n + 1 modes (or fewer). memory:
+ * aoi_star_modes_size bytes, which the body keeps. Errors as aoi_star_check and aoi_star_to_modal. If the body moves
+ * as a whole at the velocity V, its modes have the rates v_j = V m_st centre[j], with the static mass m_st; the mode
+ * of a wall has the rate V. */
 AOI_API size_t aoi_star_modes_size(const aoi_star *star);
 AOI_API int aoi_star_modes(const aoi_star *star, void *memory, aoi_modes *body);
 
-/* Makes a body of three ports, for friction, from an AO model for each of the directions (normal,
- * t1, t2): what a force along one does along another is left out. The centre of mass moves along
- * the normal. memory and errors as for one; at V its modes have the rates V m_st centre[j] of the
- * first star. */
+/* Makes a body of three ports, for friction, from an AO model for each of the directions (normal, t1, t2): the
+ * motion along one due to a force along another is neglected. The centre of mass moves along the normal. memory and
+ * errors as for aoi_star_modes; at a velocity V its modes have the rates V m_st centre[j], with m_st of the first
+ * star. */
 AOI_API size_t aoi_star_modes_of_three_size(const aoi_star star[3]);
 AOI_API int aoi_star_modes_of_three(const aoi_star star[3], void *memory, aoi_modes *body);
 
@@ -489,8 +488,8 @@ typedef struct aoi_contact {
     double gap;
     const aoi_law *law;
     const aoi_friction *friction; /* made of that law; NULL: none                                            */
-    /* with friction, [3][3] m/N: the compliance taken out, by normal and tangents; [0][0] is
-     * law->compliance. NULL: that alone */
+    /* with friction, [3][3] m/N: the compliance taken out, in the axes normal, t1, t2; [0][0] is law->compliance.
+     * NULL: law->compliance alone */
     const double *compliance;
 } aoi_contact;
 
@@ -657,7 +656,7 @@ AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);
 
 AOI_API aoi_progress aoi_adaptive_progress(const aoi_adaptive *run);
 
-/* A contact of a run so far: its largest force, N, when, s, and the integral of the force, N s. */
+/* A contact in a run so far: its largest force, N, the time of that force, s, and the integral of the force, N s. */
 typedef struct aoi_peak {
     double force, time, impulse;
 } aoi_peak;
@@ -702,8 +701,8 @@ AOI_API void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, d
 
 /* A contact interval.
  *   start, end  s; lasts 1: the record ends in this contact
- *   impulse     of its force, N s
- *   rate        at which it began, before its force changed that, m/s
+ *   impulse     impulse of its force, N s
+ *   rate        rate of the indentation when it began, before its force changed the rate, m/s
  *   deepest     largest indentation at the end of one of its steps, m
  *   pace        rate (end - start)/deepest; 0 where deepest is not above 0 */
 typedef struct aoi_interval {

@@ -1,9 +1,10 @@
 /* The forces on massless contact points are in equilibrium at every instant. Where a contact begins or ends there, the
  * forces of the contacts coupled to it change at once: rates jump, and with them the forces that depend on rates.
  *
- * With C the residual compliances, F the forces and z the indentations without them, d = z - C F. In an event d is
- * continuous where a law depends on the rate, and follows from equilibrium where none does. The rates follow from the
- * derivative, d' = z' - C F', with F' = K d' for a law without rate, and from F = f(d, d') for one with rate. */
+ * With C the residual compliances, F the forces and z the indentations without deflection, the indentations d are z
+ * - C F. In an event, d is continuous if a law depends on the rate, and follows from equilibrium if none does. The
+ * rates follow from the derivative, d' = z' - C F', with F' = K d' for a law without rate, and from F = f(d, d') for
+ * one with rate. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/vector.h"
@@ -17,33 +18,33 @@
 #include <math.h>
 #include <string.h>
 
-/* Times as shares of the contact time, which counts as at most MOST_STEPS steps of the run. A
- * sudden change is an implicit step of length SUDDEN. Indentations do not change in it, except
- * where a dashpot vanishes at the touch: there the force falls from the whole load like the square
- * root of time, and its fall within SUDDEN is missed. 1e-13 lost up to 15 % of a peak, 1e-22 loses
- * 5e-5 of it; with 1e-24 rounding shows, 1e-7. Rates and forces after the change are extrapolated
- * to zero from two steps, of PART_RELAXED times the relaxation time, with errors of PART_RELAXED
- * squared, but from LEAST_AFTER to MOST_AFTER, with errors of rounding over these. A dashpot with a
- * shorter relaxation time is neglected.
+/* Times in units of the contact time, which is taken as at most MOST_STEPS steps of the run. SUDDEN: length of the
+ * implicit step that replaces a sudden change. Indentations do not change in this step, except where a dashpot vanishes
+ * at the touch: there the force falls from the whole load like the square root of time, and its fall within SUDDEN is
+ * missed. SUDDEN = 1e-13 lost up to 15 % of a peak; 1e-22 loses 5e-5 of the peak; 1e-24 has rounding errors of 1e-7.
+ * PART_RELAXED, LEAST_AFTER, MOST_AFTER: rates and forces after the change are extrapolated to time zero from two short
+ * steps. Their length is PART_RELAXED times the relaxation time, but at least LEAST_AFTER and at most MOST_AFTER. The
+ * relative error is PART_RELAXED squared, plus a rounding error inversely proportional to the length. A dashpot whose
+ * relaxation time is shorter than the steps is neglected.
  *
- * Measured, with SUDDEN = 1e-13, by the jump of the sum of the forces on a place that a ball
- * strikes, the worst of 1200 scenes at rtol from 1e-9 to 1e-5: 2 rtol. PART_RELAXED = 1e-4 gives
- * 11, LEAST_AFTER = 1e-7 gives 87, MOST_AFTER = 1e-4 gives 7e4, MOST_STEPS = 1000 gives 7; a tenth
- * of any of them gives 2 or less. */
+ * Measured with SUDDEN = 1e-13: the largest jump of the sum of the forces at a place that a ball strikes, in 1200
+ * scenes at rtol from 1e-9 to 1e-5, is 2 rtol. The jump is 11 rtol with PART_RELAXED = 1e-4, 87 rtol with
+ * LEAST_AFTER = 1e-7, 7e4 rtol with MOST_AFTER = 1e-4, 7 rtol with MOST_STEPS = 1000, and at most 2 rtol with a
+ * tenth of any of these constants. */
 static const double SUDDEN = 1e-22, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_RELAXED = 1e-5,
                     MOST_STEPS = 100.0;
 
-/* Largest relaxation time of a dashpot in units of the first step of a run: beyond, its force is
- * only rounding. Measured: 1e14 and 1e15 solve all of the 400 scenes of coupled.c's YIELD, of which
- * 4 fail without this limit; 1e13 moves the first touch of another contact by 4e-8. */
+/* Largest relaxation time of a dashpot, in units of the first step of a run. With a longer one, the dashpot's force
+ * is only rounding. Measured: 1e14 and 1e15 solve all of the 400 scenes of YIELD in coupled.c, of which 4 fail
+ * without this limit; 1e13 moves the first touch of another contact by 4e-8. */
 static const double RIGID = 1e15;
 
-/* Largest relaxation time of a dashpot in units of an implicit step: beyond, its indentation
- * changes by rounding only. Tried: 6 runs change, by 4e-13. */
+/* Largest relaxation time of a dashpot, in units of an implicit step. With a longer one, the indentation changes by
+ * rounding only. Tried: 6 runs change, by 4e-13. */
 static const double RIGID_IN_STEP = 1e13;
 
-/* Most iterations for the forces in equilibrium, and of Newton's method for the rates. Tried: 1 run changes, by
- * 1e-13. */
+/* Largest number of iterations for the forces in equilibrium, and of Newton's method for the rates. Tried: 1 run
+ * changes, by 1e-13. */
 enum { MOST_LOOPS = 30 };
 
 size_t aoi_balance_size(size_t count, size_t span)
@@ -52,7 +53,7 @@ size_t aoi_balance_size(size_t count, size_t span)
     return aoi_plus(aoi_plus(aoi_times(2, entries), aoi_times(5, count)), aoi_coupled_size(count, span));
 }
 
-/* Takes the arrays of the equations from the work space that aoi_collocation_solve has as well. */
+/* Lays out the arrays of the equations in the work space that aoi_collocation_solve also uses. */
 static aoi_coupled lay_out(const aoi_adaptive *run, size_t count)
 {
     aoi_coupled e = {.count = count, .band = run->span < count ? run->span : count - 1};
@@ -67,7 +68,7 @@ static aoi_coupled lay_out(const aoi_adaptive *run, size_t count)
     return e;
 }
 
-/* Sets up the equations of the listed contacts for an implicit step of length time, or at rest where that is zero. */
+/* Sets up the equations of the listed contacts for an implicit step of length `time`, or for rest if time is 0. */
 static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
 {
     const size_t width = 2 * e->band + 1;
@@ -77,7 +78,7 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
         const double here = e->free[i] = aoi_contact_free(run, contact->contact, &rate);
         e->rate_free[i] = time > 0.0 ? rate + (here - contact->indentation) / time : 0.0;
         for (size_t k = 0; k < width; k++) {
-            const size_t j = i + k - e->band; /* below 0 it wraps round: no column */
+            const size_t j = i + k - e->band; /* a negative one wraps round and is no column */
             e->compliance[i * width + k] =
                 j < e->count ? aoi_system_residual(run->system, contact->contact, run->balanced[j].contact)
                              : 0.0;
@@ -95,7 +96,7 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
     if (!(aoi_system_residual(run->system, c, c) > 0.0)) {
         return count;
     }
-    /* For an open contact dashpots act from the touch on, not from the open gap. */
+    /* The dashpot of an open contact acts from the touch on, not from the open gap. */
     const double rest = aoi_law_rest(law, contact->memory);
     const double from = contact->is_closed ? contact->closed.start : fmax(contact->closed.start, rest);
     run->balanced[count] = (aoi_contact_state){.law = law,
@@ -108,8 +109,8 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
     return count + 1;
 }
 
-/* The piece of the law of a contact. For an open or slack one, or one beyond an end of its piece by more than the
- * tolerance of events, it is found by indentation and rate. */
+/* Returns the piece of its law that a contact is on. The piece is found from indentation and rate if the contact is
+ * open, slack, or beyond an end of its piece by more than the tolerance of events. */
 static int piece_at(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate)
 {
     const aoi_adaptive_contact *contact = &run->contact[of->contact];
@@ -145,7 +146,7 @@ static double placed(const aoi_adaptive *run, size_t c)
     return indentation;
 }
 
-/* The relaxation time of a dashpot at a residual compliance; 0 for one that does not touch. */
+/* Relaxation time of a contact's dashpot at a residual compliance, s; 0 if the bodies do not touch. */
 static double relaxation_of(const aoi_adaptive *run, const aoi_contact_state *of)
 {
     const size_t c = of->contact;
@@ -179,7 +180,7 @@ int aoi_balance_at_start(aoi_adaptive *run)
     return status;
 }
 
-/* Estimate of the contact time: largest indentation over largest rate at present. */
+/* Estimate of the contact time: ratio of the largest present indentation to the largest present rate. */
 static double time_of_contacts(const aoi_adaptive *run, size_t count)
 {
     const double left = fmin(run->end - aoi_run_now(run), MOST_STEPS * aoi_run_step(run));
@@ -192,14 +193,13 @@ static double time_of_contacts(const aoi_adaptive *run, size_t count)
     return depth > 0.0 && depth < rate * left ? depth / rate : left;
 }
 
-/* A force cut at zero, for laws without adhesion. */
+/* The force, cut at zero unless the law has adhesion (pulls). */
 static double cut(const aoi_law *law, double force) { return law->pulls ? force : fmax(force, 0.0); }
 
-/* A contact's force after an implicit step of length `time`, linear in its rate: the force at its
- * rate without changes of contact forces, and as damping its derivative by the rate. after = 1: at
- * the indentations of the step's end, where `acts` tells which contacts have a force. after = 0: at
- * those of its start, where laws without adhesion are cut at zero, by the event that the step has
- * located if there is one. */
+/* A contact's force after an implicit step of length `time`, linearised in its rate. force: at the rate without
+ * changes of contact forces; damping: derivative with respect to the rate. after = 1: at the indentations of the
+ * step's end; `acts` tells which contacts have a force. after = 0: at the indentations of the step's start; laws
+ * without adhesion are cut at zero, at the event that the step has located if there is one. */
 static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int after)
 {
     const aoi_contact_state *of = &run->balanced[i];
@@ -222,8 +222,8 @@ static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e,
     return (aoi_law_value){force, 0.0, damping + by_place};
 }
 
-/* The equations of the changes of forces in a short time, (1 + W C / time) change = force - present force, with force
- * and W, the damping, by linear_force. */
+/* Sets the equations for the changes of the forces in a short time, (1 + W C / time) change = force - present force,
+ * with the force and the damping W from linear_force. */
 static void set_changes(const aoi_adaptive *run, double time, int after, const aoi_coupled *e, double *change)
 {
     const size_t width = 2 * e->band + 1;
@@ -237,8 +237,8 @@ static void set_changes(const aoi_adaptive *run, double time, int after, const a
     }
 }
 
-/* An iteration of Newton's method: solves the equations for the changes of forces and sets the rates by them. most: the
- * largest change of a rate beyond rounding. Returns the largest rate; NaN where there is no solution. */
+/* An iteration of Newton's method: solves for the changes of the forces, and updates the rates. most: largest change
+ * of a rate beyond rounding, m/s. Returns the largest rate; NaN where there is no solution. */
 static double change_rates(const aoi_adaptive *run, double time, int after, const aoi_coupled *e, double *change,
                            double *most)
 {
@@ -253,7 +253,7 @@ static double change_rates(const aoi_adaptive *run, double time, int after, cons
         const double *row = e->compliance + i * (2 * e->band + 1);
         double sum = 0.0, size = 0.0;
         for (size_t k = 0; k <= 2 * e->band; k++) {
-            const size_t j = i + k - e->band; /* below 0 it wraps round: no column */
+            const size_t j = i + k - e->band; /* a negative one wraps round and is no column */
             sum += j < e->count ? row[k] * change[j] : 0.0;
             size += j < e->count ? fabs(row[k] * change[j]) : 0.0;
         }
@@ -272,16 +272,16 @@ static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
     for (size_t i = 0; i < e->count; i++) {
         e->indentation[i] = aoi_contact_free(run, run->balanced[i].contact, &e->rate_free[i]);
         for (size_t k = 0; k < width; k++) {
-            const size_t j = i + k - e->band; /* below 0 it wraps round: no column */
+            const size_t j = i + k - e->band; /* a negative one wraps round and is no column */
             e->indentation[i] -= j < e->count ? e->compliance[i * width + k] * e->force[j] : 0.0;
         }
     }
 }
 
-/* Finds forces in equilibrium and their indentations, by Newton's method. At a residual compliance far above that of the
- * contacts, a force that ends within the tolerance of events moves the others by more than their indentations: two
- * iterations are not enough there. Dashpots keep their indentations. Laws without rate are continued below the touch,
- * which is hit within a tolerance. Returns 0 where none are found. */
+/* Finds the forces in equilibrium and the indentations under them, by Newton's method. Two iterations are not enough
+ * at a residual compliance far above that of the contacts: there, a force that ends within the tolerance of events
+ * changes the other indentations by more than their size. The indentations of dashpots stay unchanged. Laws without
+ * rate are continued below the touch, which is located within a tolerance only. Returns 0 if no forces are found. */
 static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double *change = e->free, largest = 0.0, most, changed = HUGE_VAL, force = 0.0;
@@ -314,8 +314,9 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
     return most <= AOI_RATE_ERROR * largest ? largest : (double)NAN;
 }
 
-/* Rates and forces just after a sudden change, extrapolated from those after a short time and twice that.
- * A strong dashpot's force is more accurate this way than by its rate. Returns the largest rate. */
+/* Rates and forces just after a sudden change, extrapolated from their values after a short time and after twice
+ * that time. The extrapolated force of a strong dashpot is more accurate than its force at the extrapolated rate.
+ * Returns the largest rate, m/s. */
 static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     const double *change = e->free;
@@ -338,13 +339,13 @@ static double least_jump(const aoi_adaptive *run, size_t count)
     for (size_t i = 0; i < count; i++) {
         largest = fmax(largest, run->contact[run->balanced[i].contact].ledger.peak.force);
     }
-    /* Least jump of a force that closes or opens a contact, as a multiple of rtol times the largest force: smaller ones are
-     * errors of the last step, within which events have been located. Measured and tried: from 3 to 30 no run
-     * changes. */
+    /* Least jump of a force that closes or opens a contact, as a multiple of rtol times the largest force: smaller
+     * jumps are errors of the last step, within which events have been located. Measured and tried: from 3 to 30 no
+     * run changes. */
     return 10.0 * run->rtol * largest;
 }
 
-/* True if a rate-dependent law without adhesion becomes slack at once. */
+/* True if a contact with a rate-dependent law without adhesion becomes slack at once. */
 static int becomes_slack(const aoi_adaptive_contact *contact, const aoi_law *law, double force, double least)
 {
     return contact->closed.piece != AOI_SLACK && !contact->closed.begins && law->depends_on_rate && !law->pulls &&
@@ -361,7 +362,7 @@ static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, 
            from->rate < -error;
 }
 
-/* Updates a law with memory where the rate has changed its sign, at an event or in this sudden change. */
+/* Updates the memory of a law if the rate has changed its sign, at an event or in this sudden change. */
 static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contact)
 {
     if (contact->event == AOI_EVENT_TURN) {
@@ -387,7 +388,7 @@ static void set_contact(aoi_adaptive *run, const aoi_contact_state *from, double
         aoi_contact_take_piece(law, contact, contact->closed.start, from->rate > 0.0);
         contact->closed.last_length = 0.0;
     }
-    /* An event that the step has located is not revised: its rates have more digits. */
+    /* An event that the step has located is not revised: the step's rates are more accurate. */
     const int found = contact->event == AOI_EVENT_SLACKEN || contact->event == AOI_EVENT_TIGHTEN;
     if (!found && contact->closed.piece == AOI_SLACK && from->force > least) {
         aoi_contact_press_again(law, contact);
@@ -431,7 +432,7 @@ static void meet(aoi_adaptive *run, const aoi_coupled *e)
     }
 }
 
-/* Lists the closed contacts. After a pull-off also the open ones of the step, which the contact point may reach. */
+/* Lists the closed contacts and, after a pull-off, the step's open contacts, which the contact point may reach. */
 static size_t list_all(aoi_adaptive *run, int pull_off)
 {
     size_t count = 0;
@@ -447,7 +448,7 @@ static size_t list_all(aoi_adaptive *run, int pull_off)
     return count;
 }
 
-/* Sets the forces on residual compliances, and the indentations with them. */
+/* Sets the forces on residual compliances, and the indentations including the deflection under these forces. */
 static void set_forces(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {
@@ -459,7 +460,7 @@ static void set_forces(aoi_adaptive *run, const aoi_coupled *e)
     }
 }
 
-/* The law of a contact just after a sudden change; zero for one without force. */
+/* Force and slopes of a contact's law just after a sudden change; zero for a contact without force. */
 static aoi_law_value acting(const aoi_adaptive *run, const aoi_coupled *e, size_t i)
 {
     aoi_law_value value = {0.0, 0.0, 0.0};
@@ -469,8 +470,8 @@ static aoi_law_value acting(const aoi_adaptive *run, const aoi_coupled *e, size_
     return value;
 }
 
-/* Step length for the rates after a sudden change: short compared with the contact time, and with
- * the relaxation of the strongest dashpot beside the springs of all contacts. */
+/* Step length for the rates after a sudden change: short compared with the contact time, and with the longest
+ * relaxation time of a dashpot that acts together with the springs of all contacts. */
 static double time_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double stiffness = 0.0, relaxation = 0.0;
@@ -484,8 +485,8 @@ static double time_after(const aoi_adaptive *run, double time, const aoi_coupled
     return fmin(MOST_AFTER * time, fmax(LEAST_AFTER * time, PART_RELAXED * relaxation));
 }
 
-/* Sets rates and states of the listed contacts after a sudden change. Where no rates are found all stay unchanged, and
- * the next step begins with a worse guess. Returns whether a contact has opened. */
+/* Sets rates and states of the listed contacts after a sudden change. If no rates are found, all rates and states
+ * stay unchanged, and the next step begins with a worse guess. Returns whether a contact has opened. */
 static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_coupled *e)
 {
     aoi_contact_state *of = run->balanced;
@@ -497,7 +498,7 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
     for (size_t i = 0; i < e->count && !isnan(error); i++) {
         aoi_law_value value;
         uncut_force(run, &of[i], e->indentation[i], of[i].rate, &value);
-        /* of a cut force: its uncut value, below zero */
+        /* a force that was cut to zero gets its uncut value, below zero */
         of[i].force = of[i].force != 0.0 ? of[i].force : value.force;
         const double certain = least + value.damping * error;
         if (is_separated(run, &of[i], certain, error)) {
@@ -510,7 +511,8 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
     return some;
 }
 
-/* One pass of aoi_balance_at_once. Returns whether a contact has opened, and another pass without it is due. */
+/* One pass of aoi_balance_at_once. Returns whether a contact has opened: another pass without this contact is due
+ * then. */
 static int balance(aoi_adaptive *run, int pull_off)
 {
     const size_t count = list_all(run, pull_off);

@@ -9,25 +9,25 @@
 #include <float.h>
 #include <math.h>
 
-/* Fixed-point iterations for quantities that depend on the contact time, which depends on them. Tried: from 2 to 12 no
- * run changes. */
+/* Number of fixed-point iterations for quantities that depend on the contact time, which in turn depends on these
+ * quantities. Tried: from 2 to 12 no run changes. */
 enum { RISES = 4 };
 
-/* Work of a force d^n up to an indentation d, as a share of force times d: 1/(n+1), here for n = 3/2. */
+/* Ratio of the work of a force proportional to d^n, up to an indentation d, to force times d: 1/(n+1), for n = 3/2. */
 static const double HERTZ_SHARE = 0.4;
 
-/* EDGE_START, BENT_START: length of the first step, over the compression time times rtol^(2/7),
- * with an edge and at a residual compliance, where there is none. MOST_START: its largest share of
- * the compression time; see ../README.md. Measured: with an edge 13 costs as much work and 120
- * costs 1.7 % more; without, 1 costs 1.3 % and 9 costs 0.2 % more. */
+/* EDGE_START, BENT_START: ratio of the length of the first step to the compression time times rtol^(2/7), with an
+ * edge and, at a residual compliance, without an edge. MOST_START: largest ratio of that length to the compression
+ * time; see ../README.md. Measured: EDGE_START = 13 costs as much work and 120 costs 1.7 % more; BENT_START = 1
+ * costs 1.3 % and 9 costs 0.2 % more. */
 static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
-/* Start and stride, in log(indentation), of the search for the largest indentation, a scale that
- * need not be accurate. The stride is short because a caller's law may fail far beyond its range.
- * Measured: a third of the stride costs 2.0 % more work, three times as much 0.8 %. */
+/* SHALLOW, STRIDE: start and stride, in log(indentation), of the search for the largest indentation, a scale that
+ * need not be accurate. The stride is short because a caller's law may fail far beyond its range. Measured: a third
+ * of the stride costs 2.0 % more work, three times as much 0.8 %. */
 static const double SHALLOW = -28.0, STRIDE = 0.35;
 
-/* The integral of a force over an interval of indentation, as a power of it between the two ends. */
+/* Integral of a force over an interval of indentation, J; the force is interpolated by a power of the indentation. */
 static double power_work(double here, double force, double next, double next_force)
 {
     const double power = force > 0.0 ? log(next_force / force) / log(next / here) : 0.0;
@@ -36,10 +36,10 @@ static double power_work(double here, double force, double next, double next_for
                : 0.5 * (force + next_force) * (next - here);
 }
 
-/* Estimate of the indentation at which the law has taken up an energy and the work of a constant
- * force; at most `most`, which the motion would reach without the law. The law's force is
- * integrated, since the potential of a plastic law is only the recoverable part of its work. The
- * work is linear between the points where the law is evaluated. */
+/* Estimate of the largest indentation: there the law has taken up the given energy and the work of a constant force.
+ * It is at most `most`, which the motion would reach without the law. The law's force is integrated, since the
+ * potential of a plastic law is only the recoverable part of its work. The work is interpolated linearly between the
+ * points where the law is evaluated. */
 static double deepest(const aoi_law *law, const double *memory, double energy, double force, double most)
 {
     double here = fmin(exp(SHALLOW), most);
@@ -64,7 +64,7 @@ static double deepest(const aoi_law *law, const double *memory, double energy, d
     return most;
 }
 
-/* The acceleration of both ports under a unit force, 1/kg. */
+/* Relative acceleration of the two ports under a unit contact force, 1/kg. */
 static double mobility_of(const aoi_free_pair *pair)
 {
     double mobility = 0.0;
@@ -178,7 +178,7 @@ static void first_level(aoi_adaptive *run, size_t c, double time)
  * has another rate after the load's next bend. */
 static double time_left(const aoi_adaptive *run, size_t c)
 {
-    /* past a bend that is now within rounding */
+    /* just beyond a bend of a load that is at the present time within rounding */
     const double now = aoi_run_now(run) * (1.0 + 8.0 * DBL_EPSILON);
     double end = run->end;
     for (int side = 0; side < 2 && aoi_system_residual(run->system, c, c) > 0.0; side++) {
@@ -219,7 +219,7 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
         time = fmin(time, rate / -now.acceleration);
     }
     const double jerk = load_jerk(pair);
-    if (rate > 0.0 && jerk < 0.0) { /* so may loads that change */
+    if (rate > 0.0 && jerk < 0.0) { /* changing loads may do so, too */
         const double a = fmax(now.acceleration, 0.0), turn = 2.0 * rate / (sqrt(a * a - 2.0 * jerk * rate) - a);
         reach = fmin(reach, turn * (rate + turn * (0.5 * a + turn * jerk / 6.0)));
         time = fmin(time, turn);
@@ -268,8 +268,8 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     run->unbalanced = 1;
     contact->flight.slack = contact->ledger.since_touch = 0.0;
 
-    /* The indentation is not reset to rest: such errors would add up. At a residual compliance it follows from
-     * forces. */
+    /* The indentation is not reset to rest: the errors of resets would add up. At a residual compliance the
+     * indentation follows from the forces. */
     contact->closed = (aoi_closed){.start = bends ? here : fmax(here, rest), .rate = rate, .touch_rate = rate, .begins = 1};
     if (contact->sliding) {
         aoi_sliding_touch(contact->sliding);

@@ -7,17 +7,19 @@
 #include <math.h>
 #include <stddef.h>
 
-/* The series of slowness(): most terms, and the factor below which a term is left out. Step lengths follow from it.
- * Tried: 20 terms change 29 runs, by 8e-10, and 180 none; the factor changes 34, by 4e-9. */
+/* MOST_TERMS, NEGLIGIBLE: largest number of terms of the series in slowness(), and the factor below which a term is
+ * left out. The series affects step lengths only. Tried: MOST_TERMS = 20 changes 29 runs, by 8e-10, and 180 none;
+ * other values of NEGLIGIBLE change 34 runs, by 4e-9. */
 enum { MOST_TERMS = 60 };
 
 static const double NEGLIGIBLE = 1e-13;
 
-/* Largest and least length of a step before the last, as a share of the time to separation. Measured: 0.2 for
- * either costs 0.8 % more work, 0.9 and 0.6 save none. */
+/* MOST_OF_REST, LEAST_OF_REST: largest and least ratio of the length of a step before the last to the time to
+ * separation. Measured: 0.2 for either costs 0.8 % more work, 0.9 and 0.6 save none. */
 static const double MOST_OF_REST = 2.0 / 3.0, LEAST_OF_REST = 0.5;
 
-/* int_0^1 du / sqrt(1 - e u^power): time to separation, relative to that at the velocity of separation. */
+/* int_0^1 du / sqrt(1 - e u^power): ratio of the time to separation to the time at a constant rate, that of
+ * separation. */
 static double slowness(double e, double power)
 {
     double factor = 1.0, sum = 1.0;
@@ -28,7 +30,7 @@ static double slowness(double e, double power)
     return sum;
 }
 
-/* The closed contact if it is the only one: several closed contacts influence each other's separation. */
+/* The closed contact if there is only one, else NULL: several closed contacts influence each other's separation. */
 static const aoi_adaptive_contact *only_contact(const aoi_adaptive *run)
 {
     const int rubs = run->closed_count == 3 && run->entry[0].sliding;
@@ -50,7 +52,7 @@ double aoi_release_after(const aoi_adaptive *run, double within)
     if (!(depth > 0.0) || !(value.force > 0.0)) {
         return HUGE_VAL;
     }
-    /* The force is taken as a power of the depth. While more energy is in the law than in the motion the prediction is
+    /* The force is taken as a power of the depth. While the law holds more energy than the motion, the prediction is
      * too rough. */
     const double power = 1.0 + value.stiffness * depth / value.force;
     const double gain = 2.0 * contact->scales.mobility * value.force * depth / power;

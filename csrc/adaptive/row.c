@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Nodes within this share of the row from a change of slip are left out: over so short a distance
- * the difference between the two stretches is mostly their error. */
+/* Distance from a change of slip, as a share of the row, within which nodes are left out: over so short a distance,
+ * the difference between the stretches at the node and at the change is mostly their error. */
 static const double BESIDE = 0.02;
 
 static const double *tangent_of(const double *of, size_t i)
@@ -17,7 +17,7 @@ static const double *tangent_of(const double *of, size_t i)
     return of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;
 }
 
-/* Places of a row (0 to 1), and the stretches of its springs there. */
+/* Places of a row (0 to 1), and the stretch of its springs along both tangents at each, m. */
 typedef struct stretches {
     size_t count;
     double place[AOI_NODES + 2], stretch[2][AOI_NODES + 2];
@@ -91,7 +91,7 @@ void aoi_row_rub(const aoi_contact *contact, const double *of, double place, dou
     *bent = law.compliance * force[0];
 }
 
-/* The forces at a place. */
+/* Forces at a place (0 to 1) of a row of length h: normal and along the tangents, N. */
 static void forces_at(const aoi_contact *contact, const double *of, double h, double place, double force[3])
 {
     double slope, bent;
@@ -157,8 +157,8 @@ double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double
     return stored;
 }
 
-/* Linear interpolation between the values at the nodes, or the points of an edge, from `from` at
- * `low` and to `to` at `high`. from = NaN: constant up to the next value. */
+/* Value at a place, interpolated linearly between the values at the nodes, or at the points of an edge, and the
+ * values `from` at `low` and `to` at `high`. from = NaN: constant from `low` to the next point. */
 static double interpolated(const double *of, int first, double place, double low, double from, double high, double to)
 {
     const double *points = aoi_radau_edge_point[(enum aoi_edge)of[AOI_TRACK_EDGE]];

@@ -6,10 +6,11 @@
 #include "law/law.h"
 #include "model/system.h"
 
-/* A row of a track, the dense record of an adaptive run: a step of contact, or the start of free motion of some bodies.
- * First the five values of aoi_row; then for each of its bodies an aoi_row_body: its number, the work done on it and the
- * energy dissipated in it before (J), and x, v at the start (AOI_TRACK_STATE + 2 n); then for each of its contacts an
- * aoi_row_contact. After its last row a body moves freely. */
+/* A row of a track, the dense record of an adaptive run: a step of contact, or the start of free motion of some
+ * bodies. A row consists of the five values of aoi_row; for each of its bodies, of an aoi_row_body with
+ * AOI_TRACK_STATE + 2 n values: the body's number, the work done on it and the energy dissipated in it before the
+ * row (J), and x, v at the row's start; and for each of its contacts, of an aoi_row_contact. A body moves freely
+ * after the last row that contains it. */
 enum aoi_row { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRACK_CONTACTS,
                AOI_TRACK_SIZE, AOI_TRACK_FIXED };
 
@@ -19,15 +20,15 @@ enum aoi_row_body { AOI_TRACK_BODY = 0, AOI_TRACK_BODY_WORK, AOI_TRACK_BODY_LOST
 /* Values of a contact in a row.
  *   CONTACT        its number
  *   BEGINS, ENDS   1 if its force begins at the row's start, and ends at its end, else 0
- *   EDGE           with which it was solved
- *   PIECE, MEMORY  of its law
+ *   EDGE           enum aoi_edge with which the step was solved
+ *   PIECE, MEMORY  piece and memory of its law
  *   WORK, LOST     work done on it before the row, energy lost at the row's end, J
- *   RATE           at which its force began, m/s
- *   START_FORCE    at the row's start, N
- *   FORCE          at the nodes, N
- *   INDENTATION    Legendre coefficients, m
- * A contact that is in no later row, or goes on as AOI_SLACK, without a row in which it ends, has
- * ended where its last row with force does. */
+ *   RATE           rate of the indentation when its force began, m/s
+ *   START_FORCE    force at the row's start, N
+ *   FORCE          forces at the nodes, N
+ *   INDENTATION    Legendre coefficients of the indentation, m
+ * If no row says that a contact's force ends, and the contact is in no later row or continues as AOI_SLACK, the
+ * contact has ended at the end of its last row with force. */
 enum aoi_row_contact {
     AOI_TRACK_CONTACT = 0,
     AOI_TRACK_BEGINS,
@@ -47,10 +48,10 @@ enum aoi_row_contact {
 /* For a contact with friction more follows. Its stretch is the ratio of friction to the normal
  * force, times the indentation of the bodies.
  *   SLIDE_WORK  work on slides before the row, less the energy of the stretches at the run's start, J
- *   DISSIPATED  of that, J: at the row's start, at the nodes or the points of an edge, and at its end
+ *   DISSIPATED  dissipated part of this work, J: at the row's start, at the nodes or the points of an edge, and at its end
  *   STUCK       stuck share of the indentation, at the same places
  *   SLIPS       1 if all springs slip at the row's start, else 0
- *   CHANGES     places where that changes; 2: no further change
+ *   CHANGES     places where SLIPS changes; 2: no further change
  *   TANGENTS    for each tangent: the force at the start and the nodes; the stretch there and at the
  *               changes; the Legendre coefficients of the slide */
 enum aoi_row_friction {
@@ -84,18 +85,18 @@ void aoi_row_rub(const aoi_contact *contact, const double *of, double place, dou
  * polynomial is a fit over the whole row. */
 void aoi_row_forces(const aoi_contact *contact, const double *of, double h, double place, double force[3][AOI_NODES]);
 
-/* Work of friction up to a place, with that before the row, J, on the contact's own slide: that of
- * the bodies plus the compliance taken out times the forces. aoi_row_slide_work leaves out the
- * deflection by friction itself. With it, aoi_row_slide_stored is the energy dissipated or stored
- * in the stretches. */
+/* Work of friction up to a place, the work before the row included, J. aoi_row_slide_stored: on the contact's own
+ * slide, which is the slide of the bodies plus the compliance taken out times the forces; this work is dissipated or
+ * stored in the stretches. aoi_row_slide_work: without the deflection due to friction itself. */
 double aoi_row_slide_work(const aoi_contact *contact, const double *of, double place);
 double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double place);
 
-/* Value at a place, linear between those at the start, at the nodes or the points of an edge, and
- * at the end; first: index of the first of these. */
+/* Value at a place, interpolated linearly between the values at the start, at the nodes or the points of an edge,
+ * and at the end. first: index of the value at the start. */
 double aoi_row_between(const double *of, int first, double place);
 
-/* Stuck share at a place: 0 where all springs slip, else linear, falling to 0 where that begins. */
+/* Stuck share of the indentation at a place: 0 while all springs slip, else interpolated linearly, and 0 where all
+ * springs begin to slip. */
 double aoi_row_stuck(const double *of, double place);
 
 #endif

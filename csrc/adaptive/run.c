@@ -18,34 +18,35 @@
 #include <math.h>
 #include <string.h>
 
-/* Least number of levels by which a step grows; and guards against loops without end: most times
- * that one step is cut short for an event, and that a run loops without a step. Tried: of both
- * guards no run changes. */
+/* LEAST_RISE: least number of levels by which a step grows. Limits that prevent endless loops: MOST_TRIMS, how often
+ * one step is cut short for an event; MOST_IDLE, how often a run loops without a step. Tried: neither limit changes
+ * a run. */
 enum {
     LEAST_RISE = 2,
     MOST_TRIMS = 12,
     MOST_IDLE = 1000
 };
 
-/* While a contact is closed, pairs of bodies in free motion are searched for a touch this many steps ahead.
- * Measured: 21 costs 0.2 % more work, 192 saves none. */
+/* Number of steps ahead for which, while a contact is closed, pairs of bodies in free motion are searched for a
+ * touch. Measured: 21 costs 0.2 % more work, 192 saves none. */
 static const double STEPS_AHEAD = 64.0;
 
 /* Least factor on the step length after a rejected step. Measured: from 0.02 to 0.18 work changes by 0.5 %. */
 static const double LEAST_SHRINKAGE = 0.06;
 
-/* Largest factor on the step length after a step was cut short for an event that the shorter step did not confirm; the
- * factor where it was cut MOST_TRIMS times, or its event is at its start and changes nothing. Measured: of the first
- * 0.17 costs 1.1 % more work, 0.83 saves none; of the others from 0.13 to 1.2 no run changes. */
+/* Largest factor on the step length after a step was cut short for an event that the shorter step did not confirm.
+ * It is also the factor if the step was cut MOST_TRIMS times, or if its event is at its start and changes nothing.
+ * Measured: as the largest factor, 0.17 costs 1.1 % more work and 0.83 saves none; as the factor, from 0.13 to 1.2
+ * no run changes. */
 static const double UNCONFIRMED = 0.5;
 
-/* Events found in a step whose admissible growth is below this are ignored: its error is too large.
- * Measured: from 0.03 to 0.3 work changes by 0.3 %. */
+/* Least admissible growth of a step whose events are used. Below, the error of the step is too large, and its events
+ * are ignored. Measured: from 0.03 to 0.3 work changes by 0.3 %. */
 static const double TRUSTED = 0.1;
 
 /* ------------------------------------------------------------------------------ work space */
 
-/* True if a force depends on the rate, or a contact has no mass. */
+/* True if a law depends on the rate, or a contact point has a residual compliance (no mass). */
 static int is_quick(const aoi_system *system)
 {
     for (size_t c = 0; c < system->contact_count; c++) {
@@ -75,7 +76,7 @@ size_t aoi_adaptive_room(const aoi_system *system)
     return room;
 }
 
-/* Work space of the collocation, which the balance of massless contact points takes as well. */
+/* Size of the work space of the collocation, which the balance of massless contact points also uses. */
 static size_t work_size(const aoi_adaptive *run, const aoi_system *system)
 {
     const size_t size = run->crowded ? aoi_crowd_size(system) : aoi_collocation_size(aoi_system_forces(system), run->span);
@@ -127,7 +128,7 @@ static void lay_out_body(const aoi_adaptive *run, const aoi_system *system, size
     }
 }
 
-/* Springs of a contact: two arrays for each of its paths and for one in trial. */
+/* Number of springs of a contact: two arrays for each of its paths and for the trial path. */
 enum { OF_SLIDING = 2 * (AOI_PATHS + 1) * AOI_SPRINGS };
 
 /* Distributes the memory after the run's own struct; with block NULL it only counts the bytes. */
@@ -250,8 +251,9 @@ static void set_halt(aoi_adaptive *run)
     }
 }
 
-/* FINEST_CURVE: least precision of the curves of stretches, which takes 1000 springs; else it is rtol.
- * WITHIN_STEP: factor on it within a step. NEWTON_SHARE: tolerance of Newton's method over rtol. */
+/* FINEST_CURVE: lower bound of the precision of a curve of stretches, which takes 1000 springs; above, the precision
+ * is the contact's, or rtol if that is smaller. WITHIN_STEP: factor on the precision within a step. NEWTON_SHARE:
+ * ratio of the tolerance of Newton's method to rtol. */
 static const double FINEST_CURVE = 4e-6, WITHIN_STEP = 0.01, NEWTON_SHARE = 1e-2;
 
 static void begin_sliding(const aoi_adaptive *run, const aoi_contact *of, aoi_sliding *sliding, aoi_stretch *spring)
@@ -444,7 +446,8 @@ static void halt(aoi_adaptive *run)
 
 /* ------------------------------------------------------------------------- a step of contact */
 
-/* Closes the contacts of bodies in free motion that touch now, and finds a time before which no other one does. */
+/* Closes the contacts of bodies in free motion that touch now, and finds a time before which no other contact
+ * closes. */
 static int watch_free_pairs(aoi_adaptive *run)
 {
     const size_t none = run->system->contact_count;

@@ -32,39 +32,40 @@ typedef struct aoi_adaptive_body {
     size_t table_use[AOI_TABLES];
 } aoi_adaptive_body;
 
-/* State of an open contact. until: both bodies are in free motion, and do not touch before this time. */
+/* State of an open contact. until: time before which both bodies are in free motion and do not touch. */
 typedef struct aoi_flight {
     double until;
-    int touches;  /* 1: the contact touches at that time */
+    int touches;  /* 1: the contact touches at `until` */
     size_t place; /* its place among the watched contacts */
     double slack; /* indentation beyond rest that is not yet a touch, m */
 } aoi_flight;
 
-/* State of a closed contact at the present time: its indentation (start: that at the start of the
- * next step), rate and force, and on which piece of its law it is. */
+/* State of a closed contact at the present time: its indentation (start: that at the start of the next step), rate
+ * and force, and the piece of its law that it is on. */
 typedef struct aoi_closed {
     double start, rate, force;
     double touch_rate; /* the rate when its force last began, before a sudden change of it, m/s */
     int begins, piece;
     double low, high; /* ends of the piece */
-    double edge;      /* length allowed by the error of the step in which it began, used for its end; 0: not known */
+    double edge;      /* step length that the error of its first step allows, used at its end; 0: not known */
     double last_length, last[AOI_NODES + 1]; /* the last step's indentation, to guess the next */
 } aoi_closed;
 
-/* Scales of a contact. indentation, rate, impulse: the largest so far, at first estimates of these.
- * force: the largest estimate, N; an estimate is made at each touch, before any step. */
+/* Scales of a contact. indentation, rate, impulse: largest values so far, estimated at first. force: largest of the
+ * estimates that are made at each touch, before any step, N. */
 typedef struct aoi_scales {
     double indentation, rate, impulse, force;
-    double mobility; /* acceleration of both ports per sudden force, 1/kg */
+    double mobility; /* relative acceleration of both ports per sudden force, 1/kg */
 } aoi_scales;
 
-/* Totals of a contact in the run; impulse since its last touch, N s; work of its force, J. */
+/* Totals of a contact in the run. since_touch: impulse since its last touch, N s; work: work of its force, J. */
 typedef struct aoi_ledger {
     aoi_peak peak;
     double since_touch, work;
 } aoi_ledger;
 
-/* At a residual compliance: the force included in its deflection, N, and its rate at the end of the last step. */
+/* Force on a residual compliance. bending: force included in the deflection, N; force_rate: rate of the force at the
+ * end of the last step, N/s. */
 typedef struct aoi_massless {
     double bending, force_rate;
 } aoi_massless;
@@ -103,15 +104,16 @@ struct aoi_adaptive {
     aoi_contact_state *balanced; /* contacts at massless contact points, while their forces are found */
 
     aoi_list closed;     /* closed contacts, ascending                                    */
-    aoi_list watched[2]; /* open ones in free motion: 0 those with no touch yet found, 1 those that touch */
+    aoi_list watched[2]; /* open contacts in free motion: [0] no touch found yet, [1] touch found */
     aoi_list engaged, changed; /* bodies in this step; bodies changed since their last row */
     size_t span, row_size;
     int crowded; /* 1: contacts are solved by modes (crowd.c) */
-    /* numbers of entries: of closed contacts, which come first; with open ones beside them */
+    /* numbers of entries: of closed contacts, which come first; of closed and open contacts */
     size_t closed_count, entry_count;
     int level;                        /* steps are base 2^(-level/8) long */
     int grain;                        /* levels are multiples of this */
-    /* cost of new tables, one step per mode, and steps that a coarser level would have saved */
+    /* table_cost: cost of new tables in steps, one per mode; saved: number of steps that a coarser level would have
+     * saved */
     double table_cost, saved;
     double base;
     double indentation_scale, impulse_scale; /* largest scales of closed contacts */
@@ -137,27 +139,27 @@ enum {
     AOI_NO_LEVEL = 1000
 };
 
-/* Error of the rates found, as a share of the largest; also the tolerance of Newton's method for
- * them, of laws nearly linear in rates, and of the last change of the forces in equilibrium, after
- * which their error is its square. Measured: from 3e-9 to 3e-8 errors and work are the same. A jump
- * of the force at a start from rest, as a share of the largest force, may also be this error. */
+/* Error of the rates found, relative to the largest rate. It is also the tolerance of Newton's method for these
+ * rates, in which laws are nearly linear, and of the last change of the forces in equilibrium: the error that
+ * remains is the square of this change. Measured: from 3e-9 to 3e-8 errors and work are the same. At a start from
+ * rest, a jump of the force by this share of the largest force may be such an error. */
 #define AOI_RATE_ERROR 1e-8
 
 /* Largest growth of the step length after an accepted step. Measured: 3 costs 0.4 % more work, 24 saves none. */
 #define AOI_MOST_GROWTH 8.0
 
-/* Largest number of evaluations of a mode in one search for a touch, less than a tenth of a second:
- * one takes up to 0.7 us in bodies of few modes. AOI_LOOKS_IN_STEP: the same within a step, which
- * may be made shorter instead. */
+/* AOI_MOST_LOOKS: largest number of evaluations of a mode in one search for a touch, which takes less than a tenth
+ * of a second: an evaluation takes up to 0.7 us in bodies of few modes. AOI_LOOKS_IN_STEP: the same for a search
+ * within a step, which may be shortened instead. */
 enum { AOI_MOST_LOOKS = 100000, AOI_LOOKS_IN_STEP = 10000 };
 
-/* Largest number of evaluations of a mode from one halt to the next, some hundredths of a second: loads are looked up
- * for each, and the bodies are advanced once more at the halt. It bounds for how long a run does not check signals, not
- * what it finds. Tried: no run changes. */
+/* Largest number of evaluations of a mode from one halt to the next, some hundredths of a second: loads are looked
+ * up for each, and the bodies are advanced once more at the halt. It limits the time between checks for signals and
+ * does not affect the results. Tried: no run changes. */
 enum { AOI_MOST_BENDS = 30000 };
 
-/* An event closer to the start of a step than this share of its length is applied at the start. Measured: from
- * 3e-10 to 3e-9 errors and work are the same. */
+/* Largest distance of an event from the start of a step, as a share of its length, at which the event is applied at
+ * the start. Measured: from 3e-10 to 3e-9 errors and work are the same. */
 #define AOI_AT_START 1e-9
 
 /* Events of a contact within a step. */
@@ -174,13 +176,13 @@ enum aoi_event {
 
 /* One try at a step. */
 typedef struct aoi_attempt {
-    double h, growth; /* length; factor by which its error would allow it to be longer, below 1 where it fails */
+    double h, growth; /* length, s; factor by which its error allows it to be longer: below 1 if it fails */
     double place;     /* place of its first event as a share of h: 1 at its end, above 1 none */
     int closed;       /* 1: a contact was closed at its start, and the step must be prepared again */
     int corner;       /* 1: place is a corner of friction                                          */
 } aoi_attempt;
 
-/* The time now. */
+/* The present time, s. */
 double aoi_run_now(const aoi_adaptive *run);
 
 /* Number of the entries of the closed contacts. */
@@ -201,11 +203,11 @@ static inline int aoi_level_from(const aoi_adaptive *run, double level)
     return run->grain * (int)ceil(fmax(least, AOI_HIGHEST_LEVEL) / run->grain);
 }
 
-/* Lists the contacts of the step that begins now and brings their bodies here. */
+/* Lists the contacts of the step that begins now, and advances their bodies to the present time. */
 void aoi_step_prepare(aoi_adaptive *run);
 
-/* Doubles of work space that the forces in equilibrium take, for count contacts at massless contact points of which
- * those that share a body are at most span places apart. */
+/* Number of doubles of work space for the forces in equilibrium of `count` contacts at massless contact points.
+ * Contacts that share a body are at most `span` places apart in the list. */
 size_t aoi_balance_size(size_t count, size_t span);
 
 /* Empties the lists of the step's bodies and contacts; its open contacts are watched again. */
@@ -220,15 +222,15 @@ void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt);
 /* Writes the step's row, advances bodies and contacts to its end and applies its events there. */
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size);
 
-/* Writes a row: of bodies that move freely from now on, or of a step of length h. contacts: number
- * of entries of the step, or 0; of: the first contact in the row. Returns the row's size. */
+/* Writes a row: of a step of length h, or of bodies that move freely from now on. contacts: number of entries of the
+ * step, 0 for free motion; of: set to the first contact in the row. Returns the row's size. */
 size_t aoi_step_write(aoi_adaptive *run, double h, size_t contacts, double *row, double **of);
 
-/* Reduction of a contact's indentation by the contact forces on residual compliances, m; with rates, the same of its
- * rate by the force rates at the end of the last step, m/s. */
+/* Reduction of a contact's indentation due to the contact forces on residual compliances, m. With rates: reduction
+ * of its rate due to the force rates at the end of the last step, m/s. */
 double aoi_contact_bent(const aoi_adaptive *run, size_t c, int rates);
 
-/* A contact's indentation now without contact forces, m, and its rate, m/s. */
+/* Present indentation of a contact without the deflection under contact forces, m, and its rate, m/s. */
 double aoi_contact_free(const aoi_adaptive *run, size_t c, double *rate);
 
 /* A contact's indentation now, including the deflection of residual compliances, m. */
@@ -240,8 +242,8 @@ double aoi_contact_slide(const aoi_adaptive *run, size_t c, size_t axis);
 /* Updates a contact's largest force with a force that it has some time after now. */
 void aoi_contact_note_peak(aoi_adaptive *run, size_t c, double force, double after);
 
-/* Finds the indentations at the start, and the forces of contacts at massless contact points. The bodies rest under
- * loads and contacts, or the loads set in at once, and dashpots keep the indentations where they are. Errors as
+/* Finds the indentations at the start, and the forces of contacts at massless contact points. Either the bodies rest
+ * under loads and contacts, or the loads begin suddenly and dashpots keep the indentations unchanged. Errors as
  * aoi_coupled_solve. */
 int aoi_balance_at_start(aoi_adaptive *run);
 

@@ -14,16 +14,16 @@
 #include <math.h>
 #include <string.h>
 
-/* A step ends at an edge if its contact separates within this share of the step's length from its end. Measured:
- * from 0.03 to 0.3 work changes by 0.3 %. */
+/* Largest distance of a separation from the end of a step, as a share of its length, at which the step ends at an
+ * edge. Measured: from 0.03 to 0.3 work changes by 0.3 %. */
 static const double EDGE_WIDTH = 0.1;
 
-/* Newton's convergence is measured against an indentation of at least this share of the largest. Measured: from
- * 1e-12 to 1e-3 errors and work are the same. */
+/* Least indentation against which Newton's convergence is measured, as a share of the largest indentation. Measured:
+ * from 1e-12 to 1e-3 errors and work are the same. */
 static const double NEWTON_SHARE = 1e-6;
 
-/* The same at residual compliances, which couple contacts: each indentation has the rounding of the largest.
- * Tried: 12 runs change, by 2e-12. */
+/* NEWTON_SHARE at residual compliances, which couple contacts: each indentation has the rounding error of the
+ * largest. Tried: 12 runs change, by 2e-12. */
 static const double MASSLESS_NEWTON_SHARE = 1e-3;
 
 static int are_equal(const double *one, const double *other, size_t count)
@@ -64,7 +64,8 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
     run->response[b] = body->table[oldest];
 }
 
-/* The contact forces on residual compliances, held constant in a step, on all ports; returns whether there are any. */
+/* Sums the contact forces on residual compliances, held constant in a step, on all ports; returns whether there are
+ * any. */
 static int gather_constant(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
@@ -99,7 +100,8 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
     }
 }
 
-/* Extrapolates a polynomial of the last step to the nodes of a step of length h, with its slope there; rate: or NULL. */
+/* Extrapolates a polynomial of the last step to the nodes of a step of length h. rate: its slopes at the nodes, or
+ * NULL. */
 static void extrapolate(const double *last, double last_length, double h, double *values, double *rate)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {
@@ -111,9 +113,9 @@ static void extrapolate(const double *last, double last_length, double h, double
     }
 }
 
-/* A first guess: the last step's polynomial extrapolated, or the motion without contact force, which bounds the
- * indentation from above. A massless contact point would jump to that motion, far from the solution under a stiff law,
- * and other contacts may press on the point: there the guess is linear. */
+/* Sets a first guess of an indentation: the last step's polynomial extrapolated, or the motion without contact
+ * force, which bounds the indentation from above. A massless contact point would jump to that motion, far from the
+ * solution under a stiff law, and other contacts may press on the point: there the guess is linear. */
 static void guess(const aoi_adaptive_contact *contact, double h, double usual, int with_rates, int massless,
                   aoi_contact_step *entry)
 {
@@ -135,8 +137,8 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
     entry->scale = fmax(largest, (massless ? MASSLESS_NEWTON_SHARE : NEWTON_SHARE) * usual);
 }
 
-/* As guess, for a slide: the last step's polynomial, or the motion without contact forces. Its
- * scale is the largest stretch of a spring, or the slide itself if that is larger. */
+/* Sets a first guess of a slide: the last step's polynomial, or the motion without contact forces. Its scale is the
+ * largest stretch of a spring, or the slide itself if that is larger. */
 static void guess_slide(const aoi_adaptive_contact *contact, double h, double usual, aoi_contact_step *entry)
 {
     const aoi_friction *friction = &entry->sliding->rub.friction;
@@ -197,7 +199,7 @@ static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates, i
     }
 }
 
-/* The step's forces on the ports of all bodies under force, and their Legendre coefficients. */
+/* Finds the step's forces on the ports of all bodies under force, and their Legendre coefficients. */
 static void gather_forces(aoi_adaptive *run, double h)
 {
     const aoi_system *system = run->system;
@@ -221,7 +223,7 @@ static void gather_forces(aoi_adaptive *run, double h)
     }
 }
 
-/* The largest force of several closed contacts: so far, in this step, or expected. */
+/* Largest force of several closed contacts: so far, in this step, or expected, N. */
 static double force_scale_of(const aoi_adaptive *run)
 {
     double largest = 0.0;

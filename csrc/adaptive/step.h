@@ -10,12 +10,12 @@
 
 #include <math.h>
 
-/* Scales of a contact are at least this share of the largest of the other closed contacts: small
- * ones are not promised a higher accuracy (aoimpact/integrate/settings.py). */
+/* Least ratio of the scales of a contact to the largest ones of the other closed contacts: no higher accuracy is
+ * promised for small contacts (aoimpact/integrate/settings.py). */
 static const double LESSER_SHARE = 0.01;
 
-/* Least ratio of the largest force at a node to a peak between nodes. Measured: from 0.7 to 0.97
- * work changes by 0.3 %. */
+/* Least ratio of the largest force at a node to a possible peak between nodes. Measured: from 0.7 to 0.97 work
+ * changes by 0.3 %. */
 static const double NEAR_PEAK = 0.9;
 
 static inline const aoi_law *aoi_step_law(const aoi_adaptive *run, const aoi_contact_step *entry)
@@ -102,16 +102,16 @@ void aoi_step_series(const aoi_modes *body, const double *force, double h, doubl
  * under loads and gravity. For oscillating modes; returns whether any of these forces acts on the mode. */
 int aoi_step_path(const aoi_adaptive *run, size_t b, size_t j, double h, int loaded, double *x, double *v);
 
-/* Factor, at most `growth`, by which the step could be longer. Free oscillations about these polynomials that a step
- * of that length does not resolve then change a closed contact's force by at most `most`, N. Below 1 the step itself is
- * too long. */
+/* Factor, at most `growth`, by which the step could be longer while unresolved free oscillations about the modes'
+ * polynomial motions change a closed contact's force by at most `most`, N. Below 1 the step itself is too long. */
 double aoi_step_ring_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double growth,
                             double most);
 
 /* The piece of the law at the start of the step. For a slack contact: the piece for its indentation and rate. */
 int aoi_step_piece(const aoi_law *law, const aoi_contact_step *entry);
 
-/* Notes where an open contact of a body under force touches; closes it where that is at the start. */
+/* Notes where in the step an open contact of a body under force touches; closes the contact if it touches at the
+ * start. */
 void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attempt *attempt);
 
 #endif

@@ -13,10 +13,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Place of the force's largest maximum in the step: that of the indentation, or, for a
- * rate-dependent law, of the polynomial through the law's forces at the nodes; 1: no maximum
- * inside. At an edge the step's own polynomial is a least-squares fit, which may miss the forces at
- * the nodes by a hundredth. */
+/* Place of the force's largest maximum in the step, taken from the indentation or, for a rate-dependent law, from
+ * the polynomial through the law's forces at the nodes; 1: no maximum inside. At an edge the step's own polynomial
+ * is a least-squares fit, which may miss the forces at the nodes by a hundredth. */
 static double top_of(const aoi_law *law, const aoi_contact_step *entry)
 {
     double place, value, by_force[AOI_NODES];
@@ -33,7 +32,8 @@ static double top_of(const aoi_law *law, const aoi_contact_step *entry)
     return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }
 
-/* Notes the peak of the normal force of a contact with friction, which changes it a little, by its row. */
+/* Notes the peak of the normal force of a contact with friction, found from its row since friction changes the force
+ * a little. */
 static void note_rubbing_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h, const double *of)
 {
     double place, value, force[3], bent;
@@ -99,7 +99,7 @@ static void move_bodies(aoi_adaptive *run, double h, double later)
     }
 }
 
-/* The largest indentation of the step; between the nodes, too, where the law has a limit. */
+/* Largest indentation of the step; if the law has a limit, maxima between the nodes are included. */
 static double deepest(const aoi_law *law, const aoi_contact_step *entry)
 {
     const double at_nodes = aoi_step_indentation(entry);
@@ -148,7 +148,8 @@ static double force_slope(const aoi_contact_step *entry)
     return end_slope(legendre);
 }
 
-/* Updates a contact's peak, impulse, work and scales, and sets its state at the end of the step. of: in its row. */
+/* Updates a contact's peak, impulse, work and scales, and sets its state at the end of the step. of: its values in
+ * the row. */
 static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double h, int with_rates, const double *of)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];

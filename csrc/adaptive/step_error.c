@@ -20,8 +20,8 @@
 #include <float.h>
 #include <math.h>
 
-/* Shares of rtol: of the polynomial's tail, and of the error at the end of one step. Errors add up over some twenty
- * steps of a contact, and grow from one contact to the next. These and the next: see the table in ../README.md. */
+/* TAIL_SHARE, STEP_SHARE: shares of rtol for the polynomial's tail and for the error at the end of one step. Errors
+ * add up over some twenty steps of a contact, and grow from one contact to the next. See the table in ../README.md. */
 static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
 /* Factor on STEP_SHARE, and at a residual compliance on TAIL_SHARE, in the first and last step of a
@@ -29,25 +29,25 @@ static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
  * defect misses part of it. */
 static const double END_SHARE = 0.03;
 
-/* A step is not tried at more than this share of the length that its error allows: see ../README.md. */
+/* Largest ratio of the length of a step tried to the length that the error allows: see ../README.md. */
 static const double CAUTION = 0.9;
 
 /* Largest growth from a step whose error tells little of the next: one with an edge, or while a contact is slack, where
  * the bodies still overlap, but the law's force is cut at zero: see ../README.md. */
 static const double BLIND_GROWTH = 2.0;
 
-/* Largest growth of the length allowed at the contact's end over that of the step with its beginning. Measured: 1 costs
- * 1.3 % more work, 4.2 costs 0.3 %. */
+/* Largest ratio of the step length allowed at a contact's end to that of the step in which the contact began.
+ * Measured: 1 costs 1.3 % more work, 4.2 costs 0.3 %. */
 static const double EDGE_REACH = 1.4;
 
 /* Order of the error of friction's impulse in the step's length where its rate has a kink. */
 static const double KINK_ORDER = 3.0;
 
-/* A little above the ratio of the forces at the last two nodes where the force grows like t^(1/4)
- * from the start, 0.986. */
+/* Ratio of the forces at the last two nodes: a little above 0.986, which holds where the force grows like t^(1/4)
+ * from the start. */
 static const double NEAR_TOP = 0.99;
 
-/* Relative error of the force for a relative error of the indentation, over that of Hertz's law; at least 1. */
+/* Ratio of the relative errors of force and indentation, divided by 3/2, its value for Hertz's law; at least 1. */
 static double steepness_of(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
     aoi_law_value value;
@@ -132,17 +132,18 @@ static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *
     return largest > entry->force[AOI_NODES - 1] && largest + wrong > contact->ledger.peak.force;
 }
 
-/* The errors of a step as shares of their tolerances; and the tolerance of the unresolved oscillation of a force, N. */
+/* Errors of a step as shares of their tolerances: within the step (within) and at its end (handed_on). ripple:
+ * tolerance of the unresolved oscillation of a force, N. */
 typedef struct errors {
     double within, handed_on, ripple;
-    double drift; /* error of friction, since paths are made of straight parts */
+    double drift; /* error of friction due to paths of straight parts, as a share of its tolerance */
 } errors;
 
-/* Friction below this share of its bound is rounding of the normal force, and no more is promised. */
+/* Share of Coulomb's bound below which friction is rounding of the normal force, and no higher accuracy is promised. */
 static const double LEAST_FRICTION = 1e-9;
 
-/* The scale of a contact's friction, and of its slides, over that of its normal force: the largest friction so far and
- * in this step. Where a contact sticks friction is far below its bound. */
+/* Ratio of the largest friction of a contact, so far and in this step, to the scale of its normal force. It scales
+ * friction and slides. While a contact sticks, friction is far below Coulomb's bound. */
 static double friction_share(const aoi_adaptive *run, const aoi_contact_step *normal)
 {
     const aoi_sliding *sliding = normal->sliding;
@@ -154,7 +155,7 @@ static double friction_share(const aoi_adaptive *run, const aoi_contact_step *no
     return fmin(fmax(share, LEAST_FRICTION * sliding->rub.friction.mu), sliding->rub.friction.mu);
 }
 
-/* Tolerances are at least a few times the rounding. */
+/* Finds the errors as shares of their tolerances, which are at least a few times the rounding. */
 static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double h, errors *of)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];

@@ -11,9 +11,8 @@
 #include <float.h>
 #include <math.h>
 
-/* Share of the tolerance of a touch below which the indentation of a contact with a negligible
- * force must be for the contact to be opened. It then gets half that tolerance as slack, so that it
- * does not close at once. Tried: no run changes. */
+/* Largest indentation, as a share of the tolerance of a touch, at which a contact with a negligible force is opened.
+ * The contact then gets half that tolerance as slack, so that it does not close at once. Tried: no run changes. */
 static const double SKIP_SHARE = 0.1;
 
 /* True if a function of time falls below zero in the step; finds the place. If it ends within the tolerance below zero, and

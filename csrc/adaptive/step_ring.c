@@ -13,7 +13,7 @@
 
 #include <math.h>
 
-/* A mode whose phase advances by more than this in a step (rad) is not resolved by its nodes. Below, the last
+/* Phase advance of a mode in a step, rad, above which the nodes do not resolve the mode. Below, the last
  * coefficients of the series through start and nodes are as large as those left out: 3 |j_7(6)| against 19 |j_9(6)|,
  * spherical Bessel functions of half the angle. Measured: 4 costs 6 % more work. */
 static const double UNRESOLVED = 12.0;
@@ -69,8 +69,8 @@ static double amplitude_of(const aoi_adaptive *run, size_t b, size_t port, size_
     return share * sqrt(x * x + v * v);
 }
 
-/* Stiffness and damping of a contact's law at the deepest node, by which a small oscillation of the indentation changes
- * its force; and the compliance of the fast modes of both bodies, which reduces that force. */
+/* Response of a contact's force to a small oscillation of its indentation. stiffness, damping: slopes of the law at
+ * the deepest node; compliance: compliance of the fast modes of both bodies, which reduces the response. */
 typedef struct reaction {
     double stiffness, damping, compliance;
 } reaction;
@@ -94,7 +94,7 @@ static reaction reaction_of(const aoi_adaptive *run, const aoi_contact_step *ent
     return of;
 }
 
-/* The force that an oscillation of that amplitude and frequency makes. */
+/* Force due to an oscillation of the indentation with the given amplitude, m, and angular frequency, rad/s. */
 static double force_of(const reaction *of, double amplitude, double omega)
 {
     const double viscous = of->damping * omega, lossy = viscous * of->compliance;

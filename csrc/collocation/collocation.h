@@ -19,9 +19,8 @@ enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
 
 typedef struct aoi_sliding aoi_sliding; /* sliding.h */
 
-/* A contact during a step; with friction one of three entries in a row, of its normal and two
- * tangents, whose indentation is then the slide of the bodies since the touch. The caller sets the
- * first block:
+/* State of a contact in a step. A contact with friction has three successive entries, for its normal and two tangents;
+ * the `indentation` of a tangent is the slide of the bodies since the touch. The caller sets the first block:
  *   memory, piece                   of the law
  *   edge                            of the contact that the step has
  *   start, start_rate, start_force  indentation, rate and force at the start of the step
@@ -50,9 +49,9 @@ typedef struct aoi_contact_step {
  * share a body are at most span places apart. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
-/* True if steps of a system's contacts cost less by the modes of its bodies (crowd.c), with
- * influences AOI_BY_MODES. It compares multiplications, with all contacts closed: of elimination,
- * and of the most iterations. aoi_crowd_size: the work space that this takes instead. */
+/* True if steps of a system's contacts cost less with the modes of its bodies (crowd.c) and influences AOI_BY_MODES.
+ * With all contacts closed, the multiplications of the elimination are compared with those of the largest number of
+ * iterations. aoi_crowd_size: size of the work space of crowd.c, instead of aoi_collocation_size. */
 int aoi_crowd_pays(const aoi_system *system);
 size_t aoi_crowd_size(const aoi_system *system);
 
@@ -60,41 +59,41 @@ size_t aoi_crowd_size(const aoi_system *system);
  * contact forces of a step that aoi_collocation_solve has solved, with their signs changed. */
 const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *work);
 
-/* True if rates are needed: a law of these contacts depends on them, or on their change of sign. */
+/* True if rates are needed: a law of these contacts depends on the rate, or on changes of its sign. */
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 
-/* Solves F = law(indentation, rate), and friction, for all contacts together by Newton's method, to
- * rounding of each one's scale: F at all nodes, or, at an edge (of bodies without residual
- * compliance), the polynomial nearest to the law's force. indentation, rate: a guess in, the
- * solution out. response: by body. AOI_ERROR_NO_CONVERGENCE where the guess is too far from the
- * solution: take a shorter step. */
+/* Solves F = law(indentation, rate), and friction, for all contacts together by Newton's method, to rounding
+ * relative to the scale of each contact. F is the law's force at all nodes, or, at an edge (of bodies without
+ * residual compliance), the polynomial nearest to the law's force. indentation, rate: a guess in, the solution out.
+ * response: one for each body. AOI_ERROR_NO_CONVERGENCE where the guess is too far from the solution: take a shorter
+ * step. */
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work);
 
 /* Errors of the solution. The law's force minus the polynomial's between the nodes gives the leading error of the
  * impulse and of the indentation at the end of the step; tail is the size of the last Legendre coefficients of the
- * indentation. With friction aoi_sliding_check comes first. Fills entry->legendre. */
+ * indentation. With friction, aoi_sliding_check must be called first. Fills entry->legendre. */
 typedef struct aoi_collocation_error {
     double impulse, indentation, tail;
 } aoi_collocation_error;
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry, aoi_collocation_error *error);
 
-/* Points of a step where the law's force is compared with the polynomial's. */
+/* Number of points of a step where the law's force is compared with the polynomial's. */
 static inline size_t aoi_edge_checks(enum aoi_edge edge)
 {
     return edge == AOI_EDGE_NONE ? AOI_NODES : AOI_EDGE_CHECKS;
 }
 
-/* The least-squares polynomial, at the nodes, of values at the quadrature points of an edge; nodes
- * may be points. */
+/* Sets `nodes` to the values at the nodes of the least-squares polynomial for the values `points` at the quadrature
+ * points of an edge. Both may be the same array. */
 static inline void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
 {
     aoi_nodes_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
 }
 
-/* Impulse, int F dt over the step; and work, int F d(indentation) over its part up to a place, with
- * F at the nodes of that part. */
+/* aoi_collocation_impulse: int F dt over the step, N s. aoi_collocation_work: int F d(indentation) over the part of
+ * the step up to a place, J; force: F at the nodes of this part. */
 double aoi_collocation_impulse(const aoi_contact_step *entry, double h);
 double aoi_collocation_work(const double *legendre, const double *force, double place);
 

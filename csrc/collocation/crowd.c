@@ -1,8 +1,9 @@
-/* A step of very many contacts, which forces on the modes of their bodies couple. On N contacts of a body with m modes the
- * influence of all forces is A = S G P: P takes the forces to the modes, G, a matrix of the nodes for each mode, to the
- * motion of these, and S to the indentations. A product with it costs some 16 N m, and its elimination (8 N)^3 / 3.
- * Newton's equations (1 + stiffness A + damping B) F = f are solved by GMRES (Saad and Schultz 1986), preconditioned by
- * the inverses of the blocks of each force. What is left couples forces by double integrals in time, whose spectrum
+/* A step of very many contacts, coupled by the forces on the modes of their bodies. For N contacts of a body with m
+ * modes the influence of all forces is A = S G P. P maps contact forces to forces on the modes, G, with a matrix
+ * over the nodes for each mode, maps these to the motion of the modes, and S maps the motion to indentations. A
+ * product with A costs some 16 N m multiplications, the elimination of A (8 N)^3 / 3. Newton's equations (1 +
+ * stiffness A + damping B) F = f are solved by GMRES (Saad and Schultz 1986), preconditioned by the inverses of the
+ * blocks of each force. The preconditioned matrix couples forces by double integrals in time, whose spectrum
  * clusters at zero: the iteration converges faster than geometrically. Residual compliances couple forces directly. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
@@ -21,7 +22,7 @@ enum { SQUARE = AOI_NODES * AOI_NODES };
 /* Largest number of GMRES vectors: enough for eight modes that contacts make stiff, at each node. */
 enum { VECTORS = 8 * AOI_NODES };
 
-/* Arrays of two kinds: of indentations, and, where they are needed, of rates. */
+/* Equations of a step. Arrays with [2] are for indentations (0) and, where they are needed, for rates (1). */
 typedef struct crowd {
     const aoi_system *system;
     const aoi_response *response;
@@ -32,10 +33,10 @@ typedef struct crowd {
     /* pushed: forces on the modes of all bodies at the nodes; used: 1 for a body that has some;
      * moved: motion of the modes under them */
     double *pushed, *used, *moved[2];
-    /* influences of forces on their own places; inverses of blocks */
+    /* own: influence of each force on its own contact; inverse: inverses of the diagonal blocks */
     double *own[2], *inverse;
     double *stiffness, *damping;         /* slopes of the laws, of all entries at the nodes                        */
-    double *effect[2], *right;           /* effect of forces; right-hand side, then solution                       */
+    double *effect[2], *right;           /* decrease by the forces; right-hand side, then solution                 */
     double *basis, *triangle;            /* vectors of GMRES; its triangle, by columns                             */
 } crowd;
 
@@ -82,7 +83,7 @@ const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *w
     return lay_out(system, count, work, &size).moved[0];
 }
 
-/* Body, shape and push of an entry at one side. */
+/* The body on one side of an entry, with shape and push of its port. */
 typedef struct touched {
     size_t body, n, first; /* numbers of the body, of its modes, and of the first mode */
     const double *shape, *push;
@@ -103,7 +104,7 @@ static const double *influence_of(const crowd *of, size_t b, size_t kind)
     return kind == 0 ? of->response[b].influence : of->response[b].influence_rate;
 }
 
-/* Finds the influence of each force on its own place. */
+/* Finds the influence of each force on the indentation and rate of its own contact. */
 static void find_own(const crowd *of)
 {
     for (size_t s = 0; s < of->count; s++) {
@@ -151,7 +152,7 @@ static void push(const crowd *of, const double *force)
     }
 }
 
-/* Adds the effect of forces through residual compliances. */
+/* Adds the decrease of all indentations and rates due to forces on residual compliances. */
 static void bend(const crowd *of, const double *force)
 {
     for (size_t t = 0; t < of->count; t++) {
@@ -229,8 +230,8 @@ static double rotate(size_t k, double *column, double below, double (*turn)[2], 
     return fabs(right[k + 1]);
 }
 
-/* GMRES: replaces the right-hand side by the solution, with a residual of that share of it, or of
- * what VECTORS iterations leave. */
+/* GMRES: replaces the right-hand side by the solution. Ends when the residual is below `share` of the right-hand
+ * side, or after VECTORS iterations. */
 static void iterate(const crowd *of, double share)
 {
     const size_t rows = of->count * AOI_NODES;
@@ -306,7 +307,8 @@ int aoi_crowd_solve(const aoi_system *system, const aoi_response *response, doub
         if (!set_equations(&of, &newton)) {
             return AOI_ERROR_NO_CONVERGENCE;
         }
-        /* Newton's error after this is the square of the change before it: the equations need be solved no better. */
+        /* The error after this Newton step is the square of the change before: the equations need not be solved more
+         * accurately. */
         iterate(&of, fmin(newton.before, AOI_NEWTON_KEPT));
         find_effect(&of, of.right);
         change = 0.0;

@@ -23,8 +23,8 @@ size_t aoi_collocation_size(size_t count, size_t span)
     return aoi_plus(aoi_times(aoi_times(count, 2 * span + 1), 2 * SQUARE), aoi_times(rows, width));
 }
 
-/* Adds the influence of another entry's force on the indentation and rate of one, with a minus
- * sign, through the bodies that they share. */
+/* Adds, with a minus sign, the influence of the force of entry `other` on the indentation and rate of entry `one`
+ * through the bodies that both share. */
 static void add_coupling(const aoi_system *system, const aoi_response *response, double h,
                          const aoi_contact_step *one, const aoi_contact_step *other, double *displacement, double *rate)
 {
@@ -50,7 +50,7 @@ static void add_coupling(const aoi_system *system, const aoi_response *response,
     }
 }
 
-/* All couplings: block (s, t) at s * blocks + t + span - s, by columns. */
+/* Couplings of all entries: block (s, t), stored by columns, has the index s * blocks + t + span - s. */
 typedef struct couplings {
     size_t count, span, blocks;
     double *displacement, *rate;
@@ -98,9 +98,10 @@ static void add_block(enum aoi_edge edge, const double *by, const double *block,
     }
 }
 
-/* Newton's equations for the forces, (1 + stiffness A + damping B) F = f + stiffness (delta_h - delta) +
- * damping (rate_h - rate), all without the constant forces, and later for their changes: the same matrix, with f - F on
- * the right. The influences are nearly Volterra operators: pivots are near or above one. */
+/* Newton's equations for the forces, (1 + stiffness A + damping B) F = f + stiffness (delta_h - delta) + damping
+ * (rate_h - rate), all without the constant forces. Later iterations solve for the changes of the forces, with the
+ * same matrix and the right-hand side f - F. The influences are nearly Volterra operators: pivots are near or above
+ * one. */
 typedef struct equations {
     size_t n, half, stride;
     double *band, *matrix; /* element (i, j) is matrix[i * stride + j] */
@@ -114,8 +115,8 @@ static equations lay_out(size_t count, size_t span, double *work)
     return (equations){n, half, 2 * half, work, work + half, work + n * (2 * half + 1)};
 }
 
-/* Sets the rows of a contact, or of one of the three entries of one with friction, whose force
- * depends on all three places. */
+/* Sets the matrix rows of a contact, or of one of the three entries of a contact with friction, whose force depends
+ * on the indentation and both slides. */
 static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t s, const aoi_law_values *law,
                      const equations *to)
 {
@@ -160,7 +161,7 @@ static int set_equations(const aoi_system *system, const couplings *of, const ao
     return 1;
 }
 
-/* Effect of the forces of all contacts on contact s at its nodes, by the influences `values`. */
+/* Effect of the forces of all contacts on contact s at the nodes; values: the influences. */
 static void effect_of(const couplings *of, const double *values, size_t s, const double *force,
                       double *answer)
 {
@@ -172,8 +173,8 @@ static void effect_of(const couplings *of, const double *values, size_t s, const
     }
 }
 
-/* Applies changes of the forces (the first: from the constant ones) to indentations and rates.
- * Returns the largest change of an indentation relative to its scale. */
+/* Applies changes of the forces (first = 1: from the constant forces) to indentations and rates. Returns the largest
+ * change of an indentation relative to its scale. */
 static double update(const couplings *of, const double *by, int first, aoi_contact_step *entry)
 {
     double largest = 0.0, answer[AOI_NODES], rate_answer[AOI_NODES];
@@ -219,7 +220,7 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
     return AOI_ERROR_NO_CONVERGENCE;
 }
 
-/* Displacement between both bodies of a contact, at the nodes after a unit impulse. */
+/* Relative displacement of both bodies of a contact at the nodes, after a unit impulse at the start. */
 static void impulse_responses(const aoi_response *response, const aoi_contact *contact, size_t axis, double *answer)
 {
     const size_t port[2] = {contact->port[0] + axis, contact->port[1] + axis};
@@ -250,10 +251,10 @@ static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, doubl
     }
 }
 
-/* Adds the errors at the end of a step due to `beyond`, the differences of the force at the check
- * points. The time left in the step at check point k is as long as that from its start to node k,
- * or, at an edge, to check point k of the opposite edge. `answer`, the response to a unit impulse,
- * is given at the nodes and interpolated at the latter. */
+/* Adds the errors at the end of a step due to `beyond`, the differences of the force at the check points. The time
+ * left in the step at check point k is as long as that from its start to node k, or, at an edge, to check point k of
+ * the opposite edge. `answer`, the response to a unit impulse, is given at the nodes, and interpolated to the check
+ * points of an edge. */
 static void add_errors(const aoi_contact_step *entry, double h, const double *beyond, const double *answer,
                        aoi_collocation_error *error)
 {
@@ -279,7 +280,7 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
     impulse_responses(response, contact, entry->axis, answer);
     aoi_legendre_fit(entry->start, entry->indentation, entry->legendre);
-    if (entry->sliding) { /* by aoi_sliding_check */
+    if (entry->sliding) { /* set by aoi_sliding_check */
         add_errors(entry, h, entry->sliding->beyond[entry->axis], answer, error);
     } else if (entry->piece != AOI_SLACK) {
         double beyond[AOI_EDGE_CHECKS];
@@ -287,7 +288,7 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
         add_errors(entry, h, beyond, answer, error);
     }
     const double *c = entry->legendre;
-    /* A term may vanish by symmetry: its neighbour counts a fifth. */
+    /* A coefficient may vanish due to symmetry: a fifth of its neighbour is added. */
     const double last = fabs(c[AOI_NODES]) + 0.2 * fabs(c[AOI_NODES - 1]);
     const double before = fabs(c[AOI_NODES - 2]) + 0.2 * fabs(c[AOI_NODES - 3]);
     /* The terms left out are assumed to decrease at the rate of the last ones. */

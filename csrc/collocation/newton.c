@@ -12,8 +12,8 @@
 
 enum { MOST_ITERATIONS = 25 };
 
-/* Change of the iteration below which the difference between friction's two paths is kept: they
- * differ little, and their difference changes less. */
+/* Relative change of an iteration up to which the difference between the forces of friction's two paths is kept from
+ * an earlier one: the difference is small, and changes little. */
 static const double FAR_OFF = 1e-2;
 
 /* Predicted next change at which the iteration ends. With the matrix of the change before, the
@@ -138,8 +138,8 @@ static void aim(const aoi_contact_step *entry, int first, int with_rates, aoi_la
     }
 }
 
-/* 1 if the difference of friction's two paths is to be found: the iteration is near enough for
- * that, and not so near that it has been. */
+/* 1 if the difference between the forces of friction's two paths is to be computed: in iteration 1, and in later
+ * ones after a large change. */
 static int nears(const aoi_newton *newton)
 {
     return newton->iteration == 1 || (newton->iteration > 1 && newton->before > FAR_OFF);

@@ -13,14 +13,14 @@
 typedef struct aoi_newton {
     int iteration;
     int renew;     /* the matrix is to be recomputed */
-    double before; /* the last change */
-    double enough; /* change at which it has converged */
+    double before; /* the last relative change of an indentation */
+    double enough; /* relative change at which the iteration has converged */
     int slides;    /* 1: an entry has friction */
 } aoi_newton;
 
-/* Ratio of a change to the one before below which the matrix is kept: to make and invert it anew
- * costs about three iterations with the old one, each of which gains more than a digit. Measured:
- * 0.017 costs 0.3 % more work, 0.15 costs 0.1 %. */
+/* Ratio of a change to the change before below which the matrix is kept: a new matrix and its inverse cost as much
+ * as about three iterations with the old one, each of which gains more than a digit. Measured: 0.017 costs 0.3 %
+ * more work, 0.15 costs 0.1 %. */
 #define AOI_NEWTON_KEPT 0.05
 
 /* Starts an iteration. It has converged at a change `enough` of the indentation relative to its
@@ -50,9 +50,9 @@ void aoi_newton_add_residual(double residual, double h, double *displacement, do
 void aoi_newton_invert(enum aoi_edge edge, const double *stiffness, const double *damping, const double *displacement,
                        const double *rate, double *inverse);
 
-/* Applies a change `by` of a contact's force (the first: from the constant one), and the decrease
- * of its indentation and rate (or NULL) by the changes of all contacts. Returns the largest change
- * of the indentation relative to its scale, or `largest`. */
+/* Applies a change `by` of a contact's force (first = 1: from the constant force), and the decrease `answer` of its
+ * indentation and `rate_answer` of its rate (or NULL) due to the changes of all contact forces. Returns `largest`,
+ * or the largest change of the indentation relative to its scale if that is larger. */
 static inline double aoi_newton_take(aoi_contact_step *entry, int first, const double *by, const double *answer,
                                      const double *rate_answer, double largest)
 {
@@ -70,11 +70,11 @@ static inline double aoi_newton_take(aoi_contact_step *entry, int first, const d
     return largest;
 }
 
-/* aoi_collocation_solve where there is one contact. */
+/* aoi_collocation_solve for a single contact. */
 int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry);
 
-/* aoi_collocation_solve where aoi_crowd_pays. */
+/* aoi_collocation_solve for a system for which aoi_crowd_pays is true. */
 int aoi_crowd_solve(const aoi_system *system, const aoi_response *response, double h, size_t count,
                     aoi_contact_step *entry, double *work);
 

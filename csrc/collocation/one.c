@@ -10,8 +10,8 @@
 
 enum { SQUARE = AOI_NODES * AOI_NODES };
 
-/* Influence of a force at node q on indentation and rate at node i, at q * AOI_NODES + i; and the inverse of Newton's
- * matrix, likewise. */
+/* Matrices of the contact; element (i, q) has the index q * AOI_NODES + i: influences of the force at node q on
+ * indentation and rate at node i, and the inverse of Newton's matrix. */
 typedef struct single {
     int with_rates;
     double displacement[SQUARE], rate[SQUARE], inverse[SQUARE];

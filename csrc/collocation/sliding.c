@@ -7,19 +7,19 @@
 #include <math.h>
 #include <string.h>
 
-/* As shares of a step: half of the distance over which slipping springs are tested for sticking,
- * and the tolerance of a change's place. */
+/* SHORT_WAY: half of the distance over which slipping springs are tested for sticking, as a share of a step.
+ * CHANGE_WIDTH: tolerance of the place where slip begins or ends, as a share of a step. */
 static const double SHORT_WAY = 1e-5, CHANGE_WIDTH = 1e-9;
 
-/* Places of a step at which paths stop, ascending, and the number of each: below AOI_NODES for
- * points where forces are found, then for points where they are compared, or NO_POINT. */
+/* Stops of paths. place: ascending places of a step; at: number of the point there, below AOI_NODES where forces are
+ * found, from AOI_NODES on where forces are compared, else NO_POINT. */
 enum { MOST_POINTS = AOI_NODES + AOI_EDGE_CHECKS, NO_POINT = MOST_POINTS, MOST_STOPS = MOST_POINTS + 4 };
 typedef struct stops {
     size_t count, at[MOST_STOPS];
     double place[MOST_STOPS];
 } stops;
 
-/* Results at the stops, by their numbers. */
+/* Results at the stops, indexed by the numbers of their points. */
 typedef struct finds {
     aoi_oblique_solution at[MOST_POINTS + 1];
     double stretched[MOST_POINTS + 1]; /* energy of the springs, J; only where it is asked for */
@@ -50,7 +50,7 @@ static void add_stop(stops *of, double place, size_t number)
     of->at[i] = number;
 }
 
-/* Direction of friction at the start of a step, or of the slide, if the step begins with a touch. */
+/* Direction of friction at the start of a step, or, if the step begins with a touch, of the slide. */
 static void direction_of(const aoi_sliding *of, const motion *along, double n[2])
 {
     const double *force = of->path[1].force;
@@ -136,10 +136,9 @@ static void bodies_at(const motion *along, double at, double place[3])
     }
 }
 
-/* 1 if all springs slip at a place of the step, when a path goes there from `from`, of which only
- * the spare springs are overwritten. Springs that stick show it by their stretch. Slipping springs
- * all stick at once if the slide does not keep up with the bound, which shows over a short distance
- * about the place. */
+/* 1 if all springs slip at a place of the step, when a path goes there from `from`, of which only the spare springs
+ * are overwritten. Sticking springs are recognised by their stretch. Slipping springs all stick at once if the slide
+ * does not keep up with the bound, as tested over a short distance about the place. */
 static int slips_at(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double at, int slipped)
 {
     aoi_slide_path path = *from;
@@ -198,8 +197,8 @@ static int go_on(aoi_sliding *of, const motion *along, double before, double at,
     return AOI_OK;
 }
 
-/* Moves a path along the motion, in `parts` straight parts from stop to stop. energies: 1: also
- * finds those of the springs. noted: where changes of slip are noted, or NULL. */
+/* Moves a path along the motion, in `parts` straight parts from stop to stop. energies: 1: also finds the energies
+ * of the springs. noted: receives the changes of slip, or NULL. */
 static int follow(const aoi_sliding *of, const motion *along, const stops *to, size_t parts, int energies,
                   aoi_sliding *noted, aoi_slide_path *path, finds *found)
 {
@@ -225,7 +224,7 @@ static int follow(const aoi_sliding *of, const motion *along, const stops *to, s
     return AOI_OK;
 }
 
-/* Force extrapolated to parts of no length, from both paths, whose errors are as four to one. */
+/* Force extrapolated to parts of zero length, from the forces of both paths, whose errors have the ratio 4 to 1. */
 static double extrapolated(double whole, double half)
 {
     return half + (half - whole) / 3.0;

@@ -11,16 +11,17 @@
 #include "law/oblique.h"
 #include "motion/radau.h"
 
-/* Numbers of paths, and of springs of each. A step is tried with fewer springs: to accept it takes
- * some more, at up to 2 MOST_STOPS places, and a step that needs more is shortened before. */
+/* AOI_PATHS, AOI_SPRINGS: numbers of paths, and of springs of each path. A trial step uses at most
+ * AOI_TRIED_SPRINGS, since accepting the step adds springs at up to 2 MOST_STOPS places; a step that needs more is
+ * shortened. */
 enum { AOI_PATHS = 2, AOI_SPRINGS = 2048, AOI_TRIED_SPRINGS = AOI_SPRINGS - 256 };
 
-/* Largest number of changes in a step, at which all of a contact begins to slip, or ceases to, that
- * are recorded; more are ignored. */
+/* Largest number of changes recorded in a step, at which all springs of a contact begin or cease to slip; further
+ * changes are ignored. */
 enum { AOI_SLIP_CHANGES = 4 };
 
-/* State of a path: its springs; the contact's own slides since the touch; its own indentation and
- * slides less those of the bodies (bent); and the forces, normal and along the tangents. */
+/* State of a path. own: the contact's own slides since the touch, m; bent: the contact's own indentation and slides
+ * less those of the bodies, m; force: normal force and friction along the tangents, N. */
 typedef struct aoi_slide_path {
     aoi_friction_state springs;
     double own[2], bent[3], force[3];
@@ -47,36 +48,38 @@ struct aoi_sliding {
     /* slides in the last step, as Legendre series, to guess the next */
     double last[2][AOI_NODES + 1];
     double largest;                     /* largest friction so far */
-    /* work on the slides so far; the part dissipated; stuck share of the indentation */
+    /* work: on the slides so far, J; lost: dissipated part of it, J; stuck: stuck share of the indentation */
     double work, lost, stuck;
-    /* in the last step: ratio of friction to normal force, energy of stretches, stuck share */
+    /* in the last step: ratio of friction to normal force, energy of the stretches (J), stuck share of the
+     * indentation */
     double share[2][AOI_NODES], stretched_at[AOI_NODES + 1], stuck_at[AOI_NODES + 1];
-    /* 1 if all springs slip, at the start of the last step and at its end */
+    /* 1 if all springs slip: at the start of the last step (slipped), at its end (slips) */
     int slipped, slips;
-    size_t changes;                        /* number of changes in between */
+    size_t changes;                        /* number of changes of slip in it */
     /* places of the changes, and the stretches there */
     double change_at[AOI_SLIP_CHANGES], change_stretch[2][AOI_SLIP_CHANGES];
 };
 
-/* Sets a contact to a touch, where the springs are not stretched. */
+/* Sets a contact to the state at a touch, where the springs are not stretched. */
 void aoi_sliding_touch(aoi_sliding *sliding);
 
-/* Sets a contact to a touch, and moves it straight to the place of the bodies, an indentation and
- * two slides. Errors as aoi_oblique_solve. */
+/* Sets a contact to the state at a touch, and moves it straight to the place of the bodies: an indentation and two
+ * slides, m. Errors as aoi_oblique_solve. */
 int aoi_sliding_begin(aoi_sliding *sliding, const double place[3]);
 
 /* Force of a contact at the end of the last step, along the normal (axis 0) or a tangent. */
 double aoi_sliding_force(const aoi_sliding *sliding, size_t axis);
 
-/* Adds springs where the step will turn neighbours by different angles, by a guess of the places of
- * the three entries. To be called before the forces of a step are found. */
+/* Adds springs where the step will turn neighbouring springs by different angles, according to the guess in the
+ * three entries. To be called before the forces of a step are found. */
 void aoi_sliding_prepare(aoi_sliding *sliding, const aoi_contact_step *entry);
 
-/* Sets force and by along the places of the three entries of a contact; both: follows both paths and sets drift, else only
- * the first, and takes the second to be as far from it as before. Errors as aoi_oblique_solve. */
+/* Sets `force` and `by` for the indentation and slides in the three entries of a contact. both = 1: follows both
+ * paths and sets `drift`; 0: follows only the first path, and keeps `apart`, the difference of the second. Errors as
+ * aoi_oblique_solve. */
 int aoi_sliding_evaluate(aoi_sliding *sliding, const aoi_contact_step *entry, int both);
 
-/* Sets beyond of a step that has been solved. Errors as aoi_oblique_solve. */
+/* Sets `beyond` for a step that has been solved. Errors as aoi_oblique_solve. */
 int aoi_sliding_check(aoi_sliding *sliding, const aoi_contact_step *entry);
 
 /* First place after `beyond`, in a step that has been solved, at which all of the contact begins to

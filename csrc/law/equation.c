@@ -6,13 +6,13 @@
 #include <float.h>
 #include <math.h>
 
-/* Iterations after which a residual within rounding suffices, and the limit. Newton's method takes
- * a few from a near guess; far above the root of a law of power n, each takes off a share 1/n only.
- * Tried: FEW_ITERATIONS = 17 changes 1 run by Newmark's rule, by 2e-12, and 150 none. */
+/* FEW_ITERATIONS: number of iterations after which a residual within rounding suffices; MOST_ITERATIONS: limit.
+ * Newton's method takes few iterations from a near guess; far above the root of a law of power n, each reduces the
+ * distance by a share 1/n only. Tried: FEW_ITERATIONS = 17 changes 1 run by Newmark's rule, by 2e-12, and 150 none. */
 enum { FEW_ITERATIONS = 50, MOST_ITERATIONS = 2000 };
 
-/* Digits of a force are lost where its terms exceed it by this factor. Tried: 12 runs by Newmark's
- * rule change, by 7e-13. */
+/* Ratio of the terms of a force to the force itself above which digits count as lost by cancellation. Tried: 12 runs
+ * by Newmark's rule change, by 7e-13. */
 static const double CANCELS = 16.0;
 
 typedef struct search {
@@ -36,8 +36,8 @@ static double excess_at(const search *s, double x, aoi_law_value *value)
     return x - e->indentation_free + e->compliance * value->force;
 }
 
-/* Rounding of that residual. The last digits are lost where x is far below the free indentation, or
- * where a damper has almost stopped the rate. */
+/* Rounding error of the residual of excess_at. The last digits are lost where x is far below the free indentation,
+ * or where a damper has almost stopped the rate. */
 static double rounding_at(const search *s, const aoi_law_value *value)
 {
     const aoi_contact_equation *e = s->equation;
@@ -51,9 +51,9 @@ static double force_at(const search *s, double x)
     return aoi_law_push_only(s->law, s->memory, x, rate_at(s, x));
 }
 
-/* A force that depends on the rate may jump at the touch to more than keeps the bodies from moving
- * in. The solution is then indentation = rest, with the force that keeps them there. Returns 1 if
- * this, or no contact, is the solution. */
+/* A force that depends on the rate may jump at the touch to more than is needed to stop the bodies. The solution is
+ * then indentation = rest, with the force that holds the bodies there. Returns 1 if this, or no contact, is the
+ * solution. */
 static int ends_at_rest(const search *s, double *force, double *indentation)
 {
     const aoi_contact_equation *e = s->equation;
@@ -102,7 +102,7 @@ static double force_found(const search *s, double x)
                                                                               : value.force;
 }
 
-/* Newton's method between low and high, by bisection where it would leave them. */
+/* Finds the root between low and high by Newton's method, with bisection where an iterate would lie outside. */
 static int find_root(const search *s, double low, double high, double *force, double *indentation)
 {
     const aoi_contact_equation *e = s->equation;

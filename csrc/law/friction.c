@@ -1,4 +1,4 @@
-/* Friction of a contact: stretches, over depth, of springs that stick or slip.
+/* Friction of a contact: the stretches of springs that stick or slip, as a function of their depth.
  *
  * The spring of depth x has the bound r = mu/ratio (d - x) on its stretch s. On a straight path the indentation d and
  * the slide grow evenly, and so does r. A spring follows the slide while |s| <= r. Once it slips, it slips to the
@@ -18,7 +18,7 @@
 
 #define NONE {0.0, 0.0, 0.0, 0.0}
 
-/* Most halvings of an interval between springs in one step, into 64 parts. */
+/* Largest number of successive halvings of an interval between springs in one step: 64 parts. */
 enum { MOST_PARTINGS = 6 };
 
 /* Width of an interval, as a share of its depth, below which the mean of the stiffnesses at its
@@ -42,8 +42,8 @@ static double length_of(double x, double y)
     return square > LEAST_SQUARE && square < HUGE_VAL ? sqrt(square) : hypot(x, y);
 }
 
-/* A knot of the curve of stretches at the end of a path. by, s_by: derivatives of its depth and of
- * its stretch by the slide (two), the indentation and the share. */
+/* A knot of the curve of stretches at the end of a path. by, s_by: derivatives of its depth and of its stretch with
+ * respect to the slide (two), the indentation and the share. */
 typedef struct knot {
     aoi_stretch at;
     double by[4], s_by[2][4];
@@ -165,7 +165,7 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
     if (!p->derive) {
         return;
     }
-    /* Derivatives of the direction of slip by the slide: through the onset of slip (by_entry), the
+    /* Derivatives of the direction of slip with respect to the slide: through the onset of slip (by_entry), the
      * slide's direction (by_direction) and its length (rate). */
     double by_entry = 0.0, by_direction = u > 0.0 ? 1.0 / u : 0.0, cosine0 = 1.0, sine0 = 0.0;
     if (r0 > 0.0) {
@@ -221,9 +221,9 @@ static void move_to(const path *p, const aoi_stretch *spring, knot *k)
     }
 }
 
-/* The curve of stretches between two springs, which is straight before the path. If all of these
- * stick, the stretch at a distance z inside the rim is e - z g, and the bound slope z: springs slip
- * where a z^2 - 2 b z + c > 0. */
+/* The curve of stretches between two springs, which is straight before the path. If all springs in between stick,
+ * the stretch at a distance z inside the rim is e - z g, and the bound slope z: springs slip where a z^2 - 2 b z + c
+ * > 0. */
 typedef struct piece {
     double depth, least, most, g[2], e[2], a, b, c, root;
 } piece;
@@ -242,7 +242,7 @@ static piece piece_of(const path *p, const aoi_stretch *inner, const aoi_stretch
     return q;
 }
 
-/* 1 if some springs between two that slip stick, as where the bound has fallen with the rate. */
+/* 1 if some springs between two slipping ones stick, for example because the bound has fallen with the rate. */
 static int dips(const piece *q)
 {
     return q->a > 0.0 && q->root > 0.0 && q->b > q->least * q->a && q->b < q->most * q->a;
@@ -392,8 +392,8 @@ static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *
     }
 }
 
-/* Number of springs from the first on that stick, up to where the law is a straight line. The path
- * only shifts their stretches. */
+/* Number of sticking springs before the first that slips or at which the law becomes a straight line. The path only
+ * shifts the stretches of these springs. */
 static size_t sticking(const path *p)
 {
     size_t i = 0;
@@ -469,8 +469,8 @@ static double enough_of(const path *p, const aoi_friction_state *state)
     return p->friction->precision * fmin(reach, p->slope * p->to);
 }
 
-/* Copies the state's springs to its spare array, with one more in the middle of each two where the
- * path bends the curve; returns their count, or 0 if there is no room. */
+/* Copies the state's springs to its spare array, with an additional one in the middle between two where the path
+ * bends the curve; returns their count, or 0 if there is no room. */
 static size_t parted(const aoi_friction_state *state, const path *p)
 {
     const double enough = enough_of(p, state);

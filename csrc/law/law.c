@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Limits of Halley's iterations, which are few, and with bisection after these. Tried: HALLEYS from
- * 13 to 120 changes no run. */
+/* HALLEYS: limit of Halley's iterations, of which few are needed; MOST_ITERATIONS: limit including the bisections
+ * after these. Tried: HALLEYS from 13 to 120 changes no run. */
 enum { HALLEYS = 40, MOST_ITERATIONS = 200 };
 
 /* Relative residual that is accepted, since user laws may be accurate to only six digits. Tried: no
@@ -85,7 +85,8 @@ static void own_force(const aoi_law *law, const double *memory, int piece, doubl
     note_nan(law, indentation, rate, value);
 }
 
-/* Converts derivatives by the law's own indentation d to those by the total one, d - c F. */
+/* Converts derivatives with respect to the law's own indentation d to derivatives with respect to the total one, d -
+ * c F. */
 static void stiffen(double compliance, aoi_law_value *value)
 {
     const double share = compliance * value->stiffness;
@@ -94,7 +95,7 @@ static void stiffen(double compliance, aoi_law_value *value)
     value->damping *= stiffer;
 }
 
-/* Bisection for d with c dF/dd = MOST_SHARE. At `low` it is less, at `high` it is not. */
+/* Bisection for d with c dF/dd = MOST_SHARE. c dF/dd is less at `low`, and not less at `high`. */
 static double steepest(const aoi_law *law, const double *memory, int piece, double rate, double low,
                        double high, aoi_law_value *value)
 {
@@ -120,10 +121,10 @@ typedef struct search {
     double low, high;
 } search;
 
-/* Decides how to go on from d below the root where c dF/dd has reached MOST_SHARE. Past the start
- * of a law that is steep only there (d^(1/4)), d is increased. If the root is below the indentation
- * of MOST_SHARE, the bracket is reduced. Both return 0. Else the law is continued as a straight
- * line from MOST_SHARE on: returns 1, with the force on this line, and d = indentation + c F. */
+/* Decides how to go on from d below the root where c dF/dd has reached MOST_SHARE. Past the start of a law that is
+ * steep only there (d^(1/4)), d is increased. If the root is below the indentation of MOST_SHARE, the bracket is
+ * reduced. In both cases 0 is returned. Else the law is continued as a straight line from MOST_SHARE on: returns 1,
+ * with the force on this line, and d = indentation + c F. */
 static int too_steep(search *s, double *d, aoi_law_value *value)
 {
     const double c = s->law->compliance, further = s->indentation + c * value->force;
@@ -307,8 +308,8 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
     if (law->compliance < 0.0) {
         return lower_piece(law, memory, indentation, rising, piece, low, high);
     }
-    /* With a positive compliance, d > indentation: go up to the piece that contains the total
-     * indentation. Within rounding of its end, only a rising motion goes on to the next. */
+    /* With a positive compliance, d > indentation: goes up to the piece that contains the total indentation. Within
+     * rounding of its end, only a rising motion goes on to the next. */
     double end = total_at(law, memory, piece, *high, 1);
     const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
     while (end <= indentation + rounding && *high < HUGE_VAL) {
@@ -391,7 +392,7 @@ int aoi_law_stands(const aoi_law *law, const double *memory, double indentation,
     return own_at(law, memory, indentation, rate, &own, &value) != AOI_ERROR_PATCH;
 }
 
-/* Potential of a law with a compliance, up to its limit. */
+/* Potential of a law with a compliance, J, at an indentation up to the law's limit. */
 static double inner_potential(const aoi_law *law, const double *memory, double indentation)
 {
     aoi_law_value value;

@@ -19,20 +19,20 @@ double aoi_law_push_only(const aoi_law *law, const double *memory, double indent
  * than the law's limit, or where dF/dd reaches 1/c at a rate. Integrators then stop with AOI_ERROR_PATCH. */
 int aoi_law_stands(const aoi_law *law, const double *memory, double indentation, double rate);
 
-/* As law->piece, by the total indentation, for every law. Returns AOI_NO_PIECE if no piece reaches
- * that far; aoi_law_force then gives NaN. */
+/* As law->piece, for the total indentation and for every law. Returns AOI_NO_PIECE if no piece reaches that far;
+ * aoi_law_force then gives NaN. */
 enum { AOI_NO_PIECE = -2 };
 int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, int rising,
                   double *low, double *high);
 
-/* As law->force on a given piece, at the total indentation: solves d - c F(d) = indentation for the
- * law's own d, to rounding. Where c dF/dd comes near 1 the law is continued as a straight line.
- * This part is beyond the law's limit, and serves iterations on their way only. NaN, and a note of
- * AOI_ERROR_LAW_JUMPS, where no d solves the equation since the force drops. */
+/* As law->force on a given piece, at the total indentation: solves d - c F(d) = indentation for the law's own d, to
+ * rounding. Where c dF/dd comes near 1 the law is continued as a straight line. The line is beyond the law's limit
+ * and serves intermediate iterates only. NaN, and a note of AOI_ERROR_LAW_JUMPS, where no d solves the equation
+ * since the force drops. */
 void aoi_law_force(const aoi_law *law, const double *memory, int piece, double indentation,
                    double rate, aoi_law_value *value);
 
-/* The same at AOI_NODES places. */
+/* aoi_law_force at AOI_NODES indentations. */
 void aoi_law_forces(const aoi_law *law, const double *memory, int piece, const double *indentation,
                     const double *rate, aoi_law_values *values);
 

@@ -8,7 +8,7 @@
 
 enum { MOST_ITERATIONS = 100, MOST_HALVINGS = 30 };
 
-/* Rounding error of the sum of an equation's terms, relative to these. */
+/* Rounding error of the sum of an equation's terms, relative to their magnitudes. */
 static const double ROUNDING = 16.0 * DBL_EPSILON;
 
 /* Residual, as a share of Coulomb's bound, that is accepted as a jump of friction if no step
@@ -101,7 +101,7 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
     p->size = 0.0;
     for (int i = 0; i < 3; i++) {
         double sum = 0.0, all = fabs(p->place[i]) + fabs(e->free[i]);
-        /* at the end of a contact free may be 0 */
+        /* at the end of a contact, free[0] may be 0 */
         all += i == 0 ? fmax(state->indentation, 0.0) : 0.0;
         for (int j = 0; j < 3; j++) {
             const double c = e->compliance[i][j];
@@ -113,7 +113,8 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
             }
         }
         p->residual[i] = p->place[i] - e->free[i] + sum;
-        /* Each by its own terms: slides may be much smaller than the indentation. */
+        /* The rounding of each residual is relative to its own terms: slides may be much smaller than the
+         * indentation. */
         const double beyond = fabs(p->residual[i]) - ROUNDING * all; /* NaN stays NaN */
         p->size += beyond <= 0.0 ? 0.0 : beyond * beyond;
     }
@@ -149,7 +150,7 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
                       const aoi_oblique_equation *equation, aoi_oblique_solution *solution)
 {
     point now;
-    /* rate_by: derivatives of the rate by the place, with the forces eliminated */
+    /* rate_by: derivatives of the rate with respect to the place, with the forces eliminated */
     double inverse[9], rate_by[3] = {0.0, 0.0, 0.0};
     if (friction->law.depends_on_rate && equation->rate_compliance[0] > 0.0) {
         invert(equation->compliance[0], inverse);

@@ -27,8 +27,8 @@ enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces of the laws */
  * recovery at d_f is above 5/6 of d_f, and unloading would give back more than loading takes. */
 static const double LEAST_FULL = 3.5;
 
-/* (d* - d_p)/d* by Etsion, Kligerman and Kadin. w: d* over the indentation of yield; *power:
- * exponent m of d* - d_p ~ d*^m there. */
+/* (d* - d_p)/d* by Etsion, Kligerman and Kadin. w: ratio of d* to the indentation of yield; *power: exponent m of d*
+ * - d_p ~ d*^m there. */
 static double fitted(double w, double *power)
 {
     const double first = pow(w, -0.28), second = pow(w, -0.69), own = first + second - first * second;

@@ -3,9 +3,9 @@
 
 #include <math.h>
 
-/* Relative steps of one-sided differences, which cost one more call each. In the indentation it is
- * eps^(1/2), for eight digits; in the rate it is longer, since laws are nearly linear in it, and
- * that of LEAST_RATE, m/s, at lower rates, since it must not be 0 at rest. */
+/* Relative steps of one-sided differences, each of which costs one more call. INDENTATION_STEP: eps^(1/2), for eight
+ * digits. RATE_STEP: longer, since laws are nearly linear in the rate. LEAST_RATE, m/s: lower rates use its step,
+ * which must not be 0 at rest. */
 static const double INDENTATION_STEP = 1.5e-8, RATE_STEP = 6e-6, LEAST_RATE = 1e-3;
 
 static double ask(const aoi_law *law, int which, double indentation, double rate)

@@ -24,9 +24,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Limits: Newton's steps of the first attempt, and of later ones; halvings of a step; sweeps over
- * the contacts where no halving helps. Tried: 5 runs by Newmark's rule change, by 2e-12; of
- * MOST_STEPS none. */
+/* Limits. FIRST_STEPS, MOST_STEPS: Newton's steps in the first attempt, and in later ones; MOST_HALVINGS: halvings
+ * of a step; SWEEPS: sweeps over the contacts where no halving helps. Tried: 5 runs by Newmark's rule change, by
+ * 2e-12; MOST_STEPS changes none. */
 enum { FIRST_STEPS = 20, MOST_STEPS = 500, MOST_HALVINGS = 6, SWEEPS = 4 };
 
 /* Relative tolerance of the last attempt, for equations that amplify rounding errors (dashpots too
@@ -40,11 +40,12 @@ static const double ROUGH = 1e-9;
  * leaves 15 unsolved, 1e-2 and none 64. */
 static const double YIELD = 1.0 - 1e-6;
 
-/* Indentations are found relative to at least this share of the largest one. Tried: 2 runs change, by 1e-14. */
+/* Least value to which the error of an indentation is relative, as a share of the largest indentation. Tried: 2 runs
+ * change, by 1e-14. */
 static const double SHARE = 1e-6;
 
-/* A law's force has lost digits by cancellation where its terms are larger by this factor. Tried: 15 runs change, by
- * 7e-13. */
+/* Ratio of the terms of a law's force to the force above which digits count as lost by cancellation. Tried: 15 runs
+ * change, by 7e-13. */
 static const double CANCELS = 16.0;
 
 /* An iterate: for each contact the indentation and rate without its own force, its solution and the residuals. In the
@@ -95,7 +96,7 @@ static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact_state *co
     s->matrix = work;
 }
 
-/* The columns of row i are first .. last-1, column j at [i * width + band + j - i]. */
+/* Row i has the columns first .. last-1; column j has the index i * width + band + j - i. */
 static size_t first_of(const aoi_coupled *e, size_t i) { return i > e->band ? i - e->band : 0; }
 
 static size_t last_of(const aoi_coupled *e, size_t i)
@@ -165,7 +166,8 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
     const double terms = value.stiffness * fabs(at->indentation[i]) +
                          value.damping * (fabs(at->unloaded_rate[i]) + fabs(rate * at->force[i]));
     if (whole > 2.0 && terms > CANCELS * fabs(at->force[i])) {
-        /* The law's force is a small difference of large terms; the force by the compliance has more digits. */
+        /* The law's force is a small difference of large terms; the force computed from the compliance has more
+         * digits. */
         at->force[i] = (at->unloaded[i] - at->indentation[i]) / compliance;
     }
     at->of_place[i] = isfinite(whole) ? value.stiffness / whole : 1.0 / compliance;

@@ -11,7 +11,7 @@
 
 /* Friction of a contact in a run.
  *   state, depth  the springs, and the contact's own indentation, at the end of the last step
- *   guess         of its own place at the end of this step: indentation, two slides since the last
+ *   guess         guess of its own place at the end of this step: indentation, two slides since the last
  *   found         solution of its equations at the end of this step
  *   work          of friction on the slide so far, J
  *   start_energy  of the stretches at the start, J */

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* Number of the load's times up to a time, which is the index of its next bend. By bisection: loads
- * may have many points, and every step asks. */
+/* Number of the load's times up to a time, which is the index of the next bend. Found by bisection: loads may have
+ * many points, and every step calls this function. */
 static size_t bends_until(const aoi_load *load, double time)
 {
     size_t low = 0, high = load->count; /* times before low are not after time, from high on they are */

@@ -14,7 +14,7 @@ typedef struct aoi_load_span {
 /* Span of a load with count > 0 at a time; at a jump of the load, the span after it. ports: number. */
 aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
 
-/* Time of the load's next bend after `time`, if `skipped` of them are left out; HUGE_VAL: none. */
+/* Time of the load's next bend after `time` if the first `skipped` bends are left out, s; HUGE_VAL: none. */
 double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped);
 
 /* True if times ascend (equal neighbours may be) and all numbers are finite. */

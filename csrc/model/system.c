@@ -8,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Entries of a residual that should be equal may differ by this share of the ports' own: rounding of a reduction. */
+/* Largest difference between symmetric entries of a residual compliance, relative to the diagonal entries of both
+ * ports: rounding of a reduction. */
 static const double SYMMETRY = 1e-6;
 
 /* True if an array, which may be missing, has finite values only. */
@@ -27,7 +28,7 @@ static int none_negative(const double *values, size_t count)
     return 1;
 }
 
-/* True if forces do no negative work on a residual compliance: of a port, and of each pair. */
+/* True if forces do no negative work on a residual compliance, as checked for each port and each pair of ports. */
 static int residual_is_sound(const double *residual, size_t ports)
 {
     for (size_t p = 0; residual && p < ports; p++) {
@@ -287,7 +288,7 @@ size_t aoi_record_rows(const aoi_system *system)
 
 size_t aoi_record_contact(const aoi_system *system, size_t contact)
 {
-    /* Two more forces make four more rows. */
+    /* Friction adds two forces and four rows to a contact. */
     return system->first ? AOI_CONTACT_ROWS * contact + 2 * (system->first_force[contact] - contact) : 0;
 }
 

@@ -7,7 +7,7 @@
 
 enum { MOST = 16, MARGIN = 48, SERIES_TERMS = 14 };
 
-/* From here on the upward recurrence loses no more than a digit at the orders used. */
+/* Argument from which on the upward recurrence loses at most one digit at the orders used. */
 static const double UPWARD_FROM = 20.0;
 
 typedef struct complex_number {

@@ -39,7 +39,7 @@ static double gravity_work(const aoi_modes *body, const double *x0, const double
     return work;
 }
 
-/* Loads at a time times the displacements of their ports at x, J. */
+/* Sum over the ports of the load at a time, times the displacement of the port at x, J. */
 static double loaded(const aoi_modes *body, double time, const double *x)
 {
     double work = 0.0;
@@ -63,8 +63,8 @@ static int loads_rise(const aoi_modes *body, double time)
     return 0;
 }
 
-/* Energy that loads f which do not bend meanwhile store in the residual compliance R: the integral
- * of f^T R f'. */
+/* Energy that loads f store in the residual compliance R over a time in which no load bends, the integral of f^T R
+ * f', J. */
 static double residual_work(const aoi_modes *body, double from, double to)
 {
     const double length = to - from;
@@ -104,8 +104,7 @@ static double rise_on(const aoi_modes *body, size_t j, double time)
     return sum;
 }
 
-/* Motion of a mode under loads that are linear in time; force: set to their Legendre
- * coefficients. */
+/* Motion of a mode under loads that are linear in time. force: set to the Legendre coefficients of the loads. */
 static aoi_path path_of(const aoi_modes *body, size_t j, double from, double length, double x, double v,
                         double *force)
 {
@@ -204,7 +203,8 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
     sum->rising += rise * moment;
 }
 
-/* Integral of the loads' slopes times the deflection of the residual compliance by contact forces, J. */
+/* Integral over time of the slopes of the loads times the deflection of the residual compliance under contact
+ * forces, J. */
 static double bent_by(const aoi_modes *body, double from, double h, double place, const double *force)
 {
     double sum = 0.0;

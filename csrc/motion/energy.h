@@ -15,16 +15,16 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
                            const double *v0, const double *x1, const double *v1, double *scratch,
                            double *work, double *dissipated);
 
-/* The same for a part of a step under force[port][node], from its start to place (0 .. 1) of h; x0, v0: at its start,
- * x1: at place. The work excludes the change of aoi_modes_bent_work, which takes the forces at both times. The
- * dissipated energy is the integral of the damping's power along the motion, independent of the balance of energies,
- * which can therefore check it. */
+/* As aoi_modes_free_work, for the part of a step of length h from its start to `place` (0 .. 1), under
+ * force[port][node]. x0, v0: at the start; x1: at `place`. The work excludes the change of aoi_modes_bent_work,
+ * which needs the forces at both times. The dissipated energy is the integral of the damping's power along the
+ * motion, independent of the balance of energies, which can therefore check it. */
 void aoi_modes_step_work(const aoi_modes *body, double from, double h, double place,
                          const double *force, const double *x0, const double *v0, const double *x1,
                          double *work, double *dissipated);
 
-/* Loads times the deflection of the residual compliance by the contact forces at a time, J. The loads'
- * work since a time without contact includes it. force: contact forces plus loads on the ports. */
+/* Loads times the deflection of the residual compliance under the contact forces at a time, J. It is a part of the
+ * loads' work since a time without contact. force: contact forces plus loads on the ports. */
 double aoi_modes_bent_work(const aoi_modes *body, double time, const double *force);
 
 #endif

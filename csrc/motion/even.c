@@ -8,9 +8,9 @@
  * some 3e-16 of a mode's amplitude. */
 enum { FOLLOWING = 32 };
 
-/* Largest deviation from even spacing, relative and as an angle of the fastest mode: times rounded
- * to doubles are not quite even. It is corrected to first order, since the square of the angle is
- * below rounding. */
+/* NEARLY_EVEN, SMALL_ANGLE: largest deviation from even spacing, relative to the spacing, and as an angle of the
+ * fastest mode, rad: times rounded to doubles are not quite even. The deviation is corrected to first order, since
+ * the square of the angle is below rounding. */
 static const double NEARLY_EVEN = 1e-6, SMALL_ANGLE = 1e-8;
 
 static void make(aoi_even *even, const aoi_modes *body)

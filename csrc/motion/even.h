@@ -11,14 +11,14 @@ typedef struct aoi_even_lanes {
     double spring[AOI_LANES], damping[AOI_LANES], gravity[AOI_LANES];
 } aoi_even_lanes;
 
-/* State of the evaluation. At first all is 0 but the arrays, of aoi_even_size elements each, and
- * the time, which is NaN. */
+/* State of the evaluation. Initially all members are 0, except the arrays, of aoi_even_size elements each, and time,
+ * which is NaN. */
 typedef struct aoi_even {
     aoi_even_lanes *lanes;
     double (*x)[AOI_LANES], (*v)[AOI_LANES]; /* state at the last time */
     double time, spacing, fastest; /* last time; spacing, s; largest omega + 2 decay, 1/s */
     size_t left; /* number of states that may yet be computed from the one before */
-    int made;    /* 1: lanes are those of the spacing               */
+    int made;    /* 1: lanes hold the motion over `spacing`          */
 } aoi_even;
 
 static inline size_t aoi_even_size(const aoi_modes *body) { return (body->n + AOI_LANES - 1) / AOI_LANES; }

@@ -90,16 +90,16 @@ static double first_root(double c, double b, double a)
     return first;
 }
 
-/* A mode whose phase advances by less than this (rad) in the time left is treated as slow only: its
- * equilibrium under a load may be very far away. Tried: 49 runs change, by 4e-8 where rtol is 1e-5. */
+/* Phase advance of a mode in the time left, rad, below which the mode is treated as slow only: its equilibrium under
+ * a load may be very far away. Tried: 49 runs change, by 4e-8 where rtol is 1e-5. */
 static const double HARDLY_TURNS = 0.1;
 
-/* Upper bound of a mode's part of the indentation over a time: of a slow mode by a parabola, of a
- * fast one by its amplitude about an equilibrium that its loads may move. */
+/* Upper bound of a mode's contribution to the indentation over a time: for a slow mode a parabola, for a fast mode
+ * its amplitude about an equilibrium that loads may move. */
 typedef struct bound {
     double level, rate, bend; /* bound of a slow mode, level + rate t + bend t^2 */
     double rest, drift;       /* bound of a fast mode, rest + drift t */
-    double now, later;        /* for omega = 0: the acceleration is always between these */
+    double now, later;        /* for omega = 0: the acceleration stays between `now` and `later` */
 } bound;
 
 static int only_slow(double omega, double within) { return omega * within < HARDLY_TURNS; }
@@ -143,7 +143,7 @@ static int next_side(const aoi_free_pair *pair, const size_t *at)
 /* Modes with omega = 0 of both bodies, taken together: rigid motion common to both bodies cancels in the
  * gap. With equal decays their accelerations change from now to later by the same function of time. */
 typedef struct drifting {
-    double now, later, apart; /* sums; apart: sum of the larger of each mode's two */
+    double now, later, apart; /* sums over the modes; apart: of max(now, later) of each mode */
     double decay;
     int count, alike;
 } drifting;
@@ -162,8 +162,8 @@ static double bend_of(const drifting *sum)
     return 0.5 * (sum->alike ? fmax(sum->now, sum->later) : sum->apart);
 }
 
-/* A time within which the bodies cannot touch: the longest over all ways to split the modes into
- * slow and fast ones. level, rate: of the bound with all of them fast. */
+/* A time within which the bodies cannot touch: the longest over all ways to split the modes into slow and fast ones.
+ * level, rate: the bound with all modes fast. */
 static double safe_stride(const aoi_free_pair *pair, double level, double rate, double within)
 {
     const size_t count = pair->body[0]->n + pair->body[1]->n;
@@ -191,9 +191,9 @@ static double safe_stride(const aoi_free_pair *pair, double level, double rate, 
     return best;
 }
 
-/* Changes level and drift from the indentation and its rate to those of the bound with all modes
- * fast. The gap and the residual compliance stay included. scale: size of the terms that are summed
- * there, now or within the time, since bodies may rest at their origin. */
+/* Changes level and drift from the indentation and its rate to those of the bound with all modes fast. The gap and
+ * the residual compliance stay included. scale: magnitude of the terms of the indentation, now or within the time,
+ * since bodies may rest at their origin. */
 static void all_fast(const aoi_free_pair *pair, double within, double *level, double *drift,
                      double *scale)
 {
@@ -256,8 +256,8 @@ static void part(aoi_free_pair *pair, double within)
     }
 }
 
-/* The time in which an indentation changes by its rounding. A rate that is itself rounding says nothing of that:
- * bodies that rest side by side may be about to be pressed together. */
+/* The time in which an indentation changes by its rounding. A rate that is itself rounding error does not determine
+ * this time: bodies that rest side by side may be about to be pressed together. */
 static double rounding_time(double rounding, const double *of)
 {
     const double rate = of[1], jerk = fabs(of[3]);
@@ -281,8 +281,8 @@ int aoi_free_pair_next_touch(aoi_free_pair *pair, double limit, size_t most, int
             return AOI_OK;
         }
         double stride = safe_stride(pair, level, drift, within);
-        /* Within rounding of a touch that does not occur, advance by the time that the rounding is
-         * worth. */
+        /* Within rounding of a touch that does not occur, advance by the time in which the indentation changes by
+         * its rounding. */
         const double rounding = DBL_EPSILON * scale;
         if (of[1] != 0.0 && stride * fabs(of[1]) < rounding) {
             stride = fmax(stride, rounding_time(rounding, of));

@@ -4,12 +4,12 @@
 
 #include <math.h>
 
-/* Added to each angle, so that none is 0 and sin(x)/x is a number; it does not change an angle above 1e-19. Its powers up to the
- * seventh, times any coefficient of a series below, are normal numbers: processors take a hundred times as long for
- * subnormal ones, and each free body has an angle of 0. */
+/* Small number added to each angle, so that none is 0 and sin(x)/x is a number. It does not change an angle above
+ * 1e-19. Its powers up to the seventh, times any coefficient of a series below, are normal numbers: processors take
+ * a hundred times as long for subnormal ones, and each free body has an angle of 0. */
 static const double LEAST = 1e-36;
 
-/* 1.5 * 2^52: what is added to it is rounded to an integer. */
+/* 1.5 * 2^52: adding a number to it rounds the number to an integer. */
 static const double ROUNDER = 6755399441055744.0;
 
 /* Largest angle for which pi/2 in four parts is exact enough: 2^31 quarters. */
@@ -30,8 +30,8 @@ static const double OF_COSINE[TAYLOR] = {
     -1.0 / 2.0,       1.0 / 24.0,         -1.0 / 720.0,         1.0 / 40320.0,
     -1.0 / 3628800.0, 1.0 / 479001600.0, -1.0 / 87178291200.0, 1.0 / 20922789888000.0};
 
-/* Without branches: x = r + k pi/2 with |r| <= pi/4 and k in -2 .. 2 (whole turns left out); then sin(k pi/2)
- * = k (2 - |k|) and cos(k pi/2) = 1 - |k|. */
+/* Sines and cosines without branches: x = r + k pi/2 with |r| <= pi/4 and k in -2 .. 2 (whole turns left out); then
+ * sin(k pi/2) = k (2 - |k|) and cos(k pi/2) = 1 - |k|. */
 static void sines(const double *restrict x, double *restrict sine, double *restrict cosine)
 {
     for (size_t i = 0; i < AOI_LANES; i++) {

@@ -25,7 +25,7 @@ typedef struct aoi_integrals {
     double impulse[AOI_NODES][AOI_LANES], rate[AOI_NODES][AOI_LANES];
 } aoi_integrals;
 
-/* omega: AOI_LANES of them, 0 for one without a spring. */
+/* omega: AOI_LANES angular frequencies, 0 for a mode without a spring. */
 void aoi_turn_make(const double *omega, double time, aoi_turn *turn);
 void aoi_turn_motions(const aoi_turn *turn, aoi_motions *motions);
 void aoi_turn_integrals(const aoi_turn *turn, aoi_integrals *integrals);

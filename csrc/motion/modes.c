@@ -112,7 +112,7 @@ void aoi_modes_port(const aoi_modes *body, size_t port, const double *x, const d
 static void one_by_one(const aoi_modes *body, size_t first, double time, aoi_motions *motions,
                        aoi_integrals *integrals)
 {
-    /* in lanes without a mode a weight of 0 times these is 0 */
+    /* lanes without a mode have the weight 0, but need finite values */
     memset(motions, 0, sizeof *motions);
     if (integrals) {
         memset(integrals, 0, sizeof *integrals);

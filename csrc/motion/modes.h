@@ -18,11 +18,11 @@ void aoi_modes_load(const aoi_modes *body, size_t port, double time, double *for
 /* Acceleration of mode j by gravity and loads just after a time, and its slope in time. */
 void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load, double *slope);
 
-/* Takes x, v (n each) from one time to another without contact forces, in place. */
+/* Advances x, v (n each) in place from one time to another without contact forces. */
 void aoi_modes_advance(const aoi_modes *body, double from, double to, double *x, double *v);
 
-/* The same for AOI_LANES modes from the first on, over a time in which no load bends; by: their
- * motion over that time. */
+/* Advances AOI_LANES modes from `first` on, over a time in which no load bends; by: the motion of these modes over
+ * that time. */
 void aoi_modes_move(const aoi_modes *body, size_t first, double from, const aoi_motions *by, double *x,
                     double *v);
 

@@ -16,8 +16,8 @@ static inline void aoi_nodes_add(double factor, const double *restrict x, double
 /* y = sum over the columns of column[j] x[j]; y may be x. */
 void aoi_nodes_multiply(const double *column, const double *x, double *y);
 
-/* The same for a polynomial given by its value at the start, which has the first column, and at the
- * nodes. */
+/* As aoi_nodes_multiply, for a polynomial given by its value at the start, which multiplies the first column, and
+ * its values at the nodes. */
 void aoi_nodes_multiply_from(double start, const double *column, const double *nodes, double *y);
 
 /* Inverts a matrix of AOI_NODES rows, stored by rows or by columns, in place and without pivoting:

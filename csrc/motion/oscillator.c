@@ -14,11 +14,10 @@ static const double NOTHING = 1e-19;
 /* Arguments below which the closed forms lose digits to cancellation. */
 static const double SERIES_LIMIT = 0.5, RAMP_LIMIT = 1.0;
 
-/* Share of the decay below which omega leaves the two exponentials far enough apart to be
- * subtracted. */
+/* Ratio of omega to the decay below which the two exponentials are far enough apart to be subtracted. */
 static const double SLOW_SHARE = 0.5;
 
-/* Share of decay^2 within which omega^2 - decay^2 counts as critical damping. */
+/* Largest ratio of |omega^2 - decay^2| to decay^2 that counts as critical damping. */
 static const double CRITICAL = 1e-6;
 
 /* The Taylor series of the impulse response from its own differential equation. */
@@ -114,8 +113,8 @@ void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *
     }
 }
 
-/* Both integrals where omega^2 - decay^2 = square is not near zero. slow: the lower of the two
- * rates of decay, for square < 0. */
+/* Integrals of the impulse response and of its rate where omega^2 - decay^2 = square is not near zero. slow: the
+ * lower of the two rates of decay, for square < 0. */
 static void damped_integrals(double square, double slow, double decay, double h, size_t count,
                              double *impulse, double *rate)
 {
@@ -138,7 +137,7 @@ static void damped_integrals(double square, double slow, double decay, double h,
     }
 }
 
-/* With damping by complex exponentials; else of sin(omega t)/omega and cos(omega t), as in lanes.c. */
+/* Damped modes use complex exponentials; others the integrals of sin(omega t)/omega and cos(omega t), as in lanes.c. */
 void aoi_oscillator_integrals(double omega, double decay, double h, size_t count, double *impulse,
                               double *rate)
 {

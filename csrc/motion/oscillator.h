@@ -17,7 +17,7 @@ typedef struct aoi_motion {
  * time is short. */
 void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *motion);
 
-/* The integrals over [0, 1] of that impulse response, and of its rate, at h (1 - x) against the shifted
+/* The integrals over [0, 1] of the impulse response of aoi_motion, and of its rate, at h (1 - x) times the shifted
  * Legendre polynomials P_0 .. P_(count-1) of x; count <= AOI_NODES. h > 0. */
 void aoi_oscillator_integrals(double omega, double decay, double h, size_t count, double *impulse,
                               double *rate);

@@ -32,11 +32,11 @@ static void follow_free(double decay, double h, const double *f, double *v)
     v[0] = (f[0] - 2.0 * v[1] / h) / (2.0 * decay);
 }
 
-/* Value of decay times time above which v dies away: its square is not close to a polynomial. */
+/* Value of decay times time above which v decays so much that its square is not close to a polynomial. */
 static const double STRONG = 0.1;
 
-/* Velocity of the polynomial solution at the nodes of the part, and the state x, v at the start of
- * the oscillation about it. Returns 0 if there is no such solution to use. */
+/* Velocity of the polynomial solution at the nodes of the part, and the state x, v at the start of the oscillation
+ * about it. Returns 0 if no polynomial solution is used. */
 static int along(const aoi_path *path, double *velocity, double *x, double *v)
 {
     double place[AOI_NODES], rate[AOI_NODES];
@@ -101,8 +101,8 @@ static void by_quadrature(const aoi_path *path, double *squared, double *moment)
     }
 }
 
-/* Adds the parts of the oscillation from x, v to the integrals: its own, and that with the
- * polynomial's velocity. */
+/* Adds the contributions of the oscillation from x, v to the integrals: those of its velocity alone, and those of
+ * its product with the polynomial's velocity. */
 static void add_oscillation(const aoi_path *path, const double *velocity, double x, double v,
                             double *squared, double *moment)
 {

@@ -4,9 +4,9 @@
 
 #include "aoimpact.h"
 
-/* A mode whose phase advances by more than this (rad) in a step moves by a polynomial particular
- * solution plus a free oscillation; a slower one by a polynomial of the degree of a step's, to 1e-9
- * of its response to the force. Overdamped modes do not oscillate and are resolved by the nodes. */
+/* Phase advance of a mode in a step, rad, above which its motion is a polynomial particular solution plus a free
+ * oscillation. The motion of a slower mode is a polynomial of the degree of a step's, to 1e-9 of its response to the
+ * force. Overdamped modes do not oscillate and are resolved by the nodes. */
 #define AOI_PATH_FAST 1.5
 static inline int aoi_path_rings(double omega, double decay, double h)
 {
@@ -26,7 +26,7 @@ typedef struct aoi_path {
     int straight;
 } aoi_path;
 
-/* The integrals of v^2 and of t v over that part. */
+/* The integrals of v^2 (squared) and of t v (moment) over the part of the path up to `place`. */
 void aoi_path_integrals(const aoi_path *path, double *squared, double *moment);
 
 #endif

@@ -120,7 +120,7 @@ static double value_at(size_t count, const double *coefficient, int of_slope, do
     return of_slope ? slope : value - level;
 }
 
-/* Its zero between two places where its sign differs: the secant method, Illinois variant. */
+/* Zero of value_at between two places where the sign of value_at differs: the secant method, Illinois variant. */
 static double zero_between(size_t count, const double *coefficient, int of_slope, double level,
                            double low, double high)
 {

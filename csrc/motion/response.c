@@ -16,10 +16,10 @@
 
 enum { SQUARE = AOI_NODES * AOI_NODES, OF_PAIR = AOI_RADAU_MOMENTS + 2 * AOI_NODES };
 
-/* Up to this angle sin is summed by its series, over all modes at once; above, by Bessel functions. */
+/* Angle, rad, up to which sines are summed by their series, for all modes at once; above, Bessel functions are used. */
 static const double SERIES_LIMIT = 3.0;
 
-/* Terms of the series below this share of the first add nothing. */
+/* Ratio of a term of the series to the first term below which it adds nothing. */
 static const double NOTHING = 1e-18;
 
 static size_t pairs_for(const aoi_modes *body, size_t columns)
@@ -33,8 +33,8 @@ size_t aoi_response_size(const aoi_modes *body, size_t columns)
     return aoi_plus(aoi_plus(aoi_times(6 * AOI_NODES, body->n), pairs), aoi_times(body->ports, AOI_NODES));
 }
 
-/* A pair is a port and a column, or one mode twice: shapes (of modes j .. j + 3) at its first
- * member, pushes on its second. */
+/* Number of pairs. A pair is a port, where modes have shapes, and a column, where modes have pushes; with
+ * AOI_BY_MODES, it is one mode twice. */
 static size_t pairs_of(const aoi_response *response, const aoi_modes *body)
 {
     return pairs_for(body, response->columns.count);
@@ -59,7 +59,7 @@ static const double *push_of(const aoi_response *response, const aoi_modes *body
     return body->push + (response->columns.port ? response->columns.port[column] : column) * body->n + j;
 }
 
-/* The pairs that modes j .. j + 3 contribute to: from the first to before the last. */
+/* Modes j .. j + 3 contribute to the pairs from first_pair to last_pair - 1. */
 static size_t first_pair(const aoi_response *response, size_t j)
 {
     return response->columns.count == AOI_BY_MODES ? j : 0;
@@ -321,7 +321,7 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_
     }
 }
 
-/* Adds the deflection of the residual compliance by the loads' change since the start. */
+/* Adds the deflection of the residual compliance due to the loads' change since the start. */
 static void residual_share(const aoi_modes *body, size_t port, double sign, double time, double h,
                            double *displacement, double *rate)
 {

@@ -20,9 +20,9 @@ typedef struct aoi_response {
     double h;
     int has_rates;                        /* influence_rate is filled                     */
     double *impulse, *rate, *step, *ramp; /* [n][node]: aoi_motion at the nodes          */
-    double *to_x, *to_v;                  /* [n][node]: x, v at the end, by force       */
-    /* [port][column][node][node]: at the port and the second node, by a force at the column's port
-     * and the first node */
+    double *to_x, *to_v;                  /* [n][node]: x, v at the end, per unit force */
+    /* [port][column][node][node]: displacement (rate) of the port at the second node per unit force on the column's
+     * port at the first node */
     double *influence, *influence_rate;
     aoi_columns columns;
     double *impulse_response;             /* [port][node]: displacement after a unit impulse */

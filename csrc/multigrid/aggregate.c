@@ -54,8 +54,8 @@ size_t aoi_graph_aggregate(size_t n, const int32_t *start, const int32_t *indice
             gather(start, indices, aggregate, i, count++);
         }
     }
-    /* Those that join are marked by numbers below FREE, so that no chain grows out of one aggregate
-     * while the pass goes on. After the first pass each free node has one beside it. */
+    /* Nodes that join an aggregate are marked by numbers below FREE, so that no chain grows out of one aggregate
+     * during the pass. After the first pass, each free node is beside an aggregate. */
     for (size_t i = 0; i < n; i++) {
         if (aggregate[i] == FREE) {
             aggregate[i] = FREE - 1 - beside(start, indices, aggregate, i);

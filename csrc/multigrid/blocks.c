@@ -1,7 +1,7 @@
-/* Smoothing in multigrid: Chebyshev steps on a matrix of small blocks, preconditioned by its
- * diagonal blocks (Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., algorithm 12.1;
- * Adams, Brezina, Hu and Tuminaro, J. Comput. Phys. 188, 2003). What takes the time is to read the
- * matrix from memory: hence single precision, of most of it only one triangle, and several threads. */
+/* Smoothing in multigrid: Chebyshev steps on a matrix of small blocks, preconditioned by its diagonal blocks (Saad,
+ * Iterative Methods for Sparse Linear Systems, 2nd ed., algorithm 12.1; Adams, Brezina, Hu and Tuminaro, J. Comput.
+ * Phys. 188, 2003). Most of the time is spent reading the matrix from memory: hence single precision, mostly one
+ * triangle only, and several threads. */
 #include "multigrid/four.h"
 #include "multigrid/multigrid.h"
 #include "linear/sparse.h"
@@ -168,7 +168,7 @@ static void first_step(const aoi_blocks *matrix, aoi_part part, float add, float
     }
 }
 
-/* Coefficients of a step, counted from 1, with rho of Chebyshev's recurrence. */
+/* Coefficients of the step `stage`, counted from 1, from rho of Chebyshev's recurrence. */
 static chebyshev step_of(size_t stage, double low, double high)
 {
     const double middle = 0.5 * (high + low), half = 0.5 * (high - low);

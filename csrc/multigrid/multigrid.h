@@ -25,10 +25,10 @@ typedef struct aoi_part {
     size_t begin, end;
 } aoi_part;
 
-/* Checks that a part of an aoi_blocks of stored_count blocks can be read safely, has a diagonal block in
- * each row and none left of it behind, and is of a size that is dealt with (1 ... AOI_BLOCKS_WIDEST).
- * Where parts begin is not checked: with other parts than those that the order was made for, blocks are
- * in the wrong place and threads write to the same rows, and numbers are wrong. */
+/* Checks that a part of an aoi_blocks of stored_count blocks can be read safely, has a diagonal block in each row
+ * and none left of it behind, and is of a size that is dealt with (1 ... AOI_BLOCKS_WIDEST). The bounds of parts are
+ * not checked: with parts other than those that the order was made for, threads write to the same rows and the
+ * results are wrong. */
 int aoi_blocks_check(const aoi_blocks *matrix, aoi_part part, size_t stored_count);
 
 /* r -= A x, in stages 0 and 1; x and r of n size floats, not overlapping. work: floats. */
@@ -41,16 +41,16 @@ void aoi_blocks_subtract(const aoi_blocks *matrix, aoi_part part, int stage, con
 void aoi_blocks_multiply(const aoi_blocks *matrix, aoi_part part, int stage, const double *values,
                          const double *x, double *y, double *work);
 
-/* Improves x, for which r = f - A x, by Chebyshev steps that damp the eigenvalues of D^-1 A from low
- * to high, 0 < low < high < inf, with D the diagonal blocks; in stages 0 ... steps. With finish, r is f
- * - A x again after the last; without, it is one product with A behind. work: floats. */
+/* Improves x, for which r = f - A x, by Chebyshev steps that damp the eigenvalues of D^-1 A from low to high, 0 <
+ * low < high < inf, with D the diagonal blocks; in stages 0 ... steps. finish = 1: r is f - A x after the last
+ * stage; 0: r lacks the product of A with the last change of x. work: floats. */
 int aoi_blocks_smooth(const aoi_blocks *matrix, aoi_part part, size_t stage, size_t steps, double low,
                       double high, int finish, float *x, float *r, float *work);
 
-/* Puts neighbouring nodes of a graph together (Vanek, Mandel and Brezina, Computing 56, 1996): nodes
- * whose neighbours are all still free make an aggregate with them, those left over join one beside
- * them. The graph has the edges indices[p] of node i for start[i] <= p < start[i+1], each in both
- * directions, which must be sound. aggregate: n numbers out, from 0 on. Returns how many there are. */
+/* Aggregates neighbouring nodes of a graph (Vanek, Mandel and Brezina, Computing 56, 1996): nodes whose neighbours
+ * are all still free make an aggregate with them; the nodes left over join an aggregate beside them. The graph has
+ * the edges indices[p] of node i for start[i] <= p < start[i+1], each in both directions; edges are not checked.
+ * aggregate: set to the number of each node's aggregate, from 0 on. Returns the number of aggregates. */
 size_t aoi_graph_aggregate(size_t n, const int32_t *start, const int32_t *indices,
                            int32_t *aggregate);
 

@@ -23,20 +23,20 @@ typedef struct aoi_stepped {
     const aoi_rule_step *step;
     double *x, *v, *a;                    /* [n]: coordinates, rates, accelerations                  */
     double *free_a;                       /* [n]: the next acceleration without forces at the ports  */
-    double *gain;                         /* [ports][n]: the next acceleration per force on a port   */
+    double *gain;                         /* [ports][n]: next acceleration per unit port force      */
     double *before;                       /* [n]: rates before the step of a damped body, else NULL  */
     double *own[AOI_STEPPED_OWN];         /* [n] each: arrays of the kind                            */
     double *seen;                         /* [n][AOI_PLAIN_SEEN]: weights, modal.c                   */
-    /* [ports][ports]: displacements and velocities of the ports at the end of a step, per force then */
+    /* [ports][ports]: displacements and velocities of the ports at the end of a step, per unit force at that time */
     double *compliance, *rate_compliance;
     double dissipated;                    /* energy lost since the start, J                          */
     double centre[2];                     /* displacement and rate of the centre of mass, without the
                                              residual                                                */
     /* number of coordinates up to the last that moves the centre */
     size_t centre_count;
-    int plain;                            /* modes without damping and gravity, one port: modal.c    */
+    int plain;                            /* 1: modes without damping and gravity, one port: modal.c */
     int moved;                            /* 1: x and v of a plain body are out of date              */
-    double port_rate, port_a, reached;    /* of a plain body's port, then of its centre of mass */
+    double port_rate, port_a, reached;    /* plain body: of its port, and below of its centre of mass */
     double centre_rate, centre_a, centre_reached;
 } aoi_stepped;
 
@@ -80,11 +80,11 @@ void aoi_stepped_correct(aoi_stepped *body, const double *force);
 /* Brings x and v up to the end of the last step. */
 void aoi_stepped_settle(aoi_stepped *body);
 
-/* Row p of the residual compliance times forces. */
+/* Deflection of port p by its residual compliance under forces on all ports, m. */
 double aoi_stepped_residual(const aoi_stepped *body, size_t p, const double *force);
 
-/* Writes the rows of enum aoi_body_row, stride apart, the energies only if they are wanted. force,
- * force_before: at the ports now and a step before. */
+/* Writes the rows of enum aoi_body_row, stride apart, the energies only if they are wanted. force, force_before:
+ * forces on the ports, now and one step before, N. */
 void aoi_stepped_observe(const aoi_stepped *body, const double *force, const double *force_before, int energies,
                          double *row, size_t stride);
 

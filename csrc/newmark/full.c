@@ -9,8 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Limit for conjugate gradients, which take some tens with a consistent mass matrix scaled by its
- * diagonal. */
+/* Largest number of iterations of conjugate gradients, which need some tens for a consistent mass matrix scaled by
+ * its diagonal. */
 enum { MOST_ITERATIONS = 1000 };
 
 static const double CONVERGED = 1e-15;
@@ -92,7 +92,7 @@ static void take_diagonal(const aoi_sparse *matrix, double *diagonal)
     }
 }
 
-/* z = r over the diagonal of M, 0 where that is not positive; returns r^T z. */
+/* Divides r by the diagonal of M, z = 0 where the diagonal is not positive; returns r^T z. */
 static double scaled_by_mass(size_t n, const double *diagonal, const double *r, double *z)
 {
     double sum = 0.0;

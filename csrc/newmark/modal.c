@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/* omega^2, 2 decay and gravity of each mode, over that factor of a'. */
+/* Indices of `own`: omega^2, 2 decay and gravity of each mode, divided by the factor of a' above. */
 enum { STIFFNESS, DRAG, DRIVE };
 
 /* A plain body keeps its predictors: of displacements, q, in own[PLACE], of rates, w, in free_a.
@@ -15,7 +15,7 @@ enum { STIFFNESS, DRAG, DRIVE };
  * (gamma + 1/2) dt a), w' = w + dt a. */
 enum { PLACE = DRIVE };
 
-/* Weighted sums over q: displacement and free acceleration of the port, and of the centre of mass. */
+/* Indices of weighted sums over q: displacement and free acceleration of the port, and of the centre of mass. */
 enum { PORT, PORT_A, CENTRE, CENTRE_A };
 
 static double twice_decay(const aoi_modes *modes, size_t j)

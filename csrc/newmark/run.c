@@ -11,16 +11,16 @@
 #include <math.h>
 #include <string.h>
 
-/* Columns of the record that are gathered before they are written: a cache line of each row. */
+/* Number of columns of the record that are gathered before they are written: a cache line of each row. */
 enum { BLOCK = 8 };
 
-/* Room for the springs of a contact with friction, which are about 2/sqrt(precision). */
+/* Capacity for the springs of a contact with friction, whose number is about 2/sqrt(precision). */
 enum { SPRINGS = 2048 };
 
 struct aoi_newmark {
     const aoi_system *system;
     aoi_rule_step step;
-    int energies, loaded, deflects; /* loaded, deflects: a body has a load, a residual compliance */
+    int energies, loaded, deflects; /* loaded: a body has a load; deflects: a body has a residual compliance */
     double *record;
     size_t columns, done, failed;
     aoi_coupled coupled;
@@ -28,7 +28,7 @@ struct aoi_newmark {
     aoi_stepped *body;
     aoi_contact_state *state;                /* one for each contact force                                */
     aoi_rubbing *rubbing;                    /* one for each contact with friction                        */
-    double *displacement, *velocity;         /* of all ports; in a step first without contacts */
+    double *displacement, *velocity;         /* of all ports; in a step first without contact forces */
     double *displacement_before;             /* displacements at the last column                          */
     double *push, *push_before;              /* forces on all ports, with loads: now and before           */
     double *load, *load_before;
@@ -179,8 +179,7 @@ static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, cons
     return status;
 }
 
-/* Sets the state of a contact at the start. A force that depends on the rate is there as soon as
- * the bodies touch. */
+/* Sets the state of a contact at the start. A force that depends on the rate acts as soon as the bodies touch. */
 static int contact_begin(const aoi_newmark *run, size_t i, const aoi_start *start)
 {
     aoi_contact_state *contact = &run->state[i];
@@ -274,7 +273,7 @@ static double write_friction(const aoi_contact_state *contact, double *row)
 static void write_contact(const aoi_contact_state *contact, int energies, double *row)
 {
     const aoi_rubbing *rubbing = contact->rubbing;
-    /* the law by the contact's own indentation */
+    /* with friction, the law as a function of the contact's own indentation */
     const aoi_law *law = rubbing ? &rubbing->rub.friction.law : contact->law;
     const double stretched = rubbing ? write_friction(contact, row) : 0.0;
     row[AOI_CONTACT_FORCE * BLOCK] = contact->force;
@@ -288,7 +287,7 @@ static void write_contact(const aoi_contact_state *contact, int energies, double
     }
 }
 
-/* Adds the work of loads, and of gravity since the start. */
+/* Adds the work of loads and of gravity on a body since the start. */
 static void write_work(aoi_newmark *run, size_t b, double *row)
 {
     const size_t *first = run->system->first_port;
@@ -333,8 +332,8 @@ static void copy_rows(const double **from, double **to, size_t rows, size_t colu
     }
 }
 
-/* Writes count gathered columns to the record, from column first on. Without energies their rows, behind two others of a
- * contact or a body, are left alone. */
+/* Writes count gathered columns to the record, from column first on. Without energies, the rows of energies, which
+ * follow two other rows of each contact and body, are not written. */
 static void write_block(const aoi_newmark *run, size_t first, size_t count)
 {
     const aoi_system *system = run->system;
@@ -415,8 +414,8 @@ static void find_ports(aoi_newmark *run)
     }
 }
 
-/* Sets the forces on the ports at the start, and, by their rates, a step before, if those of
- * contacts are given. slope: rates of the loads. */
+/* Sets the forces on the ports at the start and, extrapolated by their rates, one step before, if the rates of
+ * contact forces are given. slope: rates of the loads. */
 static void start_push(aoi_newmark *run, const aoi_start *start, const double *slope)
 {
     const size_t ports = run->system->first_port[run->system->body_count];

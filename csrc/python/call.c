@@ -42,7 +42,7 @@ void call_release(call *of)
     of->block.next = NULL;
 }
 
-/* A block with room for one more: the first, or the most recent overflow block, inserted after the first. */
+/* A block with room for one more buffer: the first, or the most recent overflow block, inserted after the first. */
 static buffer_block *with_room(call *of)
 {
     buffer_block *block = of->block.count == MOST_BUFFERS && of->block.next ? of->block.next : &of->block;
@@ -109,7 +109,7 @@ static void take_one(call *of, PyObject *object, const argument *row)
     if (row->kind == 'x') {
         *(double *)row->to = PyFloat_AsDouble(object);
     } else if (row->kind == 'n') {
-        /* a negative one becomes too large for any use */
+        /* a negative number becomes too large to be accepted */
         *(size_t *)row->to = (size_t)PyLong_AsSsize_t(object);
     } else if (row->kind == 'p') {
         *(int *)row->to = PyObject_IsTrue(object) != 0;

@@ -38,8 +38,8 @@ static double massless_compliance(const aoi_star *star)
     return 1.0 / stiffness;
 }
 
-/* Displacement of the centre of mass in each mode, by momentum over mass: the momentum of a
- * constrained star changes by the force of the ground spring. */
+/* Displacement of the centre of mass in each mode, the ratio of momentum to mass. The momentum of a constrained star
+ * changes due to the force of the ground spring. */
 static void find_centre(const aoi_star *star, size_t n, const double *omega, const double *shape,
                         double *centre)
 {

@@ -6,23 +6,23 @@
 #include <float.h>
 #include <math.h>
 
-/* Relative difference of omega^2 up to which modes are one oscillator. */
+/* Largest relative difference of omega^2 between modes that form one oscillator. */
 static const double EQUAL = 1e-9;
 
-/* Share of the static mass below which a mode has no mass: it is rounding. */
+/* Share of the static mass below which the mass of a mode is rounding error and counts as zero. */
 static const double NO_MASS = 1e-13;
 
-/* Share of the static mass below which the residual mass is zero: rounding of thousands of masses. */
+/* Share of the static mass below which the residual mass counts as zero: rounding error of a sum of thousands of
+ * masses. */
 static const double MASS_ROUNDING = 1e-11;
 
-/* Rounding of an eigenvalue as a share of the largest. */
+/* Rounding error of an eigenvalue, as a share of the largest. */
 static const double EIGEN_ROUNDING = 10.0 * DBL_EPSILON;
 
-/* Finds the least share of the static mass of a mode that counts: share[1] for modes whose
- * eigenvalue is within the rounding of the largest, share[0] for others; returns that rounding. A
- * mode within it contains a part of the lowest mode above, by first-order perturbation that
- * rounding over their distance. Eigenvalues of LAPACK are known to the rounding of the largest
- * times a modest number (LAPACK Users' Guide, 4.10). */
+/* Finds the least share of the static mass of a mode that counts: share[1] for modes whose eigenvalue is within the
+ * rounding of the largest, share[0] for others; returns that rounding. A mode within this rounding contains a part
+ * of the lowest mode above: to first order, the ratio of the rounding to the distance of both eigenvalues.
+ * Eigenvalues of LAPACK are known to the rounding of the largest times a modest number (LAPACK Users' Guide, 4.10). */
 static double least_shares(size_t count, const double *omega2, double share[2])
 {
     const double lost = count > 0 ? fmax(EIGEN_ROUNDING * omega2[count - 1], 0.0) : 0.0;
@@ -82,7 +82,7 @@ int aoi_star_from_constraint_modes(size_t n, size_t count, const double *phi_st,
         oscillator[j] = (int32_t)(size - 1);
         residual -= mass;
     }
-    /* One check for the sums: what is not finite in a mode stays so in them. */
+    /* One check of the sums is enough: a value that is not finite in any mode makes them not finite. */
     if (!isfinite(residual) || !aoi_vector_is_finite(size, k)) {
         return AOI_ERROR_NOT_FINITE;
     }

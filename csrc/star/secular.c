@@ -6,11 +6,10 @@
 #include <float.h>
 #include <math.h>
 
-/* Bisection alone goes through all powers of two that a double has. */
+/* Limit of iterations: bisection alone may go through all powers of two of a double. */
 enum { MOST_ITERATIONS = 2200 };
 
-/* s and s' at origin + offset. Distances of the poles from the origin are taken first, to keep
- * their digits. */
+/* s and s' at origin + offset. The distances of the poles from the origin are formed first, to keep their digits. */
 static void secular_evaluate(const aoi_secular *s, double origin, double offset, double *value,
                              double *slope)
 {
@@ -31,8 +30,8 @@ static void secular_evaluate(const aoi_secular *s, double origin, double offset,
     }
 }
 
-/* Root in (low, high) of the rising s; scaled: multiply by the offset first, which takes away the
- * pole at offset 0 and leaves Newton a nearly straight line. */
+/* Root in (low, high) of the rising s; scaled = 1: s is multiplied by the offset, which removes the pole at offset 0
+ * and makes the function nearly straight for Newton's method. */
 static int find_offset(const aoi_secular *s, double origin, double low, double high, int scaled,
                        double *offset)
 {

@@ -62,8 +62,8 @@ void aoi_star_energy(const aoi_star *star, const double *u, const double *v, dou
     *elastic = 0.5 * twice_elastic;
 }
 
-/* r of the natural mode at origin + offset: 1 over the root of its modal mass with the contact
- * displaced by 1. The modal mass may overflow where its root does not. */
+/* Participation r of the natural mode with omega^2 = origin + offset: 1/sqrt(modal mass) for a unit displacement of
+ * the contact. The modal mass may overflow where its root does not. */
 static double natural_mode_share(const aoi_star *star, const double *antiresonance, double origin,
                                  double offset)
 {
@@ -95,7 +95,7 @@ int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participatio
         pole[i] = star->k[i] / star->m[i];
         stiffness += star->k[i];
     }
-    /* The largest eigenvalue is at most the sum of those of the two diagonal blocks. */
+    /* The largest eigenvalue is at most the sum of the largest eigenvalues of the two diagonal blocks. */
     const double ceiling = 2.0 * (stiffness / star->m0 + (n > 0 ? pole[n - 1] : 0.0));
     const aoi_secular minus_stiffness = {n, pole, star->k, -star->k0, star->m0, 1};
     *mode_count = star->m0 > 0.0 ? n + 1 : n;

@@ -8,7 +8,8 @@
 
 #include <math.h>
 
-/* Share of the record's time: a contact whose last row ends later lasts to the end of the record. */
+/* Time, as a share of the record's duration, after which a contact's last row must end for the contact to last to
+ * the end of the record. */
 static const double RECORD_END = 1.0 - 1e-14;
 
 /* The intervals found so far, and for each contact its open interval (lasts = 1), whose end is that

@@ -206,8 +206,8 @@ static void advance(aoi_sampler *sampler, double time)
     }
 }
 
-/* Advances a body in free motion to the last bend of its load before a time, from the bend last
- * reached: from its row, each time would cost all bends since. */
+/* Advances a body in free motion to the last bend of its load before a time, starting from the last bend reached: a
+ * start from the body's row would cost all bends since for each time. */
 static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b)
 {
     const aoi_modes *body = &sampler->system->body[b];
@@ -277,10 +277,11 @@ static double contact_work(const aoi_sampler *sampler, size_t c, double place)
     return aoi_collocation_work(sampler->track + sampler->contact_at[c] + AOI_TRACK_INDENTATION, force[0], place);
 }
 
-/* True of a law without losses. It is recorded with none: what its work lacks is the run's error. */
+/* True for a law without losses. Its dissipated energy is recorded as 0: the difference between its work and its
+ * energy is the run's error. */
 static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law->remember; }
 
-/* Force at `place`. That at the start is stored: the nodes' polynomial would extrapolate. */
+/* Force at `place`, N. The force at the start is stored, since the polynomial through the nodes would extrapolate. */
 static double force_at(const double *of, double place)
 {
     double legendre[AOI_NODES], slope;
