@@ -230,7 +230,7 @@ class Splitting:
         material: Any = material_of(body.material, element_at(body, point)[0])
         own: int | None = each_of(body.material).index(material)
         like = material.half_space(normal)
-        layers = [(math.inf, 1.0)]  # depth of each stiffer material, and E* over its modulus
+        layers = [(math.inf, 1.0)]  # depths of stiffer materials, m, ratios of E* to their moduli
         for piece in (of for of in pieces(mesh, body.material) if of.which != own):
             ratio = like.plane_strain_modulus / piece.of.half_space(normal).plane_strain_modulus
             if ratio < 1.0:

@@ -81,8 +81,8 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
     xi, eta = np.sqrt(k**2 + fast2), np.sqrt(k**2 + slow2)
     one, other = (k**2 + eta**2) ** 2, 4.0 * k**2 * xi * eta
     by_xi, by_eta = np.tanh(h * xi), np.tanh(h * eta)
-    # `one - other` and `by_eta - by_xi` are rearranged: if k exceeds s divided by the wave speed by
-    # far, their terms nearly cancel.
+    # `one - other` and `by_eta - by_xi` are rearranged, since their terms nearly cancel for k far
+    # above s divided by the wave speed.
     apart = slow2 - fast2
     rayleigh = 16.0 * k**6 * apart + (24.0 * slow2 - 16.0 * fast2) * slow2 * k**4
     rayleigh = (rayleigh + 8.0 * k**2 * slow2**3 + slow2**4) / (one + other)

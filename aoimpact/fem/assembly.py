@@ -144,7 +144,7 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
                 at, whole = 9 * place.reshape(-1), stiffness.reshape(-1)
                 for (i, j), block in zip(_PAIRS, blocks, strict=True):
                     np.add.at(whole, at + 3 * i + j, block.reshape(-1))
-                    if i != j:  # the other triangle
+                    if i != j:  # K_ji is the transpose
                         np.add.at(whole, at + 3 * j + i, block.transpose(0, 2, 1).reshape(-1))
                 progress.update(len(place))
 

@@ -171,7 +171,7 @@ class Piece:
             yield self.taken(slice(start, start + step))
 
     def taken(self, some: Any) -> Piece:
-        """Return the piece with the elements of an index, mask or slice."""
+        """Return the piece with the elements that an index, mask or slice selects."""
         return Piece(self.block, self.of, self.which, self.rows[some])
 
     @property

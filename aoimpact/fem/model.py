@@ -724,7 +724,7 @@ class FEModel(Frozen):
             raise InputError("the rows of supports are not known of a body without a mesh")
         return grounded(*stiffness_mass(self.shapes, made_of), self.free)
 
-    # The following methods import their modules when called, as these import this one.
+    # The following methods import their modules when called, as those modules import this one.
 
     @cached_property
     def grounding(self) -> Grounding:

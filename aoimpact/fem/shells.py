@@ -490,7 +490,7 @@ def _triangle(
     bubble = 27.0 * np.stack(
         [_AREAS[:, (i + 1) % 3] * _AREAS[:, (i + 2) % 3] for i in range(3)], axis=1
     )
-    bent = bubble @ _LINEAR.T  # its slopes along r and s
+    bent = bubble @ _LINEAR.T  # slopes of the bubble along r and s
     along = np.concatenate([_LINEAR - bent[..., None] / 3.0, bent[..., None]], axis=2)
     every = _plane_rows(inverse[:, None] @ along, np.column_stack([_AREAS, np.zeros(6)]))
     rows, inner = every[:, :, :, :3], every[:, :, :, 3, 3:5]
@@ -549,7 +549,7 @@ def _optimal_membrane(plane: FloatArray, area: FloatArray, stiffness: FloatArray
     basic[:, 1, :, 2] = 0.125 * x[:, k, j] * (x[:, k, i] - x[:, i, j])
     basic[:, 2, :, 2] = 0.25 * (x[:, k, i] * y[:, i, k] - x[:, i, j] * y[:, j, i])
     basic /= area[:, None, None, None]
-    # Corner rotations minus the mean rotation, and the natural strains along the edges they cause.
+    # Corner rotations minus the mean rotation, and the natural strains that they cause along edges.
     beyond = np.zeros((len(plane), 3, 3, 3))  # (corner, node, freedom)
     beyond[..., 0], beyond[..., 1] = x[:, None, k, j], y[:, None, k, j]
     beyond[..., :2] /= 4.0 * area[:, None, None, None]

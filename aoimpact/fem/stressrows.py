@@ -197,7 +197,7 @@ class _Wanted:
 
     @cached_property
     def held(self) -> tuple[IntArray, IntArray]:
-        """Pairs of an element and a point in it (with no other nodes), within the layer's part."""
+        """Pairs of an element and a point whose nodes all belong to it, within the layer's part."""
         mesh, part = self.mesh, self.layer.part
         near = sp.csr_array(self.weights, copy=True)
         near.data = (np.abs(near.data) > PRINTED).astype(np.float64)

@@ -27,7 +27,7 @@ from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
 from .sections import Axes, Source, across, layered, refusing, triad
 
-# Which kind of set: "NSET" of nodes, "ELSET" of elements.
+# Kind of set: "NSET" of nodes, "ELSET" of elements.
 Which = Literal["NSET", "ELSET"]
 
 # Beginnings of the names of keywords without influence on nodes, elements and sets: materials,
@@ -209,7 +209,7 @@ class AbaqusDeck:
 
     @cached_property
     def materials(self) -> dict[str, dict[str, Keyword]]:
-        """Keywords of each material, such as ELASTIC, by the material's name and their own."""
+        """Keywords of each material by its name, then by their own names, such as ELASTIC."""
         found: dict[str, dict[str, Keyword]] = {}
         own: dict[str, Keyword] = {}
         for card in takewhile(lambda card: card.name != "STEP", self.cards):
@@ -218,7 +218,7 @@ class AbaqusDeck:
             kind = _kind(card.name)
             if kind == "material" and card.name in own:
                 raise card.error("the material has it twice")
-            if kind in ("material", "inelastic"):  # inelastic ones may repeat, or be a contact's
+            if kind in ("material", "inelastic"):  # may repeat, or belong to a contact
                 own[card.name] = card
         return found
 
@@ -380,7 +380,7 @@ def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
     found: dict[Which, dict[str, IntArray]] = {"NSET": {}, "ELSET": {}}
     for (which, _), own in sets.items():
         called, members = own[0]
-        if all(np.array_equal(members, other) for _, other in own):  # else ambiguous
+        if all(np.array_equal(members, other) for _, other in own):  # otherwise ambiguous
             found[which][called] = members
     return found["NSET"], found["ELSET"]
 

@@ -136,7 +136,7 @@ def _columns(
             if stream.read(1) not in b"\n\r":
                 warn(f"matrix file {str(file)!r} ends within a line: is its last number whole?")
         return [*labels.T.astype(np.int64), np.ascontiguousarray(table[:, -1])]
-    # Find the line to be named: slow, but only for files that are refused.
+    # Find the line that the message names. This is slow, but only for files that are refused.
     with file.open("rb") as stream:
         for place, line in enumerate(stream, 1):
             comment = comments and line.lstrip().startswith(comments.encode())

@@ -126,7 +126,7 @@ def _names(arrays: dict[str, Any], prefix: str, what: str, members: str) -> list
     """Return the names of all blocks or sets, such as "block 1" for those without a name."""
     if f"{prefix}_prop1" in arrays:
         ids = arrays[f"{prefix}_prop1"].reshape(-1).tolist()
-    else:  # old files number them 1, 2, …
+    else:  # old files number blocks and sets 1, 2, …
         ids = list(range(1, 1 + sum(name.startswith(members) for name in arrays)))
     rows = [_text(row) for row in arrays.get(f"{prefix}_names", np.full(len(ids), b""))]
     raw.check_count(f"names of a {what}", len(ids), len(rows))

@@ -197,11 +197,11 @@ def _entities(numbers: _Numbers, name: str) -> tuple[_Tags, _Tags, int]:
             entity = dim, int(numbers.ints("i", 1 if whole else 3)[0])
             if not whole:
                 parts[entity] = set(numbers.ints("i", numbers.count()).tolist())
-            numbers.take("d", 6 if dim else 3)  # its bounding box
+            numbers.take("d", 6 if dim else 3)  # the entity's bounding box
             # A negative tag means that the group has the entity with reversed orientation.
             groups[entity] = set(np.abs(numbers.ints("i", numbers.count())).tolist())
             if dim:
-                numbers.take("i", numbers.count())  # the entities that bound it
+                numbers.take("i", numbers.count())  # tags of the bounding entities
     numbers.finish()
     return groups, parts, n_parts
 

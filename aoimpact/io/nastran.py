@@ -327,7 +327,7 @@ class Grids:
         return x
 
     def axes(self, label: int, error: Callable[[str], MeshError]) -> Axes:
-        """Return a coordinate system by its label; `error` makes errors of the entry with it.
+        """Return the coordinate system `label`; `error` makes errors of the entry that names it.
 
         Raises
         ------

@@ -29,7 +29,7 @@ _LONG = 32
 # Largest number of entries that one line of replication may make.
 _MOST = 1_000_000
 
-# Largest number of lines of a file name of INCLUDE.
+# Largest number of lines over which a file name in INCLUDE may extend.
 _LONGEST = 50
 
 _INCLUDE = re.compile(r"\s*INCLUDE(?=[\s='\"])\s*=?\s*('[^']*'|\"[^\"]*\"|[^'\"\s].*)", re.I)

@@ -23,10 +23,10 @@ from ..fem import CircularSection, RectangularSection, TubularSection
 # A^2.5, and of an edge length to the longest edge.
 _CLOSED, _ROUND = 1e-6, 1e-9
 
-# Gauss points and weights on a panel of the outline. Panels grow by the factor _COARSER away from
-# the corners, where they are an eighth of the shortest edge, limited by _LEVELS for very long
-# edges: J is then accurate to 1e-4, compared with eight points on smaller panels. At points farther
-# from a panel's middle than _FAR half-lengths, Gauss' rule integrates over the panel to 1e-9.
+# `_PLACES`, `_WEIGHTS`: Gauss rule on a panel of the outline. Panels at corners are an eighth of
+# the shortest edge, limited by _LEVELS for very long edges, and grow away from them by the factor
+# _COARSER: J is then accurate to 1e-4, compared with eight points on smaller panels. `_FAR`:
+# distance from a panel's middle, in half-lengths, from which on the rule is exact to 1e-9.
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 _COARSER, _LEVELS, _FAR = 4.0, 7, 4.0
 

@@ -154,7 +154,7 @@ def nodes_in(kind: str) -> int:
 
 
 def firsts(parts: Iterable[Any]) -> IntArray:
-    """Return the number of the first item of each part, counted through all, and the total."""
+    """Return the index of each part's first item, counted over all parts, and the total count."""
     return np.cumsum([0, *map(len, parts)], dtype=np.int64)
 
 

@@ -125,7 +125,7 @@ class Source:
         return Profile(area * unit**2, tensor, J * unit**4, compliance, unit * points, np.zeros(2))
 
     def beam(self, of: Any, material: Any, z: Any, members: IntArray, axes: Any, to: Any) -> Beam:
-        """Return the beam of section `of` with its z axis along `z`; profiles in principal axes.
+        """Return the beam of a section with z along `z`; a profile is turned into principal axes.
 
         The rows of `axes` are the beam's y and z in the axes (h, v) of the profile's figure. `to`
         is the offset of each element from its nodes to the figure's line of nodes, m.

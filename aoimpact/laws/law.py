@@ -521,7 +521,7 @@ class ContactLaw:
 
 
 def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
-    """Return the restitution of a rigid pair, its separation speed over its approach speed.
+    """Return the restitution of a rigid pair: the ratio of separation speed to approach speed.
 
     It is computed by closed form if there is one, by energy for laws with plastic loss, else by
     integration to ten digits, and never by formulas fitted to a nominal restitution.

@@ -33,7 +33,7 @@ class LawFromSurfaces:
     ----------
     law : Hertz
     error : float
-        Relative error of its k due to the errors of the curvatures.
+        Relative error of the law's k due to the errors of the curvatures.
     """
 
     law: Hertz

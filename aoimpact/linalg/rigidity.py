@@ -27,9 +27,9 @@ def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> Floa
     Returns
     -------
     basis : ndarray, shape (n, k), k ≤ m
-        At each vector, `space` and the columns so far span what `space` and the vectors so far do.
-        A vector adds no column if it has no mass, or if `space` and the vectors before it span it
-        to 1e-9 of its length.
+        For each vector, `space` and the columns so far span what `space` and the vectors so far
+        span. A vector adds no column if it has no mass, or if `space` and the vectors before it
+        span it to 1e-9 of its length.
 
     Examples
     --------

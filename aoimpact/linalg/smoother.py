@@ -95,5 +95,5 @@ class Smoother:
 
 
 def inner(a: FloatArray, b: FloatArray) -> float:
-    """Return aᵀb without BLAS, whose threads keep cores busy after it and change the last bits."""
+    """Return aᵀb without BLAS, whose threads stay busy afterwards and change the last bits."""
     return float(np.einsum("i,i->", a, b))

@@ -39,7 +39,7 @@ METHODS: dict[str, Method] = {method.name: method for method in (SUPERLU, PARDIS
 
 SOLVERS = ("auto", *METHODS)
 
-# `_TOLERANCE`: of ‖f - A x‖ / ‖f‖, where rounding allows it. `_REFINEMENTS`: maximum number.
+# `_TOLERANCE`: limit of ‖f - A x‖ / ‖f‖, if rounding allows; `_REFINEMENTS`: maximum number.
 _TOLERANCE = 1e-10
 _REFINEMENTS = 5
 
@@ -279,6 +279,6 @@ def _users_own(pencil: Pencil, solver: Callable[[Any], Solve]) -> LinearSolver:
     def solve(rhs: FloatArray) -> FloatArray:
         if rhs.ndim == 2:
             return np.column_stack([solve(column) for column in rhs.T])
-        return np.array(inverse(rhs.copy()))  # it may overwrite its argument or an earlier result
+        return np.array(inverse(rhs.copy()))  # `inverse` may overwrite its argument and results
 
     return LinearSolver(name, pencil, Inverse(solve))

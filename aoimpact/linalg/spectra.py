@@ -106,8 +106,8 @@ def dense_modes(stiffness: FloatArray, mass: FloatArray, n: int | None = None) -
         if not failed and (np.diagonal(factor) ** 2 >= _LIGHT * np.diagonal(mass)).all():
             omega2, modes = solved(stiffness, mass)
             return omega2, modes
-        # For motions with almost no mass, as of elements that integrate it at few points, solve
-        # M φ = θ (K + s²M) φ with θ = 1/(ω² + s²), in which they have θ = 0.
+        # For motions with almost no mass, such as those of elements with mass at few points, solve
+        # M φ = θ (K + s²M) φ with θ = 1/(ω² + s²), in which these motions have θ = 0.
         if whole <= 0.0:
             raise scipy.linalg.LinAlgError("mass is not positive semidefinite")
         s2 = _FIRST_SHIFT * float(np.trace(stiffness)) / whole
@@ -258,7 +258,7 @@ def _iterated(
     known: FloatArray | None,
     invert: Callable[[float], LinearSolver] | None,
 ) -> ArrayPair:
-    """Return eigenpairs by Davidson's method with the solver's V-cycles, or else its solutions."""
+    """Return eigenpairs by Davidson's method, preconditioned by V-cycles or else by solutions."""
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
     near = None
     if known is not None and not known.shape[1]:

@@ -447,7 +447,7 @@ def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | No
     on_edges = first + (last - first) / (3.0 if own.quadratic else 2.0)
     middles = [corners[of].mean(axis=0) for of in added[len(edges) :]]
     # Second order: a cubic that is zero at both ends and in the middle of an edge is odd, so that
-    # any point in between will do as its node.
+    # any point between these can be its node.
     known = own.nodes[: len(corners) + own.quadratic * len(edges)]
     places = np.vstack([known, on_edges, *middles])
     nodal, basis = _Basis.of(space, places, own._basis.middle), own._basis

@@ -136,7 +136,7 @@ class Surface:
         return np.array([len(face.nodes) for _, face in self.sides])
 
     def of_count(self, face: IntArray) -> Iterator[tuple[ReferenceFace, IntArray]]:
-        """Yield, for each number of nodes, a side and the positions in `face` of its like."""
+        """Yield a side of each number of nodes, with the positions in `face` of such sides."""
         counts = self._counts[self.side[face]]
         for count in np.unique(counts):
             side = self.sides[int((self._counts == count).argmax())][1]
@@ -162,7 +162,7 @@ class Surface:
         return shape, gradient
 
     def normal(self, face: IntArray, uv: FloatArray) -> FloatArray:
-        """Return outward unit normals, shape (n, 3); at a collapsed corner, those close to it.
+        """Return outward unit normals, (n, 3); at a collapsed corner, those close to the corner.
 
         Raises
         ------
