@@ -45,7 +45,7 @@ _IN_PLACE_OF_ALL = 16
 def errors_left_out(
     run: Run, *, interest: Callable[[], Sequence[Quantity]], solver: TimeSolver | None
 ) -> LeftOut:
-    """Return the errors of a run from its meshes and laws; empty if those of a body are not known.
+    """Return the errors of a run due to meshes and laws; empty if a body's errors are not known.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ _SHARES = tuple(1.0 / (_GROWTH ** (1.25 * i) - 1.0) for i in (1, 2, 3))
 # Number of oscillators per digit of the tolerance, for the smallest model of the first comparison.
 _FIRST = 1.5
 
-# Ratio of the tolerance that a message proposes to the error found.
+# Ratio of the tolerance that an error message proposes to the error found.
 EASED = 1.1
 
 # _REFIT: largest ratio, without a new fit, of the contact time found to the one that the bases were
@@ -69,7 +69,7 @@ class TimeScales(NamedTuple):
         return self.span if self.span > _LONG * self.contact_time else None
 
     def suit(self, others: TimeScales) -> bool:
-        """True if models fitted to these time scales are accurate for the others as well."""
+        """True if models fitted to these time scales are accurate for `others` as well."""
         ratio = others.contact_time / self.contact_time
         alike = max(ratio, 1.0 / ratio) <= _REFIT
         return alike and (self.slow is not None or others.slow is None)
@@ -121,7 +121,8 @@ class Search:
         Relative tolerance of each quantity, which determines the first orders.
     rule : Adaptive or Newmark
     record : RecordLength
-        Duration of the runs. The largest models determine it for those compared with them.
+        Duration of the runs. It is determined by the run with the largest models, and kept for the
+        runs compared with it.
     most : int
         Order above which models are not enlarged.
     solver : str or callable

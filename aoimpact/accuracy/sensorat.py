@@ -240,8 +240,8 @@ class AccelerationAt(Sensor):
     Raises
     ------
     InputError, InputTypeError
-        If the point is off the body, both filters are given, or the filter passes frequencies
-        above those that the elements at the point have.
+        If the point is off the body, both filters are given, or the filter passes frequencies too
+        high for the elements at the point.
 
     Warns
     -----

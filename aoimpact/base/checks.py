@@ -142,7 +142,7 @@ def boolean(name: str, value: Any) -> bool:
 
 
 def instance(name: str, value: Any, *kinds: type[Any]) -> Any:
-    """Return `value` if it is of one of these classes."""
+    """Return `value` if it is an instance of one of the classes `kinds`."""
     if not isinstance(value, kinds):
         listed = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
         raise InputTypeError(f"{name} must be of type {listed}, got {_short(value)}")
@@ -482,7 +482,7 @@ def record(made: type[T]) -> type[T]:
 
 
 class Frozen:
-    """Makes the arrays of a dataclass, and those in its tuples and mappings, read-only.
+    """Base class that makes the arrays of a dataclass, and of its tuples and mappings, read-only.
 
     NumPy drops the flag of arrays that are unpickled or copied, so it is set again. A class with a
     `__post_init__` of its own calls this one at its end.

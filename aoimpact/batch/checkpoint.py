@@ -199,7 +199,7 @@ class _Content(pickle.Pickler):
 
 
 def _parts(value: Any) -> list[Any]:
-    """Return the attributes of an object, without those that are computed when first read."""
+    """Return the attributes of an object, without attributes that are computed when first read."""
     if dataclasses.is_dataclass(value):
         fields = dataclasses.fields(value)
         return [getattr(value, of.name) for of in fields if not of.metadata.get("identity")]

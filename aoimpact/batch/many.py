@@ -61,7 +61,7 @@ def simulate_many(
     key: str | None = None,
     progress: bool = True,
 ) -> list[Any]:
-    """Simulate many cases; one that fails gives its exception and does not stop the others.
+    """Simulate many cases; a case that fails gives its exception and does not stop the others.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def simulate_many(
     workers : int or executor, optional
         Threads (the core runs without Python's lock), or anything with ``.submit``: executors of
         concurrent.futures and mpi4py.futures, a dask.distributed Client. The results are the same
-        to the last bit whoever computes them.
+        to the last bit for all workers.
     keep : names or function, optional
         Numbers to keep of each case instead of its result, which holds whole histories. Names, such
         as ("peak_force", "impulse", "error.time"), keep a dict of these numbers, in scenes for each
@@ -95,7 +95,7 @@ def simulate_many(
     Returns
     -------
     list
-        Results in the order of the cases, or what was kept of them, or exceptions.
+        For each case, in order: its result, what was kept of the result, or its exception.
 
     Raises
     ------

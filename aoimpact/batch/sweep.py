@@ -359,7 +359,7 @@ def _table(
                 ) from None
     for name in columns.keys() & grid.keys():
         raise InputError(f"keep: {name!r} is a parameter of the grid; give it another name")
-    for name in () if columns else names or ("value",):  # all cases have failed
+    for name in () if columns else names or ("value",):  # if all cases have failed
         columns[name][:] = math.nan
     filled = {name: axis.ravel() for name, axis in zip(grid, axes, strict=True)} | columns
     data = np.empty(count, dtype=[(name, column.dtype) for name, column in filled.items()])

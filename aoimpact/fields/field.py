@@ -88,7 +88,7 @@ def picture(
     down: Sequence[float] | FloatArray = DOWN,
     scale: float | None = None,
 ) -> tuple[Any, Callable[[int], None]]:
-    """Return a picture of bodies, and the function that draws them at one of the times.
+    """Return a picture of bodies, and the function that draws the bodies at one of the times.
 
     Parameters
     ----------

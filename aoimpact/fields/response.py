@@ -28,8 +28,8 @@ from .field import LOOKS, Field
 # share factorisations.
 _SHIFTS = 4
 
-# Smallest ratio of the contact radius in closed forms to the radius of the patch: they lose digits
-# in proportion to the square of the ratio of distance to contact radius.
+# Smallest ratio of the contact radius in closed forms to the patch radius. Closed forms lose digits
+# in proportion to the squared ratio of distance to contact radius.
 _NARROWEST = 1e-2
 
 # Largest product of the numbers of places and times evaluated together: some 100 MB.
@@ -206,7 +206,7 @@ class Response:
         return u, v, stress
 
     def displacement_of(self, functional: FloatArray, times: FloatArray) -> FloatArray:
-        """Return functionalᵀX by the model's own shapes, without those that recovery adds.
+        """Return functionalᵀX from the model's own shapes, without the correction of `recovery`.
 
         Parameters
         ----------
@@ -259,7 +259,7 @@ class Response:
 
     @property
     def free(self) -> IntArray:
-        """Numbers of the body's dofs among those of its nodes; refuses a body without nodes."""
+        """Indices of the body's dofs among all dofs of its nodes; refuses a body without nodes."""
         if self.body.free is None:
             raise InputError(
                 "the body has no nodes, so no place on it has coordinates: make it with "

@@ -36,7 +36,8 @@ class Foreseen:
 
     def __init__(self, plan: Scenario, solver: Solver = "auto") -> None:
         self._plan, self._solver = plan, solver
-        # Bodies refer to their solvers weakly; this keeps them until the models are made.
+        # Bodies have only weak references to their solvers; this dict keeps solvers until models
+        # are made.
         self._solvers: dict[Any, LinearSolver] = {}
 
     def record(self) -> RecordLength:

@@ -55,8 +55,8 @@ from ..scene import Contact, Friction, Load, Oblique, Scenario
 from .foreseen import Foreseen, goes_against
 from .oblique import axes_of, with_tangents
 
-# Least speed, m/s: squares and energies of lower speeds underflow, those above 1/LEAST_SPEED
-# overflow.
+# Least speed, m/s: squares and energies of lower speeds underflow, those of speeds above
+# 1/LEAST_SPEED overflow.
 LEAST_SPEED = 1e-60
 
 
@@ -278,8 +278,8 @@ class Scene:
         ----------
         body : Handle
         force : float or (times, forces)
-            Constant force, N; or ascending times, s, and the forces at these, linear between them
-            and constant outside.
+            Constant force, N; or ascending times, s, and the forces at these times, N, linear in
+            between and constant outside.
 
         Raises
         ------
@@ -367,7 +367,7 @@ class Scene:
             to the largest value, and for contacts relative to at least a tenth of the largest of
             all contacts. A solver that does not meet `rtol` is refused.
         linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
-            Linear solver for these reduced models, as `solver` of `antioscillators`.
+            Linear solver for the reduced models, as `solver` of `antioscillators`.
 
         Raises
         ------
@@ -613,7 +613,7 @@ class Scene:
 
 
 def number_or_vector(name: str, value: Any, unit: str) -> tuple[float, FloatArray | None]:
-    """Return a number along the direction of travel and None, or a vector's length and vector."""
+    """Return a number and None, or a vector's length and the vector."""
     number, vector = value, None
     if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
         vector = finite_array(name, value, shape=(3,), unit=unit)

@@ -51,7 +51,7 @@ def simulate(
     velocity : float or array_like, shape (3,)
         Speed of the projectile along the direction of travel, m/s, not zero; negative only if the
         projectile is constrained, so that it swings back. Or its velocity vector in the axes of the
-        target's mesh, to which those of the projectile are parallel. Without a mesh z is the
+        target's mesh, to which those of the projectile's mesh are parallel. Without a mesh z is the
         target's outward normal: ``(0, 0.5, -3.0)`` is a velocity towards the target.
     law : ContactLaw, optional
         Contact force as a function of the indentation δ = x_projectile - x_target - gap; by default
@@ -84,13 +84,13 @@ def simulate(
         "projectile_displacement" or "target_displacement" (of the contact point), the displacement
         of a body's point, given by that point, and `StressAt`, `StrainAt`, `AccelerationAt` or
         `ReactionAt`. Numbers are "peak_force", "peak_time", "impulse", "contact_duration" (of the
-        first contact), "contact_count", "rebound_velocity", "restitution" (velocity at which the
-        bodies part last over that at which they meet first) and, with friction,
-        "peak_friction_force", "tangential_restitution" or "final_spin". Bodies given by contact
-        points are reduced as far as `rtol` allows; AO models are truncated if `quantity` or `rtol`
-        is given. `Result.models` has the resulting models. Only this quantity, or each of a list,
-        meets `rtol`; `Result.error` estimates the errors of all others by name. A second quantity
-        of the same name gets a number: ``error["strain_2"]``.
+        first contact), "contact_count", "rebound_velocity", "restitution" (ratio of the velocities
+        at which the bodies last part and first meet) and, with friction, "peak_friction_force",
+        "tangential_restitution" or "final_spin". Bodies given by contact points are reduced as far
+        as `rtol` allows; AO models are truncated if `quantity` or `rtol` is given. `Result.models`
+        has the resulting models. Only this quantity, or each of a list, meets `rtol`;
+        `Result.error` estimates the errors of all others by name. A second quantity of the same
+        name gets a number: ``error["strain_2"]``.
     rtol : float, optional
         Relative tolerance of `quantity`, for reduction and time integration; by default 2e-3, or up
         to 1e-2 if the largest models tried do not meet 2e-3. The error of a history is its largest

@@ -1,8 +1,8 @@
 """A run of the adaptive method, and its dense record.
 
 In contact the forces over a step are polynomials through eight Radau nodes. The modal response to
-these is exact, so that steps need to resolve only the forces. Between contacts the motion is known
-in closed form, without steps.
+these polynomials is exact, so that steps need to resolve only the forces. Between contacts the
+motion is known in closed form, without steps.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The events of a recorded contact: its intervals, its peak force, its impulse.
 
-A solver with fixed steps gives force and indentation only at its steps. Events between these are
-interpolated here, with at least the solver's order of accuracy (Newmark's second). The adaptive
+A solver with fixed steps gives force and indentation only at its steps. Events between the steps
+are interpolated here, with at least the solver's order of accuracy (Newmark's second). The adaptive
 solver locates its events itself and makes :class:`Events` from them.
 """
 

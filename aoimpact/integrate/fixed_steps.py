@@ -333,7 +333,7 @@ def _start(plan: Scenario, rule: Newmark) -> _Start:
 
 
 def first_step(plan: Scenario) -> float:
-    """Return a fiftieth of the shortest contact of rigid bodies, or less, s."""
+    """Return the first step, s: at most a fiftieth of the shortest contact of rigid bodies."""
     shortest = plan.duration / 20.0
     if plan.fastest == 0.0:
         return shortest

@@ -1,9 +1,9 @@
 """The settings of both methods of time integration, and constants that they share.
 
 Constants were measured on random impacts and scenes with a known solution; tests repeat some of the
-measurements on fewer. Tolerances are divided in two other places: accuracy/choice.py divides that
-of a quantity of interest between models and time integration, csrc/adaptive that of a run between
-the errors of a step (see the table in csrc/README.md).
+measurements on fewer. Tolerances are divided in two other places: accuracy/choice.py divides the
+tolerance of a quantity of interest between models and time integration, csrc/adaptive the tolerance
+of a run between the errors of a step (see the table in csrc/README.md).
 """
 
 from __future__ import annotations

@@ -50,7 +50,7 @@ _RESOLVED = 0.5
 
 
 class StepError(NamedTuple):
-    """Estimate of the largest relative error of peak force and impulse of all contacts.
+    """Estimate of the largest relative error in the peak force and impulse of any contact.
 
     Friction forces are included.
 
@@ -185,9 +185,9 @@ def _unseen_loads(run: SteppedRecorder) -> float:
     """Return the error due to load changes within steps, relative to the largest impulse or peak.
 
     A step uses the load at its ends. All compared runs miss a pulse within a step: its impulse and,
-    at a massless contact point, which transfers it at once, its excess over the values at the ends.
-    If a contact has a damper, the effect of a load decays, and a jump between the ends is missed,
-    too.
+    at a massless contact point, which transfers the pulse at once, its excess over the values at
+    the ends. If a contact has a damper, the effect of a load decays, and a jump between the ends is
+    missed, too.
     """
     t, plan, sums = run.times, run.plan, scipy.integrate.cumulative_trapezoid
     forces = plan.layout.forces(run.record)
@@ -216,8 +216,8 @@ def _unseen_loads(run: SteppedRecorder) -> float:
 def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray:
     """Return bounds of each contact's force between steps minus its largest force at a step, N.
 
-    Between steps the indentation follows the parabola through three of them, with an error of at
-    most its change with twice the step. A load f displaces a mode by r f / ω². The amplitude of the
+    Between steps the indentation follows the parabola through three steps, with an error of at most
+    its change for twice the step. A load f displaces a mode by r f / ω². The amplitude of the
     vibration caused by the load is at most r / ω² times the sum of changes of f, and at most r / ω³
     times the sum of changes of its slope. Steps longer than the mode's period show only the
     displacement.

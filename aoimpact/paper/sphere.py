@@ -22,8 +22,9 @@ BALL_MASS = 4.0 / 3.0 * math.pi * RADIUS**3 * STEEL.rho
 LAW = ao.Hertz.between(STEEL, RADIUS, STEEL, RADIUS)
 BALL = ao.rigid(mass=BALL_MASS)
 
-# Resolved contact mechanics of these two spheres: fine axisymmetric finite elements
-# (6 ... 40 µm at the contact) with unilateral contact, explicit, converged; force ± 0.5 N.
+# Peak force, N, and duration, s, of the impact of both spheres by resolved contact mechanics: fine
+# axisymmetric finite elements (6 ... 40 µm at the contact) with unilateral contact, explicit,
+# converged; force ± 0.5 N.
 RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 
 # Radius of the patch, m, that the shipped mesh resolves; the radius of the contact is 0.32 mm.
@@ -179,7 +180,7 @@ def excesses(hit: ao.Result, base: ao.Result) -> tuple[float, float]:
 
 
 def method() -> list[Row]:
-    """Numbers of the method itself, which do not depend on the mesh."""
+    """Numbers that follow from the method itself, independent of the mesh."""
     peak, duration = hertz_pair(LAW.k, 0.5 * BALL_MASS, VELOCITY)
     own, light = of_table_3(BALL_MASS), of_table_3(0.03258)
     forces = own.peak_force, light.peak_force, 1e6 * own.contact_duration

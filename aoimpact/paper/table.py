@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from ..base import aligned
 
-# Largest difference of numbers that are "close", % or points.
+# Largest difference, in % or points, of two numbers that are "close".
 _CLOSE = 1.0
 
 # Maximum characters of a line of notes, about the length of the tables' rows.

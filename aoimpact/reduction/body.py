@@ -134,7 +134,7 @@ class BodyModel(ABC):
     @property
     @abstractmethod
     def modal(self) -> Body:
-        """The body in natural modes: those of the model, for a full model all of them.
+        """The body in the natural modes of the model; a full model has all modes.
 
         :meta private:
         """
@@ -650,9 +650,10 @@ class Body(Frozen, BodyModel):
         return found
 
     def loads(self, gravity: Pull = 0.0) -> FloatArray:
-        """Return the forces on the dofs per unit of each force, shape (n_dofs, p) or (…, p + 1).
+        """Return the forces on the dofs per unit of each port force, shape (n_dofs, p).
 
-        The columns are the functionals of the ports and, under gravity, m/s², the weight, N.
+        The columns are the functionals of the ports; under gravity, m/s², the weight, N, is one
+        more.
 
         :meta private:
         """
@@ -769,7 +770,7 @@ class Body(Frozen, BodyModel):
         return found if self.following is None else found + self.following[:, port]
 
     def extraction_at(self, port: int = 0) -> Compliance | None:
-        """Return the compliances at a port, for natural modes those of the truncated model.
+        """Return the compliances at a port; those of the truncated model for natural modes.
 
         None for a rigid body, or if they are not known.
 

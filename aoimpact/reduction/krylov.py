@@ -3,8 +3,8 @@
 The paper takes the constraint modes of the whole body, most of which a short contact does not
 excite. Here the body is first projected on the vectors that a contact of duration T excites,
 (K + s²M)⁻¹ b, (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … with s ~ 1/T, each of which costs one solution. A
-constrained body is projected on its static modes as well: without these a model of few vectors is
-far too stiff.
+constrained body is projected on its static modes as well: without static modes a model of few
+vectors is far too stiff.
 """
 
 from __future__ import annotations
@@ -320,7 +320,7 @@ class KrylovSpace:
         """Grow to `count` vectors, rigid motions included; return their number.
 
         There are fewer if the functionals excite no more motions. Earlier vectors do not change.
-        Rigid motions come first, then the static modes of ports that these do not move.
+        Rigid motions come first, then the static modes of ports that rigid motions do not move.
         """
         self._wanted = max(self._wanted, count)
         if len(self._ordered) == self.rigid_count < count and self._next == self._given:
@@ -340,7 +340,7 @@ class KrylovSpace:
         return padded
 
     def _append(self, coordinates: FloatArray) -> None:
-        """Append the vector with these coordinates, unless it depends on those before it."""
+        """Append the vector with given coordinates, unless earlier vectors already contain it."""
         before, rest = self._coordinates(), coordinates.copy()
         for _ in range(2):
             rest -= (before @ rest) @ before
@@ -399,7 +399,7 @@ class KrylovSpace:
         return x, mx, parts, length if length > _NOTHING_NEW * size else 0.0
 
     def _put(self, slot: int, vector: FloatArray) -> None:
-        """Store a vector of the basis, and its products with K; those with rigid motions are 0."""
+        """Store a vector of the basis, and its products by K with all vectors; 0 for rigid ones."""
         if not np.isfinite(vector).all():
             raise ConvergenceError(
                 "a motion that the contact excites is out of range: it has hardly any mass"
@@ -609,8 +609,8 @@ def interface(
     return model
 
 
-# Products over all dofs avoid BLAS, whose last bits depend on the number of threads: the orthogonal
-# remainder of a static mode may consist of them.
+# Products over all dofs avoid BLAS, since its last bits depend on the number of threads, and the
+# orthogonal remainder of a static mode may consist of such bits.
 
 
 def _products(vectors: FloatArray, x: FloatArray) -> FloatArray:

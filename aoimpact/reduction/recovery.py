@@ -1,7 +1,7 @@
 """Displacement of the whole body from the coordinates of a reduced model, with a correction.
 
-X_r = Σ q_j φ_j, eq. (8) in other coordinates, is only a part of the displacement. The rest responds
-to the forces that the reduced motion leaves unbalanced, r = b F - K X_r - M Ẍ_r with the
+X_r = Σ q_j φ_j, eq. (8) in other coordinates, is only a part of the displacement. The rest is the
+response to the forces that the reduced motion leaves unbalanced, r = b F - K X_r - M Ẍ_r with the
 acceleration Ẍ_r due to F and the model's springs:
 
     X = X_r + (K + s²M)⁻¹ r.
@@ -11,7 +11,8 @@ with inertia relief for free bodies ("mode acceleration"; R. R. Craig and A. J. 
 Fundamentals of Structural Dynamics, 2nd ed., section 11.4), which is accurate if all omitted modes
 are fast. But some of the oscillators omitted for their small mass are slow, and Krylov vectors
 resolve slow modes last. Slow modes hardly respond during a contact of duration T, and K⁻¹ would
-exaggerate them without bound. With s = 10/T they stay at rest, and fast modes follow statically.
+exaggerate them without bound. With s = 10/T slow modes stay at rest, and fast modes follow
+statically.
 """
 
 from __future__ import annotations

@@ -142,7 +142,7 @@ def _first_oscillators(
         x -= idle @ (idle.T @ (M @ x))
         parts = basis[: k + 1] @ (M @ x)
         x -= parts @ basis[: k + 1]
-        x -= (basis[: k + 1] @ (M @ x)) @ basis[: k + 1]  # again, against rounding errors
+        x -= (basis[: k + 1] @ (M @ x)) @ basis[: k + 1]  # a second pass, against rounding
         diagonal[k], off[k] = parts[k], math.sqrt(x @ (M @ x))
         if not math.isfinite(off[k]):
             raise ConvergenceError("the contact functional is too small to be computed with")

@@ -558,7 +558,8 @@ def excited(body: Body) -> BoolArray:
         If the port excites no mode.
     """
     there, on = body.spanning, body.coordinates
-    # The rounding error of bᵀφ depends on the vectors' parts of φ, even if these cancel.
+    # The rounding error of bᵀφ depends on the size of the vectors' contributions to φ, even if they
+    # cancel.
     size2 = np.einsum("ij,ij->j", there, there)
     size2 = size2 if on is None else size2 @ on**2
     weight = body.shape[0] ** 2

@@ -1,10 +1,10 @@
 """Every warning about a run: its models, its contacts, and the limits of linear elasticity.
 
-`RULES` is the table of these limits. For a contact each rule returns a `Limit`: the largest force,
-speed or energy, relative to a scale, and the warning above it. From them come the rows (`Advice`)
-of a run, which are its warnings and lines of its summary, and the force and speed up to which none
-of many impacts needs a warning. Unknown properties of a body are not checked, so models given by
-numbers cost nothing.
+`RULES` is the table of the limits of linear elasticity. For a contact each rule returns a `Limit`:
+the largest force, speed or energy, relative to a scale, and the warning above this limit. Limits
+give the rows (`Advice`) of a run, which are its warnings and lines of its summary, and the force
+and speed up to which none of many impacts needs a warning. Unknown properties of a body are not
+checked, so that models given by numbers cost nothing.
 
 A model fitted to a contact of duration T has the receptance of its body at the frequency i s,
 s ~ 10/T. Its accuracy for a contact of another duration is judged by the forces that it leaves
@@ -148,7 +148,7 @@ class _Joint(NamedTuple):
 
 
 def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
-    """Return the limits of a contact by name; those that need unknown properties are left out."""
+    """Return the limits of a contact by name; limits that need unknown properties are left out."""
     law, materials = own_law(contact.law), contact.materials(plan.bodies)
     known, surface = list(filter(None, materials)), round_contact(law, materials)
     joint = _Joint(plan, contact, law, known, surface, plan.touched(contact))
@@ -157,7 +157,7 @@ def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
 
 
 def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]:
-    """Yield the rows of one contact; with `exceeded`, only of rules whose `most` is exceeded."""
+    """Yield the rows of one contact; with `exceeded`, only those of exceeded limits."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
     if not events.contacts:
         return
@@ -304,7 +304,7 @@ def _thickness(joint: _Joint) -> Limit | None:
 
 
 def _mass_ratio(joint: _Joint) -> Limit | None:
-    """Ratio of the masses, which tells how a plate responds; it causes no warning."""
+    """Limit that never warns: its row states the mass ratio, which tells how a plate responds."""
     first, second = (joint.plan.bodies[body] for body, _ in joint.contact.ports)
     if not first.known_mass or not second.mass or not second.constrained or second.wall:
         return None
@@ -536,7 +536,7 @@ MESH_LIMIT = 0.1
 
 
 def warn_of_mesh(run: Run, quantity: str, error: ErrorParts) -> None:
-    """Warn of a large error of a quantity from meshes or contacts, and name the cure."""
+    """Warn of a large error of a quantity due to meshes or contact laws, and name the cure."""
     plan = run.plan
     tips = {(body, port): tip for of in plan.contacts for body, port, tip in plan.touched(of)}
     meshed = [

@@ -56,7 +56,7 @@ class LeftOut:
 class ErrorParts:
     """Relative error of one number or history, split by sources; None for an unknown part.
 
-    Errors of a history are relative to its largest value. Those of a rebound velocity are relative
+    Errors of a history are relative to its largest value. Errors of a rebound velocity are relative
     to at least a tenth of the initial velocity, those of a restitution to at least 0.1.
 
     Attributes
@@ -135,7 +135,7 @@ class ErrorParts:
 class ErrorEstimate(ErrorParts):
     """Relative errors of a run, such as ``error["restitution"].total``, by the number's name.
 
-    ``error.mesh``, ``.contact``, ``.model``, ``.time`` and ``.total`` are those of the first
+    ``error.mesh``, ``.contact``, ``.model``, ``.time`` and ``.total`` are the errors of the first
     quantity of interest, or of the force if none was given. The tolerance bounds only the model's
     part of the quantities of interest; all other errors are only estimated. Iteration yields the
     names.

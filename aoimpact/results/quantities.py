@@ -3,8 +3,8 @@
 `QUANTITIES` is their only table. ``quantity=``, `Run.value`, summaries, the errors of a result,
 the names that ``keep=`` takes, the columns of a sweep with their units, the fast path of
 `simulate_many` and the comparison of models all read it. An impact is a scene of two bodies with
-one contact; it has only the number of the first contact or body. CONTRIBUTING.md says what a new
-quantity needs.
+one contact: of a quantity, it has only the number of the first contact or body. CONTRIBUTING.md
+says what a new quantity needs.
 """
 
 from __future__ import annotations
@@ -101,9 +101,10 @@ class Quantity:
     of_contact : callable, optional
         Number of a contact, from its `Events`. It is called for contacts that never touched, too:
         `contacts` is then empty, and force, impulse and duration are 0. The fast path of
-        `simulate_many` calls it for many impacts at once, as if each touched once, with an array of
-        shape (impacts,) in place of each number. A quotient such as impulse / contact_duration must
-        therefore define its value for a divisor of 0, for numbers and for arrays.
+        `simulate_many` calls this function for many impacts at once, as if the bodies of each
+        touched once, with an array of shape (impacts,) in place of each number. A quotient such as
+        impulse / contact_duration must therefore define its value for a divisor of 0, for numbers
+        and for arrays.
     of_speeds : callable, optional
         Numbers computed from `Speeds`, shape (k,) or (k, impacts). The fast path of `simulate_many`
         supports only this function and `of_contact`.
@@ -207,7 +208,7 @@ class Quantity:
         return _relative(mine - right, self.at_least(scales, exact.velocities_before)).ravel()
 
     def span(self, run: Run) -> float:
-        """Return the duration of the motion that affects this quantity, s.
+        """Return the duration of the motion that affects the quantity, s.
 
         Bodies without gravity, loads or preload do not deform before the first contact.
         """
@@ -492,7 +493,7 @@ def _friction_peaks(run: Run) -> FloatArray:
 def _tangential_restitution(run: Run) -> FloatArray:
     """Return the ratio of tangential velocities after and before contact.
 
-    They are those of one body relative to the other, along the initial tangential direction.
+    The velocities are of one body relative to the other, along the initial tangential direction.
     """
     plan = run.plan
     if plan.oblique is None or len(plan.contacts) != 1:

@@ -185,7 +185,7 @@ class BodyResult(Frozen, Measured):
     def final_spin(self) -> FloatArray:
         """Angular velocity after the last contact, rad/s, shape (3,); NaN for a constrained body.
 
-        It is that of the rigid body with the angular momentum of the deforming body.
+        It is the spin of a rigid body with the same angular momentum as the deforming body.
         """
         return self._at_end[3:]
 
@@ -490,12 +490,13 @@ class Run:
     time_error: float | None
     chosen: Chosen | None = None
     asked: FloatArray | None = None  # the times of `at`, s; None for the solver's own
-    # Errors of meshes and contact laws, or the function that estimates them from the run when an
-    # error is first read.
+    # Errors due to meshes and contact laws, or the function of the run that estimates these errors
+    # when one is first read.
     left_out: LeftOut | Callable[[Run], LeftOut] = _NOTHING_KNOWN
     # Run with the bodies as the user meshed them, if this run has finer elements.
     beside: Run | None = None
-    # Returns runs with other elements; the differences to them give the errors of histories.
+    # Function that returns runs with other elements; the differences from them give the errors of
+    # histories.
     other_runs: Callable[[Run], list[Run | float]] | None = None
     modelled: float = 0.0
     said: tuple[str, ...] = ()  # warnings of the run, which `simulate` issues
@@ -686,8 +687,8 @@ class Run:
     def mean_velocities(self, time: float) -> FloatArray:
         """Return the velocities of the centres of mass at a time, s, shape (bodies,), m/s.
 
-        Where a centre of mass is not known, the mean over the static mode replaces it: runs can
-        still be compared.
+        Where a centre of mass is not known, the mean over the static mode replaces its velocity, so
+        that runs can still be compared.
 
         :meta private:
         """
@@ -748,7 +749,7 @@ class Run:
         Raises
         ------
         InputError
-            If the run did not record them.
+            If the run did not record energies.
         """
         if not self.plan.energies:
             raise InputError("energies: this run has none; call simulate(..., energies=True)")
@@ -882,7 +883,7 @@ class Run:
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Errors of the quantity of interest; ``error["restitution"]`` has those of a number."""
+        """Errors of the quantity of interest; ``error["restitution"]`` are those of a number."""
         energy, models = None, self.plan.bodies
         walls = [i for i, body in enumerate(models) if body.wall]
         # Without the unknown work of a moving wall, the total energy is not constant.

@@ -1,9 +1,10 @@
 """Static equilibrium of bodies in contact under gravity and loads, as the start of a run.
 
-The coordinates are those of the bodies' modes, and massless ones for displacements of massless
-contacts beyond the modes. The potential energy of bodies on springs that only push is convex, so
-that damped Newton iterations on the balance of forces find its minimum. The forces are determinate,
-also in closed loops of contacts, if indentations exceed the rounding errors of positions.
+The coordinates are modal coordinates of the bodies, and massless coordinates for the displacements
+of massless contacts beyond the modes. The potential energy of bodies on springs that only push is
+convex, so that damped Newton iterations on the balance of forces find its minimum. The forces are
+determinate, also in closed loops of contacts, if indentations exceed the rounding errors of
+positions.
 """
 
 from __future__ import annotations

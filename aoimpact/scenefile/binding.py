@@ -52,7 +52,7 @@ class Reader:
     wanted : str
         Name of the values in messages.
     types : tuple of type
-        Accepted types, of those that tomllib gives.
+        Accepted types among those that tomllib returns.
     read : callable
         Function of binder, value and place that returns the argument.
     """
@@ -92,7 +92,7 @@ class Table:
     ----------
     function : callable
     keys : dict of str to str
-        Names of parameters by their keys in the file, where these differ.
+        Names of parameters by key in the file, if the key differs from the name.
     hints : dict
         Annotations in place of the function's own, by parameter.
     owner : callable, optional
@@ -110,7 +110,7 @@ class Table:
 
     @cached_property
     def parameters(self) -> dict[str, inspect.Parameter]:
-        """Parameters by their keys in the file, with their readers as annotations."""
+        """Parameters by key in the file; the annotation of each is the reader of its values."""
         called = {name: key for key, name in self.keys.items()}
         found = (_parameters(self.owner) if self.owner else {}) | _parameters(self.function)
         return {

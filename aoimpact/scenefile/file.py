@@ -188,7 +188,7 @@ class SceneFile:
 
     @property
     def members(self) -> tuple[str, ...]:
-        """Names of the bodies that take part: in the scene, or for an impact in [bodies]."""
+        """Names of the bodies that take part: those of the scene or, for an impact, of [bodies]."""
         return tuple(name for name, _ in self._bound.taking)
 
     def _refuse(self, problems: Sequence[tuple[Place, str] | SceneFileError]) -> None:

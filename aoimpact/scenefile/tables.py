@@ -99,7 +99,7 @@ def _where(
     y: float | None = None,
     z: float | None = None,
 ) -> Any:
-    """Return nodes by name or number, or the function that selects those on all given planes."""
+    """Return nodes by name or number, or the function that selects nodes on all given planes."""
     planes = np.array([x, y, z], dtype=float)
     free = np.isnan(planes)
     if (nodes is None) == free.all():

@@ -216,7 +216,7 @@ class _Problem:
         found = within(first, self.bounds)
         if self.start is None:
             return found
-        # A force that is large soon after the contact has begun jumps.
+        # A force that is large soon after the contact has begun is taken to jump.
         early = self.law_at(found.x).force(_EARLY * self.depth, self.velocity)
         if not early > _FOOT * self.force:
             return found

@@ -46,7 +46,7 @@ class MeasuredResponse(FrequencyResponse):
     Attributes
     ----------
     frequencies : ndarray, shape (n,)
-        Frequencies, Hz: multiples of one over the length of the record, up to half of the rate.
+        Frequencies, Hz: multiples of 1 / (length of the record), up to half of the sampling rate.
     values : ndarray of complex, shape (n,)
         Ratio of response to force, of the `kind`, for e^{iωt}.
     error : ndarray, shape (n,)
@@ -122,7 +122,7 @@ def frf(
     velocity, step, samples = motion.unit == "m/s", 1.0 / motion.rate, len(motion.t)
     rows = [[load.values, motion.values, lack] for load, motion, lack in hits]
     struck, moved, doubt = np.swapaxes(rows, 0, 1)
-    count = samples + samples % 2  # even, so that every second sample has these frequencies, too
+    count = samples + samples % 2  # even: every second sample has the same frequencies
     f = np.arange(1, count // 2 + 1) / (count * step)
 
     loaded, answered = _spectra(struck, step, count), _spectra(moved, step, count, velocity)
@@ -141,8 +141,8 @@ def frf(
         lacking = _estimates(loaded, _spectra(doubt, step, count, velocity))[0]
         error = rest + np.abs(values - coarser) + np.abs(lacking)
         if len(hits) > 1:
-            # |error|² over (1/γ² - 1)|H|²/(n - 1) has the F distribution of 2 and 2(n - 1) degrees
-            # of freedom; `quantile` is its 95 % quantile over n - 1.
+            # The ratio of |error|² to (1/γ² - 1)|H|²/(n - 1) has the F distribution of 2 and
+            # 2(n - 1) degrees of freedom; `quantile` is its 95 % quantile divided by n - 1.
             quantile = _OUTSIDE ** (-1.0 / (len(hits) - 1)) - 1.0
             error += np.abs(values) * np.sqrt(quantile * (1.0 / coherence - 1.0))
 

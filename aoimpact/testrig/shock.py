@@ -47,7 +47,7 @@ _KINDS = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ShockSpectrum(Frozen):
-    """The largest responses of oscillators to a shock, over their frequencies.
+    """The largest responses of oscillators to a shock as a function of their frequencies.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class ShockSpectrum(Frozen):
         return np.maximum(self.primary, self.residual)
 
     def plot(self, ax: Axes | None = None, *, parts: bool = False, **kwargs: Any) -> Axes:
-        """Draw the spectrum over the frequency, both logarithmic; keywords go to ``Axes.plot``.
+        """Draw the spectrum against the frequency, both logarithmic; keywords go to ``Axes.plot``.
 
         Parameters
         ----------
