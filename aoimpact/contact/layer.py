@@ -364,7 +364,7 @@ def _by_wave_number(
 
 
 def rim_nodes(nodes: FloatArray, cells: Sequence[IntArray]) -> BoolArray:
-    """Return a mask of the nodes on edges that belong to a single element, shape (n_nodes,)."""
+    """Return a mask of the nodes on edges that no two elements share, shape (n_nodes,)."""
     ends, number = sides(nodes, cells)[:2]
     rim = np.zeros(len(nodes), dtype=bool)
     rim[ends[np.bincount(number)[number] == 1]] = True

@@ -340,8 +340,8 @@ class ContactPoint(Frozen):
         """Local compliance of the mesh, to be replaced by the half-space of a contact law.
 
         Requires two linear solutions, for the contact and for the body beyond the half-space. None
+        for a body without a mesh, and on a sharp edge. The compliance hardly depends on the
         duration of the contact; as the duration is not known here, `own_contact_time` is used.
-        duration of the contact; as this is not known here, `own_contact_time` is used.
 
         Raises
         ------

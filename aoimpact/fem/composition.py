@@ -25,7 +25,7 @@ from .material import Solid
 
 OneMaterial = Solid | Layers | Beam
 
-# Admissible materials of each thin kind of element, in words and as types; others are solids.
+# Materials that thin elements of each kind may have, in words and as types; others are solids.
 _FITTING: dict[str, tuple[str, Any]] = {
     "quad": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),
     "triangle": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),

@@ -18,7 +18,7 @@ from .material import Material
 # with quadratic elements 4 %.
 _NEARLY_INCOMPRESSIBLE = 0.45
 
-# Largest relative difference between the masses by the area at the nodes and at the middle surface.
+# Largest relative difference of mass between the area at the nodes and that of the middle surface.
 _CURVED = 0.01
 
 

@@ -434,8 +434,8 @@ def read_sections(
     properties given as numbers. The shear centre is taken at the centroid. The centroid is offset
     from the nodes as in Abaqus; for Nastran's bars it is at the nodes, or offset by WA = WB. J is
     Saint-Venant's, from an integral equation on the outline. The shear factor along an axis is the
-    ratio of the area of the walls along it to the whole area. The walls of ARBITRARY are thin: J =
-    Σ b t³/3, plus 4 A²/∮ds/t if the section is closed.
+    ratio of the area of the walls along it to the whole area. The walls of ARBITRARY are thin:
+    J = Σ b t³/3, plus 4 A²/∮ds/t if the section is closed.
 
     The modulus across plies, which LAMINA and MAT8 do not have, is that of fibres in a matrix:
     E3 = E2, with ν13 = ν12 and ν23 = E2/(2 G23) − 1. If G23 is too small for this, as for fabrics,

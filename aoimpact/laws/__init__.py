@@ -2,7 +2,6 @@
 
 To add a law, write its class in a file of this folder and import it here: scene files and the tests
 common to all laws read `LAWS`. Laws know no bodies; `effective_law` removes the compliance of the
-common to all laws read `LAWS`. Laws know no bodies; `effective_law` removes the compliance of the
 bodies' meshes, for `scene`. `integrate` hands laws to the core; `fem` and `reduction` use none.
 """
 

@@ -119,8 +119,8 @@ class Thornton(_Yielding, kind="thornton"):
     C. Thornton, J. Appl. Mech. 64 (1997) 383-386.
 
     F = k δ^(3/2) up to the yield force F_y at δ_y; then F = F_y + 3/2 k √δ_y (δ - δ_y). Unloading
-    and reloading from the deepest point δ*, F* follow Hertz's law with the flattened radius, F = F*
-    ((δ - δ_p) / (δ* - δ_p))^(3/2) with δ* - δ_p = F* / (k √δ*).
+    and reloading from the deepest point δ*, F* follow Hertz's law with the flattened radius,
+    F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2) with δ* - δ_p = F* / (k √δ*).
 
     The law is for indentations of a few times δ_y. Its line has the slope π R p_y, whereas a fully
     plastic contact has 2 π R p₀ with the hardness p₀ ≈ 2.8 σ_y: the force measured on spheres
@@ -193,9 +193,9 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     radius, F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2). The residual indentation is that of I. Etsion,
     Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729, found by finite elements:
     δ_p = δ* (1 - w^(-0.28)) (1 - w^(-0.69)), w = δ*/δ_y. From about 1.6 δ_f on, where both formulas
-    have equal slopes, the recovery δ* - δ_p goes as √F*, like that of a flattened sphere with F* =
-    π p₀ a² (K. L. Johnson, *Contact Mechanics*, section 11.5); far past yield, the restitution thus
-    goes as V^(-1/4). If the hardness is less than 1.7 times the yield pressure, the
+    have equal slopes, the recovery δ* - δ_p goes as √F*, like that of a flattened sphere with
+    F* = π p₀ a² (K. L. Johnson, *Contact Mechanics*, section 11.5); far past yield, the restitution
+    thus goes as V^(-1/4). If the hardness is less than 1.7 times the yield pressure, the
     restitution rises by up to 0.007 just before δ_f; with Tabor's hardness it only falls.
 
     The papers were not at hand: the forms and the powers 0.28 and 0.69 are as they are commonly

@@ -12,7 +12,7 @@ from ..base import ROUNDING, InputError, unit_vector
 from ..contact import ContactSurface
 from .elastic import Hertz
 
-# Directions of travel within 5° are one direction in one frame.
+# Both directions of travel are in one frame if their cosine is at least this: 5°.
 _ONE_FRAME = math.cos(math.radians(5.0))
 
 # Largest relative change of k with the angle between the surfaces for which any angle is taken.

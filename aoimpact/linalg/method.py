@@ -88,7 +88,7 @@ class Method(NamedTuple):
     is_installed: Callable[[], Any] = lambda: True
 
     def seconds(self, pencil: Pencil, solutions: float) -> float:
-        """Return the estimated time of the set-up and some solutions, s."""
+        """Return the estimated time of the set-up and of a number of solutions, s."""
         set_up, step, _, steps = self.cost(pencil)
         return set_up + solutions * steps * step
 

@@ -47,7 +47,7 @@ _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
 _DENSE = 300
 
-# Largest ratio of the dofs of an aggregated level to those above; beyond it K hardly couples.
+# Largest ratio of an aggregated level's dofs to the finer level's; above it K hardly couples dofs.
 _SHRINKS = 0.7
 
 # `_SET_UP`, `_ITERATION`: time of the set-up and of an iteration per entry of K, s.

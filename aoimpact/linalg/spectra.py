@@ -36,8 +36,8 @@ _DENSE_AT_WORST = 2000
 # Smallest ratio of an elastic eigenvalue to the first guess of s²; smaller ones are rounding.
 _LEAST_SHIFT = 1e-30
 
-# Ratio of the first guess of s² to ΣK_ii/ΣM_ii, which is near the highest ω². With this guess, K +
-# s²M is definite beyond rounding, and the lowest ω² remain distinct.
+# Ratio of the first guess of s² to ΣK_ii/ΣM_ii, which is near the highest ω². With this guess,
+# K + s²M is definite beyond rounding, and the lowest ω² remain distinct.
 _FIRST_SHIFT = 1e-4
 
 # `_SHIFT_BELOW`, `_SHIFT_ABOVE`: range of ω²/s² of the first elastic mode in which s² is kept.
@@ -46,7 +46,7 @@ _FIRST_SHIFT = 1e-4
 _SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
 
 # `_INVERSE_STEPS`: steps of inverse iteration from a random vector, which find the order of
-# magnitude of the first elastic ω² unless it is far below s². In that case they give some s²/200
+# magnitude of the first elastic ω² unless it is far below s². In that case they find some s²/200
 # (of strips 1 m long and 0.5 to 3 mm thick), and the next s² is _FURTHER times this value.
 _INVERSE_STEPS, _FURTHER = 8, 0.01
 
