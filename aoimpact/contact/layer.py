@@ -135,7 +135,7 @@ def plate_motion(layers: Layers, s: float, x: FloatArray) -> FloatArray:
 
 
 def _motion_of_waves(layers: Layers, s: float, x: FloatArray) -> FloatArray:
-    """`plate_motion` as an integral over plane waves in all directions.
+    """Return `plate_motion`, as an integral over plane waves in all directions.
 
     The force is spread by a modified Gaussian whose second and fourth moments vanish.
     """

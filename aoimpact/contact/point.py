@@ -250,7 +250,7 @@ class ContactPoint(Frozen):
         return replace(self, body=body, b=self._on_finer(body))
 
     def _on_finer(self, body: FEModel) -> FloatArray:
-        """The functional b on the body with finer elements, from their shape functions."""
+        """Return the functional b on the body with finer elements, from their shape functions."""
         point, along, surface = self.point, self.direction, body.surface
         alike = self.body.mesh is body.mesh
         with held_warnings():  # the same warnings were given for the point before

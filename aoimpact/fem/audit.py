@@ -149,7 +149,7 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
             # If the mass is unknown, constrained nodes are taken as heavy as the free ones.
             whole = float(moved.mean()) * 3 * n_nodes / len(node) if mass is None else mass
             density = whole / box
-        # Uniform strain d = x - x₀ along an axis, x₀ the centre of constrained nodes or else of all.
+        # Uniform strain d = x - x₀ along an axis; x₀: centre of constrained nodes, else of all.
         constrained = shares < 3
         origin = nodes[constrained if constrained.any() else slice(None)].mean(axis=0)
         strain = (nodes[node] - origin) * axes

@@ -228,7 +228,7 @@ class Layers:
         return np.cumsum([np.zeros((2, 2)), *steps[:-1]], axis=0)
 
     def _change(self, number: int, low: float, high: float) -> FloatArray:
-        """Increase of τxz and τyz from low to high in a ply per (Qx, Qy), from equilibrium.
+        """Return the increase of τxz, τyz from low to high in a ply per (Qx, Qy), from equilibrium.
 
         τxz = -∫ (σxx,x + τxy,y) dz and τyz = -∫ (τxy,x + σyy,y) dz; shape (2, 2), 1/m.
         """
@@ -238,7 +238,7 @@ class Layers:
         return -np.array([[along_x[0], along_y[2]], [along_x[2], along_y[1]]])
 
     def _shear_stress(self, number: int, z: float) -> FloatArray:
-        """τxz and τyz at z in a ply per (Qx, Qy), 1/m, shape (2, 2)."""
+        """Return τxz and τyz at z in a ply per (Qx, Qy), 1/m, shape (2, 2)."""
         return np.asarray(self._below[number] + self._change(number, self.interfaces[number], z))
 
     def stress_at(self, strains: FloatArray, number: int, z: float) -> FloatArray:

@@ -399,7 +399,7 @@ class FEModel(Frozen):
         return vars(self)[name]
 
     def _matrices(self) -> dict[str, Any]:
-        """K, M and `held`, assembled from the mesh."""
+        """Return K, M and `held`, assembled from the mesh."""
         made: Any = self.shapes, self.material
         free: Any = self.free
         return completed(*stiffness_mass(*made), self.masses, self.springs, free)

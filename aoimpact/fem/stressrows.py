@@ -352,7 +352,7 @@ def _averaged(wanted: _Wanted) -> sp.csr_array:
 
 
 def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, FloatArray | None]:
-    """Stress or strain per generalised strain, (8, 6), and the axes of a ply given by index."""
+    """Return stress or strain per generalised strain, (8, 6), and axes of a ply given by index."""
     ply, side = (None, layer) if isinstance(layer, str) else layer
     z = layers.height(side, ply)
     if ply is None:

@@ -98,7 +98,7 @@ def _deck(star: AOModel) -> str:
 
 
 def _write_rows(body: Any, path: Path) -> dict[str, Path]:
-    """Write the files of the dofs of rows and of node coordinates; return their paths."""
+    """Write the files "dofs" and "nodes" of a body, if it has them; return their paths."""
     files = {}
     labels = body.labels
     if labels is None and body.free is not None:

@@ -90,7 +90,7 @@ class Hertz(HertzianLaw, kind="hertz"):
 
 @dataclass(frozen=True, repr=False)
 class PowerLaw(ContactLaw, kind="power"):
-    """F = k δⁿ.
+    """Contact law F = k δⁿ.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class PowerLaw(ContactLaw, kind="power"):
 
 @dataclass(frozen=True, repr=False)
 class Linear(ContactLaw, kind="linear", power=1.0):
-    """F = k δ: a linear spring that only pushes.
+    """Contact law F = k δ: a linear spring that only pushes.
 
     Parameters
     ----------

@@ -213,7 +213,7 @@ class ContactLaw:
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self._given().items())})"
 
     def __str__(self) -> str:
-        """The law and its parameters with units, for summaries."""
+        """Return the law and its parameters with units, for summaries."""
         units, given = self.units, self._given()
         if not given.keys() <= units.keys():
             return repr(self)

@@ -33,7 +33,7 @@ _FORMULAS: dict[str, Callable[[float], float]] = {
 
 @dataclass(frozen=True, repr=False)
 class HuntCrossley(HertzianLaw, kind="hunt_crossley", depends_on_rate=True, damped_by="damping"):
-    """F = k δⁿ (1 + χ δ̇).
+    """Contact law F = k δⁿ (1 + χ δ̇).
 
     K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975) 440-445, with any χ (theirs was
     χ = 3 (1-e)/(2 V), a fit for e near 1).

@@ -34,7 +34,7 @@ class Fill(NamedTuple):
 def fill(matrix: Any, places: FloatArray | None = None) -> Fill:
     """Estimate the factors of a symmetric matrix by nested dissection of a box.
 
-    The middle cross-sections of the box have as many rows, s₁, s₂, s₃, as those of the body. Each
+    The middle cross-sections of the box have as many rows as those of the body, s₁, s₂, s₃. Each
     cut, across the longest side, has the smallest cross-section as separator and halves the other
     two. A separator of s rows, in a part bordered by r rows of earlier separators, adds s²/2 + s r
     entries and s³/3 + s² r + s r² multiplications. After k cuts along an axis, a part has on
