@@ -59,8 +59,8 @@ _ALONG = 1e-6
 # Largest height above the tangent plane, relative to the face or the body, that counts as 0.
 _FLAT = 1e-7
 
-# χ falls from 1 to 0 as the cosine between outward normal and position increases from the first to
-# the second value. The wall of a hemispherical cup, seen from its pole, has cosines up to 0.71.
+# χ falls from 1 to 0 as the cosine between outward normal and position increases from _BEHIND to
+# _FAR_BEHIND. The wall of a hemispherical cup, seen from its pole, has cosines up to 0.71.
 _BEHIND, _FAR_BEHIND = 0.35, 0.8
 
 # Largest ratio of size to distance from the contact of elements that interpolate u_B for its

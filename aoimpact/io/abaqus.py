@@ -711,7 +711,7 @@ class Scope:
         raise card.error(f"there is no {which} {name}{why}")
 
 
-# Keywords of nodes, elements and sets: functions that read them, and permitted options.
+# `_OF_SETS`: options of sets. `_READ`: function and permitted options by keyword of the mesh.
 _OF_SETS = "ELSET GENERATE UNSORTED INTERNAL INSTANCE INPUT FREQUENCY"
 _READ: dict[str, tuple[Callable[[Scope, Keyword], None], str]] = {
     "SYSTEM": (Scope._system, ""),

@@ -21,8 +21,8 @@ _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
 
 _MARKET = re.compile("matrix (coordinate|array) (real|integer) (general|symmetric)")
 
-# Smallest size of an entry in bytes: row, column and value of one digit each, with separators; for
-# a dense matrix one digit and a separator.
+# Smallest size of a file per entry, bytes. `_LEAST_BYTES`: row, column and value of one digit each,
+# with separators. `_LEAST_DENSE`: one digit and a separator, for a dense matrix.
 _LEAST_BYTES, _LEAST_DENSE = 6, 2
 
 

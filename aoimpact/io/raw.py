@@ -20,7 +20,7 @@ import numpy.typing as npt
 from ..base import PRINTED, FloatArray, InputError, IntArray, MeshError, decoded, record, sp
 from ..mesh import twins
 
-# Kinds of lines and points by their numbers of nodes; names of cells by dimension.
+# `LINES`, `POINTS`: kinds by numbers of nodes. `DIMENSIONS`: names of cells by dimension.
 LINES = {2: "line", 3: "line3"}
 POINTS = {1: "vertex"}
 DIMENSIONS = ("point", "line", "surface", "volume")
@@ -44,7 +44,7 @@ _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EDed]([+-]?\d+)|([+-]\d+))?
 
 _SHORT = re.compile(rb"(?<=[\d.])(?=[-+]\d)")  # where the E is missing in 1.0+3
 
-# Bounds, excluded, of the component and node of a matrix row, which `codes` packs into one integer.
+# Exclusive bounds of the component and the node of a matrix row; `codes` packs both in one integer.
 _COMPONENTS, _LARGEST_NODE = 64, 2**40
 
 # Largest ratio of the size of data to that of their HDF5 file: zlib's strongest compression.
