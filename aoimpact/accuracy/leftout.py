@@ -140,10 +140,10 @@ def _with_models(run: Run) -> Run:
 
 
 def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
-    """Return the contacts with laws altered by their uncertainty; None where it is not known.
+    """Return the contacts with laws altered by their uncertainty; None if that is not known.
 
-    The law is altered by the compliance that varies with the width of the contact, or by one that
-    was left in the law although it may belong to the mesh.
+    The law is altered by the compliance that varies with the width of the contact, or by a
+    compliance that was left in the law although it may belong to the mesh.
     """
     plan = run.plan
     contacts = list[Contact]()
@@ -156,7 +156,7 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
                 continue  # a body given by numbers, or a law without the bodies' indentation
             known = extraction_of(law, plan.bodies[body], port)
             if known is None:
-                return None  # not known for a rigid model or at a sharp edge
+                return None  # uncertainty unknown: a rigid model or a sharp edge
             if known.removed and not isinstance(contact.law, PatchLaw):
                 left += known.removed  # with and without it, results bound the true ones
             else:

@@ -14,8 +14,8 @@ from ..fem import FEModel
 from ..fields import Response, response_of
 from ..results import Quantity, Run
 
-# Number of runs whose responses are cached while models are chosen: with the current models, with
-# three smaller sets, and with a smaller model of a single body.
+# Number of runs whose responses are cached while models are chosen: one run with the current
+# models, three with smaller models, and one per body with a smaller model of that body.
 _COMPARED = 9
 
 

@@ -118,7 +118,7 @@ class StressAt(_AtPoint):
         :meta private:
         """
         tensor = self._tensor
-        tensor.of(body)  # which checks the place
+        tensor.of(body)  # checks the place
 
         def seen(response: Response, times: FloatArray) -> FloatArray:
             stress = Stress(tensor(response, times)[:, 0], self.point)
@@ -203,7 +203,7 @@ class StrainAt(_AtPoint):
         if self.length:
             return gauge_strain(body, *self.ends, self.where)
         tensor, weights = self._tensor, self._weights
-        tensor.of(body)  # which checks the place
+        tensor.of(body)  # checks the place
         return lambda response, times: tensor(response, times)[:, 0] @ weights
 
     @property

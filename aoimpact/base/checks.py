@@ -59,7 +59,7 @@ def real(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> fl
     InputTypeError
         If `value` is not a real number (a bool, a complex, a string, an array).
     InputError
-        If it is NaN, or infinite where that has no meaning.
+        If `value` is NaN, or infinite without `infinite`.
     """
     if type(value) is float and math.isfinite(value):
         return value  # the common case; the checks below take far longer
@@ -100,9 +100,9 @@ def within(
     Raises
     ------
     InputError
-        If it lies outside.
+        If `value` lies outside.
     InputTypeError
-        If it is not a real number.
+        If `value` is not a real number.
     """
     number = real(name, value)
     if not low <= number <= high or (below and number == high):
@@ -120,7 +120,7 @@ def integer(name: str, value: Any, *, low: int | None = None, high: int | None =
     InputTypeError
         If `value` is not an integer (2.0 is not: a count that was computed may be 1.9999).
     InputError
-        If it lies outside the bounds.
+        If `value` lies outside the bounds.
     """
     try:
         if isinstance(value, (bool, np.bool_)):
@@ -228,9 +228,10 @@ def file_path(name: str, value: Any) -> Path:
     Raises
     ------
     InputTypeError
-        If it is neither.
+        If `value` is neither.
     InputError
-        If it has a null character in it, or one that the system cannot write in a file's name.
+        If `value` has a null character, or a character that the system cannot write in a file's
+        name.
     """
     if not isinstance(value, (str, os.PathLike)):
         raise InputTypeError(f"{name} must be a path, got {_short(value)}")
@@ -251,7 +252,7 @@ def written_file(path: Any, name: str = "path") -> Iterator[Path]:
     Raises
     ------
     InputTypeError
-        If it is no path; see `file_path`.
+        If `path` is no path; see `file_path`.
     InputError
         If the file or folder cannot be written to.
     """
@@ -326,7 +327,7 @@ def unit_vector(name: str, value: Any) -> FloatArray:
     Raises
     ------
     InputError
-        If it has another shape, is not finite, or is zero.
+        If `value` has another shape, is not finite, or is zero.
     """
     vector = finite_array(name, value, shape=(3,))
     scale = float(np.abs(vector).max())

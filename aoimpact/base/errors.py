@@ -131,7 +131,7 @@ def optional_package(name: str, what: str, otherwise: str = "") -> Any:
     Raises
     ------
     MissingPackageError
-        If it is not installed.
+        If the package is not installed.
     """
     try:
         return importlib.import_module(name)

@@ -10,15 +10,15 @@ from .errors import MemoryLimitError
 
 GIB = 2.0**30
 
-# Folder of the memory limit and use of a container, by version 2 of control groups.
+# Folder of a container's memory limit and use (control groups, version 2).
 _CGROUP = Path("/sys/fs/cgroup")
 
 
 def available() -> float:
     """Return the memory available now, bytes; infinite if the system does not report it.
 
-    It is the least of the machine's free memory and of what is left of the limits of a container
-    and of this process (``ulimit -v``, batch systems).
+    It is the least of the machine's free memory and of the unused parts of the limits of a
+    container and of this process (``ulimit -v``, batch systems).
     """
     found = [float("inf")]
     with suppress(OSError, ValueError, AttributeError, ImportError):  # not on macOS and Windows

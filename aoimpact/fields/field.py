@@ -40,8 +40,8 @@ from ..fem import (
 from ..mesh import Mesh, meshio_of_all_kinds, plane_of
 
 # Default ratio of the largest drawn displacement to the bodies' size; it shows the motion and keeps
-# the shape recognisable. The factor on displacements is rounded down, so that the ratio is 3 to 8
-# %.
+# the shape recognisable. The factor on displacements is rounded down, so that the ratio is .03 to
+# .08.
 _SHOWN = 0.08
 
 # Percentile of stress at which the colours end: if they ended at the peak under a contact, the rest
@@ -111,7 +111,7 @@ def picture(
     """
     factor = enlargement(bodies) if scale is None else nonnegative("scale", scale)
     pyvista = optional_package("pyvista", "a picture", _OTHERWISE)
-    with pyvista.vtk_verbosity("off"):  # it warns where there is no screen
+    with pyvista.vtk_verbosity("off"):  # VTK warns if there is no screen
         plotter = pyvista.Plotter(off_screen=True, window_size=_WINDOW)
         plotter.render()
     largest = np.concatenate([body.von_mises.max(axis=0) for body in bodies])

@@ -452,7 +452,7 @@ class Probe(Sensed):
         return Filtered(history, channel)
 
     def _tensor(self, name: str) -> FloatArray:
-        solid(self._response.body, name)  # which refuses bodies without elements and material
+        solid(self._response.body, name)  # refuses bodies without elements and material
         return self._histories[name].told().reshape(len(self.t), *self.points.shape[:-1], 6)
 
     @property
@@ -553,7 +553,7 @@ def gauge_strain(body: FEModel, ends: FloatArray, along: FloatArray, layer: Laye
     """
     if body.mesh is None or not body.mesh.thin:
         gauge = At(ends, along[None], (2,))
-        gauge.of(body)  # which checks the ends
+        gauge.of(body)  # checks the ends
         return gauge.elongation
     x, w = np.polynomial.legendre.leggauss(_ALONG)
     places = ends[0] + np.outer(0.5 + 0.5 * x, ends[1] - ends[0])
@@ -747,7 +747,7 @@ class Measured:
         axes = np.eye(3) if direction is None else unit_vector("direction", direction)[None]
         shape = places.shape if direction is None else places.shape[:-1]
         at = At(np.atleast_2d(places), axes, shape, chosen)
-        at.of(response.body)  # which checks the places
+        at.of(response.body)  # checks the places
         tensor = partial(TensorAt, at.places, where, nodes=chosen)
         history = partial(History, source=response, t=wanted)
         histories: list[History] = [

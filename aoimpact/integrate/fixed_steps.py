@@ -38,9 +38,10 @@ _MOST_BYTES = 4 * GIB
 _FIRST_STEPS = 50
 
 # Relative precision of friction's stretches (`Contact.for_core`): _PRECISION: with the first step;
-# _ROUGHEST: largest one that the core accepts. It is proportional to the square of the step, so
-# that the error estimate includes its error, a hundredth of the rule's. With 0.02 it would be a
-# third, and springs that are left out would give back 4e-8 of the energy.
+# _ROUGHEST: largest one that the core accepts. The precision is proportional to the square of the
+# step, so that the error estimate includes the resulting error, a hundredth of the rule's. With
+# _PRECISION = 0.02 it would be a third, and springs that are left out would give back 4e-8 of the
+# energy.
 _PRECISION, _ROUGHEST = 4e-4, 0.1
 
 # Largest number of halvings of the step. An error of second order falls by a factor of 4^16 = 4e9;

@@ -95,7 +95,7 @@ def table_4() -> list[Row]:
 
 
 def table_5() -> list[Row]:
-    """Table 5: natural frequencies, and the first by quadratic elements and by beam theory."""
+    """Table 5: natural frequencies; the first also by quadratic elements and by beam theory."""
     body, model = beam().body, ao.modal(beam(), n=7)
     assert body.free is not None
     kinetic = model.modes * (body.M @ model.modes)

@@ -582,7 +582,7 @@ class Body(Frozen, BodyModel):
         """Modal coordinates of the static mode φ_st at a port, eqs. (2), (3).
 
         φ_st is the rigid motion with u = 1 if a force at the port moves the body as a whole. The
-        part of φ_st that follows forces at once (`following`) is left out.
+        coordinates lack the part of φ_st that follows forces at once (`following`).
         """
         r, still = self.shape[port], self.omega == 0.0
         if r[still].any():
@@ -864,9 +864,9 @@ def in_time(coordinates: npt.ArrayLike, n: int) -> FloatArray:
 def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArray:
     """Return an orthonormal basis of the rigid motions that an impact at a port causes, (k, 0 … 2).
 
-    Its columns are coordinates on all rigid motions. The first is the motion that the port excites,
-    the second the rest of a translation along the direction of travel, with which an eccentric
-    impact begins.
+    Its columns are coordinates on all rigid motions. The first is the motion that the port excites.
+    The second completes the span of a translation along the direction of travel, with which an
+    eccentric impact begins.
 
     Parameters
     ----------
@@ -882,7 +882,7 @@ def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArra
     first = push / size
     if not tip.translates:
         return first[:, None]
-    assert tip.direction is not None  # it translates along it
+    assert tip.direction is not None  # of the translation
     way = rigid.T @ (tip.body.M @ tip.body.translation(tip.direction))
     rest = way - (first @ way) * first
     rest -= (first @ rest) * first

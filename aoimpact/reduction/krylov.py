@@ -513,8 +513,9 @@ class KrylovSpace:
 def only_excited(body: Body) -> Body:
     """Return a body of one port without the modes that an impact on it does not excite.
 
-    At most two rigid motions remain: the motion that the port excites, and the rest of a
-    translation along the direction of travel, with which an eccentric impact begins.
+    At most two rigid motions remain. The first is the motion that the port excites. The second
+    completes the span of a translation along the direction of travel, with which an eccentric
+    impact begins.
     """
     tip, r, still = body.tips[0], body.shape[0], body.omega == 0.0
     on = np.eye(len(r)) if body.coordinates is None else body.coordinates

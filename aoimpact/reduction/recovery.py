@@ -114,7 +114,7 @@ class Recovery:
         their space lies in the span of M times that space and the loads. One solution for each
         force is therefore sufficient.
 
-        Models of refined bodies need no correction: their vectors contain it.
+        Models of refined bodies need no correction: their vectors contain the response to r.
         """
         body, loads, s2 = self.model.body, self.loads, self.s**2
         if body.coarse is not None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from ..base import InputError, nearest, text
 
-# Relative errors below this are rounding errors.
+# Largest relative error that counts as a rounding error.
 ROUNDING = 1e-9
 
 

@@ -87,7 +87,7 @@ class Speeds:
 
     @property
     def still(self) -> Any:
-        """True for each body that supports hold at rest."""
+        """True for each body that is held at rest by supports."""
         return self.fixed & (self.before == 0.0)
 
 
@@ -596,7 +596,7 @@ def quantity_unit(name: str) -> str:
     The name may be dotted, and may end with a component of a vector: "bodies.0.final_spin.1".
     """
     *_, last = (part for part in name.split(".") if not part.isdigit())
-    if last == "final_velocity":  # a vector whose magnitude is no quantity
+    if last == "final_velocity":  # a vector, and not in `QUANTITIES`
         return "m/s"
     quantity = QUANTITIES.get(last)
     return "" if quantity is None or quantity.is_history else quantity.unit

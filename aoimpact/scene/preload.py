@@ -36,9 +36,9 @@ _MOST_STEPS = 1000
 # bound.
 _TIGHTER, _LEAST_DAMPING, _LOOSER = 0.1, 1e-12, 2.0
 
-# _TOO_FAR: largest ratio of the work against a step of the forces at its end to the work of the
-# forces at its start. Above it the step is shortened by the secant method, with a factor in
-# _SHORTER.
+# _TOO_FAR: a step is too long if the forces at its end do negative work along it of more than this
+# share of the work of the forces at its start. _SHORTER: range of the factor by which the secant
+# method then shortens the step.
 _TOO_FAR, _SHORTER = 0.5, (0.1, 0.5)
 
 # Number of steps after the forces are balanced to rounding errors: each step squares the error.

@@ -183,7 +183,7 @@ class Scenario:
     def port_forces(self, body: int, times: FloatArray, forces: FloatArray) -> FloatArray:
         """Return all forces on a body's ports, N, along their directions, shape (p, times).
 
-        Under gravity a row of ones follows, the factor of the constant weight.
+        Under gravity there is one more row, of ones: the factor on the constant weight.
 
         Parameters
         ----------

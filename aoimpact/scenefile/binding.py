@@ -285,7 +285,7 @@ def reader(hint: Any) -> Reader | None:
 
 
 def _either(hints: Sequence[Any]) -> Reader | None:
-    """Return the reader of values of several annotations, by the first that a value fits."""
+    """Return the reader of a union: it reads by the first annotation that a value fits."""
     path = any(get_origin(hint) is os.PathLike for hint in hints)
     found = (reader(hint) for hint in hints if not (path and hint in (str, Any)))
     kinds = list(dict.fromkeys(filter(None, found)))

@@ -377,7 +377,8 @@ class SceneFile:
         Raises
         ------
         InputError, InputTypeError
-            If it is not a result of this file, or a probe is invalid, with its line.
+            If `result` is not a result of this file, or a probe is invalid; the message has the
+            line.
 
         Examples
         --------

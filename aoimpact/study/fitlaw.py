@@ -45,8 +45,8 @@ _ORIGIN = 30.0
 # Largest relative standard error of a parameter that counts as determined.
 _DETERMINED = 0.5
 
-# First guess of a parameter if a class is fitted, by the parameter's unit or else its name: a
-# factor, and exponents of the largest force, the indentation and the velocity.
+# First guess of a parameter if a class is fitted. _GUESSES: by the parameter's unit, a factor and
+# the exponents of largest force, largest indentation and velocity in the product. _NAMED: by name.
 _GUESSES: dict[str, tuple[float, float, float, float]] = {
     "N": (0.3, 1.0, 0.0, 0.0),
     "m": (0.3, 0.0, 1.0, 0.0),
@@ -126,7 +126,7 @@ class LawFit(Frozen):
     undetermined: tuple[str, ...]
 
     def __str__(self) -> str:
-        """The law, and each parameter with its standard error."""
+        """Return the law, and each parameter with its standard error, as text."""
         lines = [str(self.law)]
         for name, error in self.standard_errors.items():
             of: Any = self if name == "start_time" else self.law
@@ -227,7 +227,8 @@ class _Problem:
             begin = np.append(found.x[:-1], bounds[:, -1].mean())
             between.append(within(begin, bounds))
         best = min(between, key=lambda one: one.cost)
-        # The force at the first sample depends on the start like a root, which no slope describes.
+        # Leave out the first sample in contact: its force depends on the start like a root, which
+        # has no finite slope.
         best.jac = np.delete(best.jac, np.argmax(best.fun + self.measured > 0.0), axis=0)
         return best
 
@@ -419,7 +420,7 @@ def _free(law: ContactLaw, free: Iterable[str] | None) -> list[str]:
 
 
 def _guess(cls: Any, data: _Problem, mass: float | None) -> ContactLaw:
-    """Return an initial law of that class, estimated from the size of the measured values."""
+    """Return an initial law of the class `cls`, estimated from the size of the measured values."""
     if not (isinstance(cls, type) and issubclass(cls, ContactLaw)):
         raise InputTypeError(f"law must be a contact law or its class, got {cls!r}")
     known, needed = {"mass": mass, "velocity": data.velocity}, _needed(cls)

@@ -339,7 +339,7 @@ def drop_weight(
     with np.errstate(all="ignore"):
         fall = make_interp_spline(raw.t, g - raw.values / m, k=1, check_finite=False)
         gained, way = fall.antiderivative(1), fall.antiderivative(2)
-        first = v_i - g * (begin - raw.t[0])  # it falls freely before it touches
+        first = v_i - g * (begin - raw.t[0])  # free fall before the first touch
         v = first + gained(raw.t)
         deflection = first * (raw.t - begin) + way(raw.t) - way(begin)
         energy = 0.5 * m * (v_i - v) * (v_i + v) + m * g * deflection

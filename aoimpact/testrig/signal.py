@@ -41,7 +41,7 @@ STANDARD_GRAVITY = 9.80665  # m/s², ISO 80000-3
 # Samples count as evenly spaced if no time is farther than this from an even grid, in steps.
 UNEVEN = 0.05
 
-# Default number of samples of a simulated force in its hardest contact.
+# Default number of samples of a simulated force in the contact with the largest force.
 _PER_CONTACT = 500
 
 # Largest number of samples; a longer record is taken for a mistake.
@@ -136,8 +136,8 @@ class Signal(Frozen):
         contact : int, optional
             Number of the contact in a scene's run, in the order of `Scene.connect`.
         rate : float, optional
-            Sampling rate of a result, Hz; by default that of 500 samples in the hardest contact, or
-            of the steps of a solver of fixed steps, between which the force is linear.
+            Sampling rate of a result, Hz; by default 500 samples in the contact with the largest
+            force, or the rate of fixed steps, between which the force is linear.
         margin : float, optional
             Length of zero force before and after the record of a result, s: room for a filter.
 
@@ -288,7 +288,7 @@ class Signal(Frozen):
         return replace(self, values=smooth, raw=self)
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the signal over time, with the unfiltered one in grey behind it.
+        """Draw the signal over time, and behind it the unfiltered signal in grey.
 
         Keywords go to ``Axes.plot``. Returns the axes.
 
