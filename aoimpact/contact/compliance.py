@@ -68,9 +68,9 @@ class Compliance:
         """Return the compliances of a truncated model, which omits some of the body's modes.
 
         The contact law takes over the omitted compliance at s, ΔG = bᵀΔx (residual flexibility: R.
-        H. MacNeal, Comput. Struct. 1, 581 (1971)). Its derivative with respect to s² is minus the
-        omitted inertia, xᵀMx - x̃ᵀMx̃. Its change over the frequencies of an impact is estimated by
-        a single mode with this compliance and derivative.
+        H. MacNeal, Comput. Struct. 1, 581 (1971)). The derivative of ΔG with respect to s² is
+        minus the omitted inertia, xᵀMx - x̃ᵀMx̃. The change of ΔG over the frequencies of an impact
+        is estimated by a single mode with this compliance and derivative.
 
         Parameters
         ----------

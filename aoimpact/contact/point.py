@@ -577,7 +577,7 @@ def own_contact_time(tip: ContactPoint) -> float:
     """Return an estimate of the contact time, s: half a period of mass and contact stiffness.
 
     The stiffness is r E*/0.6 of a half-space under Hertz's pressure or, without a mesh, that of K
-    for a displacement of the contact's nodes alone. The time is infinite if it is zero.
+    for a displacement of the contact's nodes alone. Without stiffness, the time is infinite.
     """
     if tip.on_surface:
         assert tip.material is not None

@@ -205,7 +205,7 @@ def excess_of_beam(beam: Beam) -> tuple[float, float]:
 
 
 def _around(tip: Any, parts: list[Piece], close: BoolArray) -> BoolArray:
-    """Return a mask of elements with a close node and nearly the normal of the contact."""
+    """Return a mask of elements with a close node and almost the normal of the contact point."""
     mesh = tip.body.mesh
     own = np.zeros(mesh.n_cells, dtype=bool)
     for part in parts:

@@ -523,7 +523,7 @@ def _finite(stiffness: FloatArray) -> FloatArray:
     return np.where(np.isinf(stiffness), 0.0, stiffness)
 
 
-# (v, θ L) at both ends of an element rigid in shear, per coefficient of the cubic v(x/L).
+# Values (v, θ L) at both ends of an element rigid in shear, per coefficient of the cubic v(x/L).
 _AT_ENDS = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 1, 1], [0, 1, 2, 3]], dtype=np.float64)
 
 

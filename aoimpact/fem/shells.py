@@ -357,7 +357,7 @@ def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -
     """
     n, nodes = local.shape[:2]
     x, y, z = np.moveaxis(normals, 2, 0)
-    cross = np.zeros((n, nodes, 3, 3))  # matrix of the cross product with normal × e3
+    cross = np.zeros((n, nodes, 3, 3))  # cross product with normal × e3, as matrices
     cross[..., 0, 2], cross[..., 2, 0] = -x, x
     cross[..., 1, 2], cross[..., 2, 1] = -y, y
     turn = np.eye(3) + cross + cross @ cross / (1.0 + z)[..., None, None]

@@ -308,7 +308,7 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     values, vectors = np.linalg.eigh(motions.T @ motions)
     known = values > _UNKNOWN**2 * values[-1]
     fit = (vectors[:, known] / values[known]) @ (motions @ vectors[:, known]).T
-    # From translation and size · rotation at the middle of the nodes to the same at the centre.
+    # Transformation of translation and size · rotation from the middle of the nodes to the centre.
     to_centre = np.eye(6)
     to_centre[:3, 3:] = motions_at((centre - middle)[None] / size)[0, :, 3:]
     weights = np.zeros((6, 6))

@@ -101,7 +101,7 @@ def _warped(z: Any, step: Any) -> float:
     """Return ∫|∇ω|² dA, m⁴, by which warping ω lowers the torsion constant: J = Ip − ∫|∇ω|² dA.
 
     On the outline ∂ω/∂n = ∂ψ/∂s with ψ = r²/2, so ω + iψ is analytic within, up to a constant at
-    each hole, and its Cauchy integral over the outline is πi (ω + iψ) there. The imaginary part is
+    each hole, and its Cauchy integral over the outline is πi (ω + iψ) on it. The imaginary part is
     an integral equation for ω, a polynomial on each panel (J. Helsing and R. Ojala, J. Comput.
     Phys. 227, 2899, 2008). The result is ∮ω dψ.
 

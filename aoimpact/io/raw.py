@@ -194,7 +194,7 @@ def cells_of(known: IntArray, labels: IntArray, nodes: IntArray, refuse: Any) ->
     nodes : ndarray of int, shape (n, nodes per element)
         Labels of the elements' nodes.
     refuse : callable
-        Makes the error from the row of the element and the reason.
+        Function that makes the error from the row of the element and the reason.
     """
     rows = rows_of(known, nodes)
     for row, column in np.argwhere(rows < 0)[:1].tolist():

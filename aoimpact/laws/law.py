@@ -78,8 +78,8 @@ class Dent(NamedTuple):
 _NO_DENT = 1e-12
 
 # Largest c dF/dδ at which the compliance c is removed from a law, as in csrc/law/law.c. The
-# remaining law is then twenty times as stiff; between two equal bodies, the contact radius is then
-# 0.8 of the patch's radius.
+# remaining law is then twenty times as stiff. Between two equal bodies, the contact radius is 0.8
+# of the patch's radius.
 MOST_SHARE = 0.95
 
 # Eccentricity e up to which summaries omit it: √(a b) differs from a circle's radius by about e⁴.

@@ -198,7 +198,7 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     thus goes as V^(-1/4). If the hardness is less than 1.7 times the yield pressure, the
     restitution rises by up to 0.007 just before δ_f; with Tabor's hardness it only falls.
 
-    The papers were not at hand: the forms and the powers 0.28 and 0.69 are as they are commonly
+    The papers were not at hand: the formulas and the powers 0.28 and 0.69 are those commonly
     cited, and the transition at 1.6 δ_f is this package's. The measured spheres and Leeb's rebound
     (validation pages) test the law as a whole.
 

@@ -177,7 +177,7 @@ class Tsuji(HertzianLaw, kind="tsuji", depends_on_rate=True, damped_by="alpha"):
 
 @dataclass(frozen=True, repr=False)
 class KuwabaraKono(HertzianLaw, kind="kuwabara_kono", depends_on_rate=True, damped_by="A"):
-    """F = k (δ^(3/2) + 3/2 A δ^(1/2) δ̇): viscoelastic spheres.
+    """Contact law F = k (δ^(3/2) + 3/2 A δ^(1/2) δ̇) of viscoelastic spheres.
 
     G. Kuwabara, K. Kono, Jpn. J. Appl. Phys. 26 (1987) 1230-1233; N. V. Brilliantov et al., Phys.
     Rev. E 53 (1996) 5382-5392. The restitution falls with the velocity, 1 - e ∝ A V^(1/5).

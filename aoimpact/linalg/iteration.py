@@ -26,7 +26,7 @@ def conjugate_gradients(
     most: float,
     at_once: int = 1,
 ) -> tuple[FloatArray, int]:
-    """Return A⁻¹ `rhs`, shape (n,) or (n, m), and the number of preconditioned residuals it took.
+    """Return A⁻¹ `rhs`, shape (n,) or (n, m), and the number of preconditioned residuals used.
 
     Each column iterates until ‖f - A x‖ / ‖f‖ ≤ `tolerance` / 2 by the recursive residual, since
     the residual computed from x is slightly larger. β is that of Polak and Ribière, which tolerates

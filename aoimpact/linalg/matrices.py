@@ -45,7 +45,7 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
         raise InputError(
             f"K and M must be of the same shape, got {stiffness.shape} and {mass.shape}"
         )
-    # Checked first: CSR of a few entries in a shape of 10⁹ rows would allocate 10⁹ row pointers.
+    # Check sizes first: CSR of a few entries in a shape of 10⁹ rows would store 10⁹ row pointers.
     if sp.issparse(stiffness) and sp.issparse(mass):
         entries, rows = stiffness.nnz + mass.nnz, mass.shape[0]
         if entries < rows:
@@ -140,8 +140,8 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
     """Refuse an M that is not positive semidefinite, and motions with neither mass nor stiffness.
 
     Motions with stiffness but no mass are accepted: rotations of lumped matrices, and motions of
-    elements whose mass is integrated at few points (CalculiX' C3D10, C3D4, C3D8R). They follow the
-    forces without delay, as compliance and not as vibration.
+    elements whose mass is integrated at few points (CalculiX' C3D10, C3D4, C3D8R). Such
+    motions follow the forces without delay, as compliance and not as vibration.
 
     Raises
     ------

@@ -62,8 +62,8 @@ _STRAIN_SHIFT, _STRAIN_PASSES = 1e-6, 3
 # digits of low ω².
 _LIGHT = 1e-6
 
-# Tolerance of r·T r / ω², with the residual r and T ≈ (K + s²M)⁻¹: this is the relative error of
-# ω², and its square root that of the mode. Rounding of K φ is up to ε √m Σ K_ii φ_i² along any
+# Tolerance of r·T r / ω², with the residual r and T ≈ (K + s²M)⁻¹. It is the relative error of
+# ω², and its square root is that of the mode. Rounding of K φ is up to ε √m Σ K_ii φ_i² along any
 # mode, with m entries in a row; it leaves r·T r as its square divided by the lowest ω² + s².
 _TOLERANCE, _EPSILON = 1e-14, float(np.finfo(float).eps)
 

@@ -130,7 +130,7 @@ def check_condition(
         If λ_min / λ_max is below 2e-15. λ_min is found by inverse iterations (three, or one if
         that leaves no doubt); for λ_max its bound, the largest row sum, is taken.
     """
-    # Scaled to a unit diagonal, so that elements of very different size do not count as singular.
+    # Scale to a unit diagonal, so that elements of very different size do not count as singular.
     scale = np.sqrt(np.abs(matrix.diagonal() if diagonal is None else diagonal))
     if (scale > 0.0).all():
         parts = np.abs(matrix.data), matrix.indices, matrix.indptr

@@ -136,7 +136,7 @@ class Surface:
         return np.array([len(face.nodes) for _, face in self.sides])
 
     def of_count(self, face: IntArray) -> Iterator[tuple[ReferenceFace, IntArray]]:
-        """Yield a side of each number of nodes, with the positions in `face` of such sides."""
+        """Yield, for each number of nodes, a side that has it and the rows of `face` that do."""
         counts = self._counts[self.side[face]]
         for count in np.unique(counts):
             side = self.sides[int((self._counts == count).argmax())][1]
