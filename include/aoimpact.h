@@ -210,8 +210,8 @@ typedef struct aoi_user_law {
  * memory is an array of AOI_LAW_MEMORY doubles for one contact, all zero until its first touch. It may be NULL for a
  * law whose remember is NULL. */
 struct aoi_law {
-    /* The law on one of its smooth pieces, and a little beyond the ends of the piece, smoothly
-     * continued where that is possible; not cut at zero. */
+    /* Sets value for the law on one of its smooth pieces, and a little beyond the ends of the piece, where the law
+     * is continued smoothly if possible; not cut at zero. */
     void (*force)(const aoi_law *law, const double *memory, int piece, double indentation,
                   double rate, aoi_law_value *value);
     /* Elastic energy that unloading from this indentation gives back, J. */
@@ -596,10 +596,9 @@ AOI_API int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const 
  * law holds. A run that has failed is over. */
 AOI_API int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done);
 
-/* State of a run: the time; how many steps were made, or rejected; the contact in which
- * AOI_ERROR_PATCH, AOI_ERROR_LAW or AOI_ERROR_SPRINGS occurred (SIZE_MAX: none, or not known); the
- * coordinates of all bodies and their rates. Those of an adaptive run hold at that time only once
- * it is the end. */
+/* State of a run: the time; how many steps were made, or rejected; the contact in which AOI_ERROR_PATCH,
+ * AOI_ERROR_LAW or AOI_ERROR_SPRINGS occurred (SIZE_MAX: none, or not known); the coordinates of all bodies and
+ * their rates. x and v of an adaptive run hold at that time only after the run has reached its end. */
 typedef struct aoi_progress {
     double time;
     size_t steps, rejected, failed;

@@ -78,8 +78,8 @@ static double mobility_of(const aoi_free_pair *pair)
     return mobility;
 }
 
-/* How bodies approach each other without contact force: a mean rate and acceleration, and the amplitude and the
- * velocity amplitude of the modes that oscillate within the contact time. */
+/* Approach of two bodies without contact force: a mean rate and acceleration, and the amplitude and the velocity
+ * amplitude of the modes that oscillate within the contact time. */
 typedef struct approach {
     double rate, acceleration, amplitude, amplitude_rate;
 } approach;
@@ -187,9 +187,10 @@ static double time_left(const aoi_adaptive *run, size_t c)
     return end - aoi_run_now(run);
 }
 
-/* Estimates scales of the contact that begins, with the mobility of its two ports only. They are lower bounds: the
- * first steps are rather too short than too long. A mode that oscillates within the contact time contributes at most
- * its amplitude, whatever its velocity. At a massless contact point without mobility there is no estimate. */
+/* Estimates the scales of a contact that begins, from the mobility of its two ports only. The scales are lower
+ * bounds, so that the first steps are too short rather than too long. A mode that oscillates within the contact time
+ * contributes at most its amplitude, whatever its velocity. At a massless contact point without mobility there is no
+ * estimate. */
 static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate, const double *alone)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
@@ -238,7 +239,7 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
     first_level(run, c, time);
 }
 
-/* Adds a contact to the closed ones, which are in ascending order. */
+/* Adds a contact to the list of closed contacts, which ascends. */
 static void list_closed(aoi_adaptive *run, size_t c)
 {
     size_t at = run->closed.count++;

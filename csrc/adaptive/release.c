@@ -18,8 +18,8 @@ static const double NEGLIGIBLE = 1e-13;
  * separation. Measured: 0.2 for either costs 0.8 % more work, 0.9 and 0.6 save none. */
 static const double MOST_OF_REST = 2.0 / 3.0, LEAST_OF_REST = 0.5;
 
-/* int_0^1 du / sqrt(1 - e u^power): ratio of the time to separation to the time at a constant rate, that of
- * separation. */
+/* int_0^1 du / sqrt(1 - e u^power): ratio of the time to separation to the time that the same way takes at the rate
+ * of separation. */
 static double slowness(double e, double power)
 {
     double factor = 1.0, sum = 1.0;

@@ -232,7 +232,7 @@ static void start_ledger(aoi_adaptive *run)
     }
 }
 
-/* Sets the time of the next halt, until which no body's load has more bends than its share of
+/* Sets the time of the next halt, before which the load of no body has more bends than the body's share of
  * AOI_MOST_BENDS. */
 static void set_halt(aoi_adaptive *run)
 {
@@ -392,8 +392,8 @@ static void land(aoi_adaptive *run, size_t c, const double *copy)
     }
 }
 
-/* No contact is closed: advances to the first touch of all, or to the end. Where the search for a touch is long, it
- * advances to the latest time before which no touch is possible. */
+/* Advances a run without closed contacts to the first touch of any contact, or to the end. Where the search for a
+ * touch is long, it advances to the latest time before which no touch is possible. */
 static int move_freely(aoi_adaptive *run)
 {
     size_t c, landed = run->system->contact_count;
@@ -483,7 +483,7 @@ static int prepare(aoi_adaptive *run, double *limit)
         }
         if (run->unbalanced) {
             aoi_balance_at_once(run, 0);
-            /* forces raised by the balance may fall from here on */
+            /* the balance may have raised forces, which may be largest now */
             for (size_t i = 0; i < run->closed.count; i++) {
                 aoi_contact_note_peak(run, run->closed.at[i], run->contact[run->closed.at[i]].closed.force, 0.0);
             }
@@ -512,7 +512,7 @@ static void refine(aoi_adaptive *run, double h)
 }
 
 /* Takes a coarser level where the error allows it. A step twice as long is taken at once. A smaller increase waits
- * until the steps that it would have saved so far equal the cost of its tables. */
+ * until the number of steps that it would have saved so far equals the cost of new tables. */
 static void coarsen(aoi_adaptive *run, double growth)
 {
     const double longer = AOI_LEVELS * log2(fmin(growth, AOI_MOST_GROWTH));
@@ -536,7 +536,7 @@ static void forget_events(aoi_adaptive *run)
     }
 }
 
-/* After a step that is not accepted: applies events at its start, or ends it earlier, or takes a finer level. */
+/* Handles a step that is not accepted: applies the events at its start, ends it earlier, or takes a finer level. */
 static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, int *trims,
                    double *limit)
 {

@@ -1,5 +1,5 @@
-/* Private to adaptive/: what run.c (which step comes next), closing.c, release.c, watch.c and the files
- * of one step share; step.h has what those share among themselves. */
+/* Private to adaptive/: declarations that run.c (which step comes next), closing.c, release.c, watch.c and the files
+ * of one step share. Declarations for the files of one step alone are in step.h. */
 #ifndef AOI_ADAPTIVE_H
 #define AOI_ADAPTIVE_H
 
@@ -15,7 +15,7 @@
 /* Number of step lengths whose tables a body keeps. */
 enum { AOI_TABLES = 12 };
 
-/* Role of a body in a step; the larger prevails: free motion, a watched contact, contact forces. */
+/* Role of a body in a step: free motion, a watched contact, or contact forces. The largest of its roles prevails. */
 enum aoi_part { AOI_FREE_MOTION = 0, AOI_WATCHED, AOI_UNDER_FORCE };
 
 /* State of a body in a run: the time at which x, v hold, and the tables of the last step lengths. */
@@ -37,7 +37,7 @@ typedef struct aoi_flight {
     double until;
     int touches;  /* 1: the contact touches at `until` */
     size_t place; /* its place among the watched contacts */
-    double slack; /* indentation beyond rest that is not yet a touch, m */
+    double slack; /* indentation beyond rest up to which there is no touch, m */
 } aoi_flight;
 
 /* State of a closed contact at the present time: its indentation (start: that at the start of the next step), rate
@@ -124,7 +124,7 @@ struct aoi_adaptive {
     /* time of the next halt, at which all bodies are advanced, so that no advance spans more than a
      * limited number of bends of the loads (AOI_MOST_BENDS); HUGE_VAL: none */
     double halt;
-    int unbalanced;         /* an event has changed a contact since the last step */
+    int unbalanced;         /* 1: an event has changed a contact since the last step */
     double *free_state[2], *scratch, *port_force, *collocation;
     double *port_series; /* Legendre series of the port forces */
     size_t steps, rejected, uses;
@@ -133,7 +133,7 @@ struct aoi_adaptive {
 
 /* Steps are base 2^(-level/8) long. */
 enum {
-    AOI_LEVELS = 8, /* per octave */
+    AOI_LEVELS = 8, /* levels per octave */
     AOI_DEEPEST_LEVEL = 90 * AOI_LEVELS,
     AOI_HIGHEST_LEVEL = -40 * AOI_LEVELS,
     AOI_NO_LEVEL = 1000
@@ -177,9 +177,9 @@ enum aoi_event {
 /* One try at a step. */
 typedef struct aoi_attempt {
     double h, growth; /* length, s; factor by which its error allows it to be longer: below 1 if it fails */
-    double place;     /* place of its first event as a share of h: 1 at its end, above 1 none */
+    double place;     /* place of its first event, as a share of h; 1: at the end; above 1: no event */
     int closed;       /* 1: a contact was closed at its start, and the step must be prepared again */
-    int corner;       /* 1: place is a corner of friction                                          */
+    int corner;       /* 1: the step is to end at `place`, a corner of friction                    */
 } aoi_attempt;
 
 /* The present time, s. */
@@ -198,7 +198,7 @@ double aoi_event_tolerance(const aoi_adaptive *run, double scale);
  * oscillating modes, error estimates are rough, and steps change by whole octaves. */
 static inline int aoi_level_from(const aoi_adaptive *run, double level)
 {
-    /* a level of NaN becomes the deepest */
+    /* if level is NaN, the deepest level is used */
     const double least = level < AOI_DEEPEST_LEVEL ? level : AOI_DEEPEST_LEVEL;
     return run->grain * (int)ceil(fmax(least, AOI_HIGHEST_LEVEL) / run->grain);
 }
@@ -219,7 +219,7 @@ int aoi_is_at_start(const aoi_adaptive *run, double after, double h);
 /* Computes a step of length h without accepting it; level as in aoi_adaptive, or AOI_NO_LEVEL. */
 void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt);
 
-/* Writes the step's row, advances bodies and contacts to its end and applies its events there. */
+/* Writes the step's row, advances bodies and contacts to the step's end and applies the events there. */
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size);
 
 /* Writes a row: of a step of length h, or of bodies that move freely from now on. contacts: number of entries of the
@@ -239,7 +239,7 @@ double aoi_contact_place(const aoi_adaptive *run, size_t c);
 /* The slide of the ports of a contact along a tangent now, m. */
 double aoi_contact_slide(const aoi_adaptive *run, size_t c, size_t axis);
 
-/* Updates a contact's largest force with a force that it has some time after now. */
+/* Updates a contact's largest force with its force, N, at a time `after` from now, s. */
 void aoi_contact_note_peak(aoi_adaptive *run, size_t c, double force, double after);
 
 /* Finds the indentations at the start, and the forces of contacts at massless contact points. Either the bodies rest
@@ -274,7 +274,7 @@ double aoi_release_after(const aoi_adaptive *run, double within);
  * step ends at separation and is no longer than the error at an edge allows. */
 double aoi_release_step(const aoi_adaptive *run, double h);
 
-/* Closes a contact where its bodies are now. */
+/* Closes a contact at the present places of its bodies. */
 void aoi_contact_close(aoi_adaptive *run, size_t c);
 
 /* Sets the piece of its law that a contact is on, at an indentation. aoi_contact_press_again: also
@@ -285,10 +285,10 @@ void aoi_contact_press_again(const aoi_law *law, aoi_adaptive_contact *contact);
 /* Opens a closed contact, without a prediction of its next touch. */
 void aoi_contact_open(aoi_adaptive *run, size_t c);
 
-/* Lists a body among those that go into the next row. */
+/* Adds a body to the list of bodies that the next row contains. */
 void aoi_body_note_change(aoi_adaptive *run, size_t b);
 
-/* Copies the state of a body, x, then v; and sets it to one that holds at the present time. */
+/* aoi_body_copy: copies the state of a body, x, then v. aoi_body_take: sets a body to a state that holds at present. */
 void aoi_body_copy(const aoi_adaptive *run, size_t b, double *state);
 void aoi_body_take(aoi_adaptive *run, size_t b, const double *state);
 
@@ -313,8 +313,8 @@ int aoi_watch_has(const aoi_adaptive *run, size_t c);
 /* Removes a contact from the watched ones; returns whether it was watched. */
 int aoi_watch_remove(aoi_adaptive *run, size_t c);
 
-/* The least flight.until before limit of the watched contacts that touch (touches 1) or do not (0),
- * and which contact that is; limit and contact_count where there is none. */
+/* Least flight.until before `limit` of the watched contacts that touch (touches = 1) or do not (0). c: number of
+ * that contact. Without such a contact, limit is returned and c is contact_count. */
 double aoi_watch_first(const aoi_adaptive *run, int touches, double limit, size_t *c);
 
 #endif

@@ -42,7 +42,7 @@ static int are_alike(const aoi_adaptive *run, size_t first, size_t second)
            are_equal(one->push, other->push, one->ports * one->n);
 }
 
-/* The tables of a body for this step; new ones replace those that were unused for longest. */
+/* Provides the tables of a body for this step; new tables replace those unused for the longest time. */
 static void make_response(aoi_adaptive *run, size_t b, double h, int level, int with_rates)
 {
     aoi_adaptive_body *body = &run->body[b];
@@ -235,8 +235,8 @@ static double force_scale_of(const aoi_adaptive *run)
     return largest;
 }
 
-/* True if a step that fails by its friction contains a corner of friction, at which it is to end. A
- * corner closer than sqrt(rtol) to an end stays inside: its error is of second order in that
+/* True if a step that fails because of its friction contains a corner of friction; the step must then end at the
+ * corner. A corner closer than sqrt(rtol) to an end stays inside the step: its error is of second order in that
  * distance. */
 static int ends_at_corner(aoi_adaptive *run, size_t s, aoi_attempt *attempt)
 {

@@ -23,7 +23,7 @@ static inline const aoi_law *aoi_step_law(const aoi_adaptive *run, const aoi_con
     return run->system->contact[entry->contact].law;
 }
 
-/* The largest indentation, at the start and the nodes. */
+/* Largest indentation of an entry, at the start and the nodes of the step. */
 static inline double aoi_step_indentation(const aoi_contact_step *entry)
 {
     return aoi_nodes_largest(entry->start, entry->indentation);
@@ -36,7 +36,7 @@ static inline double aoi_step_scale(const aoi_adaptive *run, const aoi_contact_s
                 LESSER_SHARE * run->indentation_scale);
 }
 
-/* The largest force at the nodes. */
+/* Largest force of an entry at the nodes of the step. */
 static inline double aoi_step_force(const aoi_contact_step *entry)
 {
     return aoi_nodes_largest(0.0, entry->force);
@@ -72,7 +72,7 @@ static inline int aoi_contact_has_residual(const aoi_adaptive *run, size_t c)
     return run->system->body[body[0]].residual != NULL || run->system->body[body[1]].residual != NULL;
 }
 
-/* True if work is done on a body, or lost in it, besides that of contacts. */
+/* True if gravity or loads do work on a body, or damping dissipates energy in it. */
 static inline int aoi_body_has_ledger(const aoi_modes *body)
 {
     return body->gravity || body->decay || body->load.count > 0;

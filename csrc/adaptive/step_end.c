@@ -120,7 +120,8 @@ static int stands(const aoi_law *law, const aoi_contact_step *entry)
     return all;
 }
 
-/* At an edge the force's polynomial is a least-squares fit, and is not used at its end. */
+/* Force of a contact at the end of a step, N. At an edge the force's polynomial is a least-squares fit, and is not
+ * used. */
 static double force_at_end(const aoi_law *law, const aoi_contact_step *entry)
 {
     aoi_law_value value;
@@ -131,7 +132,7 @@ static double force_at_end(const aoi_law *law, const aoi_contact_step *entry)
     return value.force;
 }
 
-/* The slope of a Legendre series at its end, where that of the shifted P_k is k (k + 1). */
+/* Slope of a Legendre series at its end, where the slope of the shifted P_k is k (k + 1). */
 static double end_slope(const double *legendre)
 {
     double sum = 0.0;
@@ -235,8 +236,8 @@ static void apply_event(aoi_adaptive *run, size_t c)
     }
 }
 
-/* True if an event at the start of a step results from the error of its polynomial: a contact that opens just after it
- * has closed, or leaves its piece at the end from which it moves away. */
+/* True if an event at the start of a step is only due to the error of the step's polynomial: the contact opens just
+ * after it has closed, or leaves its piece at the end from which it moves away. */
 static int goes_back(const aoi_adaptive_contact *contact)
 {
     return (contact->event == AOI_EVENT_OPEN && contact->closed.begins && contact->event_place > 0.0) ||
@@ -315,7 +316,7 @@ static void apply_events(aoi_adaptive *run)
     }
 }
 
-/* Takes the springs of all contacts to the end of the step. */
+/* Moves the springs of all contacts with friction to the end of the step. */
 static int advance_friction(aoi_adaptive *run)
 {
     int status = AOI_OK;

@@ -52,7 +52,7 @@ static double steepness_of(const aoi_adaptive *run, const aoi_contact_step *entr
 {
     aoi_law_value value;
     aoi_law_push(aoi_step_law(run, entry), entry->memory, largest, entry->start_rate, &value);
-    /* Relative to the largest force: a small one at the end of a contact needs no relative accuracy of its own. */
+    /* The error is relative to the largest force: a small force at the end of a contact needs no relative accuracy. */
     const double force = fmax(value.force, run->contact[entry->contact].ledger.peak.force);
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
@@ -83,9 +83,9 @@ static double rate_tail(const aoi_contact_step *entry)
            fabs(aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[AOI_NODES - 2], entry->rate));
 }
 
-/* The error of a rate-dependent force whose maximum lies inside a step with an edge, where its own series gives no
- * estimate. The rate's coefficients decay slowly there, like a power: the sum of those left out exceeds the last
- * ones. */
+/* The error of a rate-dependent force whose maximum lies inside a step with an edge, where the series of the force
+ * gives no estimate. The rate's Legendre coefficients decay slowly there, like a power of the degree: the sum of the
+ * coefficients left out exceeds the last ones. */
 static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry, double tail)
 {
     double largest = 0.0;
@@ -230,8 +230,8 @@ static double sliding_growth(const errors *of)
     return worst > 1.0 ? growth : fmax(growth, 1.0);
 }
 
-/* At an edge errors grow like the powers of time that a polynomial cannot represent: a force like d^(3/2) gives t^(7/2)
- * in the motion and t^(5/2) in the impulse. */
+/* Growth of the step length that the errors allow. At an edge, errors grow like the powers of time that a polynomial
+ * cannot represent: a force like d^(3/2) gives t^(7/2) in the motion and t^(5/2) in the impulse. */
 static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *entry, double h, const errors *of)
 {
     const int at_edge = entry->edge != AOI_EDGE_NONE;

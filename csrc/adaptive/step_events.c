@@ -46,7 +46,7 @@ static void falls(const double *values, double tolerance, int kind, aoi_adaptive
 }
 
 /* True if a minimum beside a node may lie below -depth: the node is a local minimum, and the rise to a neighbour
- * exceeds its distance from that. */
+ * exceeds the distance of its value from -depth. */
 static int may_dip(const double *values, double depth)
 {
     for (size_t i = 1; i <= AOI_NODES; i++) {
@@ -84,7 +84,7 @@ static void line_up(double start, const double *nodes, double factor, double shi
     }
 }
 
-/* Events where the law's own force, which is cut at zero, changes its sign. */
+/* Notes events where the law's uncut force changes its sign. */
 static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -118,8 +118,8 @@ static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_a
     leaves(values, tolerance, kind, contact, attempt);
 }
 
-/* Where the indentation would grow by less than the tolerance before its turn, the turn is applied at the start: in
- * steps as short as that rates would be dominated by rounding. */
+/* Applies the turn of an indentation at the start of a step if the indentation would grow by less than the tolerance
+ * before it: in shorter steps, rates would be dominated by rounding. */
 static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adaptive_contact *contact,
                      aoi_attempt *attempt)
 {
@@ -129,8 +129,8 @@ static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adapti
     }
 }
 
-/* True if a contact at a massless contact point has separated within rounding: in steps as short as the rest of the
- * contact rates would be dominated by rounding. */
+/* True if a contact at a massless contact point has separated within rounding: in steps as short as the remaining
+ * contact, rates would be dominated by rounding. */
 static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, double rest, double tolerance)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -146,7 +146,7 @@ static int is_none(const aoi_adaptive *run, const aoi_contact_step *entry, doubl
 {
     return run->contact[entry->contact].closed.begins && aoi_contact_has_residual(run, entry->contact) &&
            entry->indentation[0] < entry->start && entry->indentation[AOI_NODES - 1] < entry->start &&
-           /* In a step in which the approach is less than this share of the largest indentation, a contact that does not press at
+           /* Approach in a step, as a share of the largest indentation, below which a contact that does not press at
             * once counts as open. Measured and tried: from 0.003 to 0.03 no run changes. */
            entry->start_force <= 0.0 && reach <= 1e-2 * scale;
 }
@@ -155,7 +155,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
 {
     const aoi_law *law = aoi_step_law(run, entry);
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
-    /* a contact that begins may start below, within the tolerance */
+    /* a contact that begins may start below rest, within the tolerance */
     const double touch = aoi_law_rest(law, entry->memory);
     const double rest = contact->closed.begins ? fmin(touch, entry->start) : touch;
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));

@@ -72,8 +72,8 @@ static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double si
     }
 }
 
-/* Copies the two bodies' states, and fits the indentation by contact forces over the step; forced:
- * memory for that fit. */
+/* Copies the states of both bodies, and fits a polynomial over the step to the indentation due to contact forces.
+ * forced: memory for the polynomial. */
 static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_free_pair *pair, aoi_forced *forced)
 {
     const aoi_contact *of = &run->system->contact[c];
@@ -96,7 +96,7 @@ static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_free_pair *pair
     pair->forced = forced;
 }
 
-/* A contact stays open as long as its indentation is within the tolerance. */
+/* An open contact touches only when its indentation exceeds the tolerance. */
 void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attempt *attempt)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];

@@ -7,7 +7,7 @@
 #include "motion/radau.h"
 #include "motion/response.h"
 
-/* Changes of an indentation by this share of its scale are rounding. */
+/* Change of an indentation, as a share of its scale, that counts as rounding. */
 #define AOI_COLLOCATION_ROUNDING 1e-12
 
 /* Piece of a slack contact: its bodies overlap, but the law's force is cut at zero. */
@@ -42,7 +42,7 @@ typedef struct aoi_contact_step {
     double indentation[AOI_NODES], rate[AOI_NODES];
 
     double force[AOI_NODES];
-    double legendre[AOI_NODES + 1]; /* series of the indentation */
+    double legendre[AOI_NODES + 1]; /* Legendre coefficients of the indentation */
 } aoi_contact_step;
 
 /* Number of doubles of work space of aoi_collocation_solve for count entries of which those that

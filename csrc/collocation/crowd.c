@@ -85,7 +85,7 @@ const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *w
 
 /* The body on one side of an entry, with shape and push of its port. */
 typedef struct touched {
-    size_t body, n, first; /* numbers of the body, of its modes, and of the first mode */
+    size_t body, n, first; /* index of the body; number of its modes; index of the first one */
     const double *shape, *push;
     double sign;
 } touched;

@@ -1,5 +1,5 @@
-/* Newton's method for the forces of a step, as far as it is the same for one contact and for several: the law at the
- * nodes or at the points of an edge, the right-hand side, and when the iteration ends. */
+/* Newton's method for the forces of a step, as far as it is the same for one contact and for several: evaluation of
+ * the law, right-hand side, and end of the iteration. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
 #include "collocation/sliding.h"
@@ -45,7 +45,7 @@ static void evaluate(const aoi_law *law, const aoi_contact_step *entry, int with
     const double *indentation = entry->indentation, *rate = entry->rate;
     if (entry->piece == AOI_SLACK || entry->sliding) {
         *of = (aoi_law_values){{0.0}, {0.0}, {0.0}};
-        if (entry->piece != AOI_SLACK) { /* found by aoi_sliding_evaluate */
+        if (entry->piece != AOI_SLACK) { /* forces found by aoi_sliding_evaluate */
             memcpy(of->force, entry->sliding->force[entry->axis], sizeof of->force);
         }
         return;
@@ -122,7 +122,7 @@ static void add_lack(const aoi_contact_step *entry, const double *aim, const dou
 /* Replaces the law's force by the right-hand side of the first iteration, or of a later one. */
 static void aim(const aoi_contact_step *entry, int first, int with_rates, aoi_law_values *law)
 {
-    for (size_t r = 0, axes = entry->sliding ? 3 : 1; first && r < axes; r++) { /* friction depends on all three places */
+    for (size_t r = 0, axes = entry->sliding ? 3 : 1; first && r < axes; r++) { /* friction depends on slides, too */
         const aoi_contact_step *of = entry - entry->axis + r;
         const double *by = entry->sliding ? entry->sliding->by[entry->axis][r] : law->stiffness;
         add_lack(of, of->homogeneous, of->indentation, by, law->force);

@@ -63,9 +63,9 @@ static void direction_of(const aoi_sliding *of, const motion *along, double n[2]
     n[1] /= size > 0.0 ? size : 1.0;
 }
 
-/* Stops at the nodes, or the points of an edge, and where springs begin or cease to slip. All
- * springs do so at once where the slide in the direction of friction, plus or minus mu/ratio times
- * the indentation, has an extreme. */
+/* Returns the stops of a step: the nodes, or the points of an edge, and the places where springs begin or cease to
+ * slip. All springs do so at once where the slide in the direction of friction, plus or minus mu/ratio times the
+ * indentation, has an extremum. */
 static stops stops_of(const aoi_sliding *of, enum aoi_edge edge, const motion *along)
 {
     stops made = {.count = 0};
@@ -127,7 +127,7 @@ static int go(const aoi_sliding *of, const double place[3], aoi_slide_path *path
     return AOI_OK;
 }
 
-/* Where the bodies are at a place of the step. */
+/* Sets `place` to the indentation and slides of the bodies at a place of the step. */
 static void bodies_at(const motion *along, double at, double place[3])
 {
     for (size_t k = 0; k < 3; k++) {
@@ -154,8 +154,7 @@ static int slips_at(const aoi_sliding *of, const motion *along, const aoi_slide_
     return status == AOI_OK ? !(found.stuck > 0.0) : slipped;
 }
 
-/* Place between two others at which all springs begin to slip, or cease to; from: the path at the
- * first. */
+/* Finds the place between `low` and `high` at which all springs begin or cease to slip. from: the path at `low`. */
 static double change_between(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double low,
                              double high, int slipped, double width)
 {

@@ -56,7 +56,7 @@ struct aoi_sliding {
     /* 1 if all springs slip: at the start of the last step (slipped), at its end (slips) */
     int slipped, slips;
     size_t changes;                        /* number of changes of slip in it */
-    /* places of the changes, and the stretches there */
+    /* places in the last step where slip begins or ends, and the stretches at these places */
     double change_at[AOI_SLIP_CHANGES], change_stretch[2][AOI_SLIP_CHANGES];
 };
 

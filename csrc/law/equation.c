@@ -165,7 +165,7 @@ int aoi_contact_solve(const aoi_law *law, const double *memory,
             return status;
         }
     }
-    /* The law has not been evaluated yet at the end of the last step of the search. */
+    /* The last step of the search ends where the law has not been evaluated before. */
     if (isnan(*force)) {
         return AOI_ERROR_LAW;
     }

@@ -114,7 +114,7 @@ static aoi_stretch spring_of(const path *p, size_t i)
     return p->spring && p->from > 0.0 ? p->spring[i] : p->touch;
 }
 
-/* The state's stretch at a depth between the springs i and i + 1. */
+/* The stretch of a state at a depth between the springs i and i + 1, interpolated linearly. */
 static aoi_stretch between(const path *p, size_t i, double depth)
 {
     const aoi_stretch a = spring_of(p, i), b = spring_of(p, i + 1);
@@ -276,7 +276,7 @@ typedef struct walk {
     const path *p;
     size_t next;    /* index of the next spring                      */
     aoi_stretch last; /* the last spring, at the path's start          */
-    int sticks, slips; /* whether that spring does; both 0 before the first */
+    int sticks, slips; /* 1 if the last spring does; both 0 before the first */
     int pending;    /* number of knots in `after` still to be returned, its last ones */
     int done;
     knot after[2];

@@ -15,7 +15,7 @@ typedef struct aoi_law_kind {
     const char *name;
     size_t count;
     double least[AOI_LAW_PARAMETERS], most[AOI_LAW_PARAMETERS];
-    aoi_law law;                   /* functions and flags                               */
+    aoi_law law;                   /* functions and flags of a law of this kind         */
     void (*prepare)(aoi_law *law); /* NULL, or fills in parameters that follow from the others */
 } aoi_law_kind;
 

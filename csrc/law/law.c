@@ -12,8 +12,8 @@
  * after these. Tried: HALLEYS from 13 to 120 changes no run. */
 enum { HALLEYS = 40, MOST_ITERATIONS = 200 };
 
-/* Relative residual that is accepted, since user laws may be accurate to only six digits. Tried: no
- * run changes. */
+/* Relative residual up to which an indentation is accepted, since user laws may be accurate to only six digits.
+ * Tried: no run changes. */
 static const double LAW_NOISE = 1e-6;
 
 /* Limit of c dF/dd. Taking a compliance c out of a law divides its stiffness by 1 - c dF/dd. Beyond
@@ -95,7 +95,7 @@ static void stiffen(double compliance, aoi_law_value *value)
     value->damping *= stiffer;
 }
 
-/* Bisection for d with c dF/dd = MOST_SHARE. c dF/dd is less at `low`, and not less at `high`. */
+/* Finds d with c dF/dd = MOST_SHARE by bisection. c dF/dd is below MOST_SHARE at `low`, and not below it at `high`. */
 static double steepest(const aoi_law *law, const double *memory, int piece, double rate, double low,
                        double high, aoi_law_value *value)
 {

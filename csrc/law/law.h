@@ -4,7 +4,7 @@
 
 #include "aoimpact.h"
 
-/* Nodes in time of a step of an adaptive run, at which laws are evaluated. */
+/* Number of nodes in time of a step of an adaptive run, at which laws are evaluated. */
 enum { AOI_NODES = 8 };
 
 /* Values of a law at the nodes of a step. */

@@ -25,7 +25,7 @@ typedef struct point {
     double stuck, share, rate;
 } point;
 
-/* The inverse of a matrix by rows, by its cofactors. */
+/* Inverts a 3 x 3 matrix, stored by rows, by its cofactors. */
 static void invert(const double *a, double *inverse)
 {
     for (int i = 0; i < 3; i++) {

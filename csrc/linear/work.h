@@ -17,7 +17,7 @@ static inline double *aoi_work_take(double **work, size_t count)
     return taken;
 }
 
-/* Result of sizes that would overflow: more than any memory has, so that malloc refuses it. */
+/* Value returned for sizes that would overflow: larger than any memory, so that malloc fails. */
 #define AOI_TOO_MUCH (SIZE_MAX / 2)
 
 static inline size_t aoi_times(size_t one, size_t other)

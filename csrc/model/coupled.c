@@ -360,7 +360,7 @@ static void accept(newton *s)
     s->trial.force = spare.force;
 }
 
-/* One Newton step, shortened until the residual decreases; nearer: whether it did. */
+/* Takes a Newton step, shortened until the residual decreases. nearer: 1 if the residual has decreased. */
 static int newton_step(newton *s, double *merit, int *nearer)
 {
     int status = AOI_OK;
@@ -523,8 +523,8 @@ static double find_deepest(const aoi_coupled *e, const aoi_contact_state *contac
 /* Indentation up to which a contact counts as open. */
 static double open_tolerance(double deepest) { return AOI_COUPLED_ROUNDING * SHARE * deepest; }
 
-/* Marks the contacts that may touch, and sets a first guess: the last two steps extrapolated for these, no force for
- * the others. */
+/* Marks the contacts that may touch, and sets a first guess of their forces: the last two steps extrapolated; the
+ * force is zero for all other contacts. */
 static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double deepest, double *active)
 {
     const double least = open_tolerance(deepest);

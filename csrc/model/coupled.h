@@ -32,8 +32,8 @@ typedef struct aoi_contact_state {
     double from;                     /* the gap, or where the slide of this step begins        */
     /* for fixed steps: numbers of its ports among those of all bodies */
     size_t port[2];
-    size_t contact;                  /* for a balance: number of the contact                   */
-    /* for a balance: 1 if its force acts while indentations are found */
+    size_t contact;                  /* in adaptive/balance.c: number of the contact           */
+    /* in adaptive/balance.c: 1 if its force acts while indentations are found */
     int acts;
     double force, indentation, rate; /* at the end of the last step                            */
     double last_indentation;         /* the indentation one step before                        */

@@ -8,7 +8,7 @@
  * many points, and every step calls this function. */
 static size_t bends_until(const aoi_load *load, double time)
 {
-    size_t low = 0, high = load->count; /* times before low are not after time, from high on they are */
+    size_t low = 0, high = load->count; /* time[i] <= time for i < low, and > time for i >= high */
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
         if (load->time[middle] <= time) {

@@ -17,7 +17,7 @@ aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
 /* Time of the load's next bend after `time` if the first `skipped` bends are left out, s; HUGE_VAL: none. */
 double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped);
 
-/* True if times ascend (equal neighbours may be) and all numbers are finite. */
+/* True if times ascend (equal neighbours are allowed) and all numbers are finite. */
 int aoi_load_is_sound(const aoi_load *load, size_t ports);
 
 #endif

@@ -44,7 +44,7 @@ static int residual_is_sound(const double *residual, size_t ports)
     return 1;
 }
 
-/* True if frequencies ascend from 0; equal neighbours may be. */
+/* True if frequencies ascend and are not negative; equal neighbours are allowed. */
 static int ascending(const double *values, size_t count)
 {
     double least = 0.0;

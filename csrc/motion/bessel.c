@@ -66,7 +66,7 @@ static void exponential_series(complex_number y, complex_number left, size_t cou
     }
 }
 
-/* Miller: i_(l-1) = i_(l+1) + (2l+1)/y i_l from far above, scaled by the larger of i_0, i_1. */
+/* Miller's algorithm: i_(l-1) = i_(l+1) + (2l+1)/y i_l downward from large l, scaled by the larger of i_0, i_1. */
 static void exponential_downward(complex_number y, complex_number i0, complex_number i1,
                                  size_t count, complex_number *value)
 {

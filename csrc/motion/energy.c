@@ -175,8 +175,8 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
 
 /* -------------------------------------------------------------------------- in a step of contact */
 
-/* Integrals over a part of a step, J: energy lost by damping, and work of the loads' rise since its
- * start. */
+/* Integrals over a part of a step, J. lost: energy dissipated by damping; rising: work due to the change of the
+ * loads since the start of the step. */
 typedef struct step_integrals {
     double lost, rising;
 } step_integrals;

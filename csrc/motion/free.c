@@ -131,7 +131,7 @@ static bound bound_of(const aoi_free_pair *pair, int side, size_t j, double with
     return made;
 }
 
-/* Side that has the next mode, in the ascending order of the omega of both bodies. */
+/* Returns the side (0 or 1) of the next mode, in ascending order of omega over both bodies. */
 static int next_side(const aoi_free_pair *pair, const size_t *at)
 {
     if (at[0] == pair->body[0]->n || at[1] == pair->body[1]->n) {

@@ -13,7 +13,7 @@ typedef struct aoi_forced {
     double bend;
 } aoi_forced;
 
-/* Fits the polynomial to its values at the start and the nodes (AOI_NODES + 1). */
+/* Sets `forced` to the polynomial with the given AOI_NODES + 1 values, at the start and the nodes of a step. */
 void aoi_forced_fit(double from, double length, const double *values, aoi_forced *forced);
 
 /* Two bodies in free motion, with their own copies of x and v (n each) at the same time, and a
@@ -28,9 +28,8 @@ typedef struct aoi_free_pair {
     const aoi_forced *forced;
 } aoi_free_pair;
 
-/* The contact's indentation without contact force, and its derivatives up to the order `most`, 1 or
- * AOI_DERIVATIVES. The third is the leading term for bodies that touch at rest while a load rises
- * from zero. */
+/* The contact's indentation without contact force, and its derivatives up to the order `most`, 1 or AOI_DERIVATIVES.
+ * The third derivative is the leading term for bodies that touch at rest while a load rises from zero. */
 void aoi_free_pair_motion(const aoi_free_pair *pair, int most, double *of);
 
 /* Advances both bodies in free motion (in place) until they touch, but not beyond limit; touches:

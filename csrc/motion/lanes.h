@@ -15,12 +15,12 @@ typedef struct aoi_turn {
     double time, half[AOI_LANES], sine[AOI_LANES], cosine[AOI_LANES];
 } aoi_turn;
 
-/* As aoi_motion; ramp only where it is requested. */
+/* aoi_motion of AOI_LANES modes; ramp is set only on request. */
 typedef struct aoi_motions {
     double impulse[AOI_LANES], rate[AOI_LANES], step[AOI_LANES], ramp[AOI_LANES];
 } aoi_motions;
 
-/* The integrals of aoi_oscillator_integrals. */
+/* The integrals of aoi_oscillator_integrals, of AOI_LANES modes. */
 typedef struct aoi_integrals {
     double impulse[AOI_NODES][AOI_LANES], rate[AOI_NODES][AOI_LANES];
 } aoi_integrals;
@@ -36,7 +36,7 @@ static inline size_t aoi_lanes_count(const aoi_modes *body, size_t first)
     return body->n - first < AOI_LANES ? body->n - first : AOI_LANES;
 }
 
-/* Copies the values of these modes to the lanes; lanes without a mode are 0. */
+/* Copies the values of `count` modes to the lanes; lanes without a mode are 0. */
 static inline void aoi_lanes_take(const double *values, size_t count, double *lanes)
 {
     if (count == AOI_LANES) { /* constant, for the compiler */

@@ -15,7 +15,7 @@ static inline double aoi_modes_next_bend(const aoi_modes *body, double time)
 /* The load on a port just after a time, N, and its slope, N/s. */
 void aoi_modes_load(const aoi_modes *body, size_t port, double time, double *force, double *slope);
 
-/* Acceleration of mode j by gravity and loads just after a time, and its slope in time. */
+/* Acceleration of mode j due to gravity and loads just after a time, and its slope in time. */
 void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load, double *slope);
 
 /* Advances x, v (n each) in place from one time to another without contact forces. */

@@ -34,7 +34,7 @@ static inline double aoi_nodes_dot(const double *x, const double *y)
     return even + odd;
 }
 
-/* The largest of a number and the values, of which NaN are ignored. */
+/* The largest of `largest` and the values at the nodes; NaN are ignored. */
 static inline double aoi_nodes_largest(double largest, const double *values)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {

@@ -1,5 +1,5 @@
-/* One mode, x'' + 2 decay x' + omega^2 x = load + slope t, in closed form: after any time, and under a
- * polynomial force. Undamped, damped, overdamped, or no spring at all. */
+/* Motion of one mode, x'' + 2 decay x' + omega^2 x = load + slope t, in closed form: after any time, and under a
+ * polynomial force. The mode may be undamped, damped or overdamped, or have no spring. */
 #include "motion/oscillator.h"
 #include "law/law.h"
 #include "motion/lanes.h"

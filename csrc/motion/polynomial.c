@@ -76,7 +76,7 @@ void aoi_legendre_at_nodes(const double *coefficient, double from, double length
 /* P_k' = 2 ((2k-1) P_(k-1) + (2k-5) P_(k-3) + ...). */
 void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative)
 {
-    double above[2] = {0.0, 0.0}; /* sums of the coefficients above, of either parity */
+    double above[2] = {0.0, 0.0}; /* sums of the coefficients above k, of even and of odd degree */
     for (size_t k = count; k-- > 0;) {
         const double own = coefficient[k];
         derivative[k] = 2.0 * (2.0 * (double)k + 1.0) * above[(k + 1) % 2];
@@ -112,7 +112,7 @@ void aoi_legendre_fit(double start, const double *nodes, double *coefficient)
     coefficient[AOI_NODES - 1] -= coefficient[AOI_NODES]; /* P_8 - P_7 is 0 at the nodes, and 2 at the start */
 }
 
-/* The polynomial minus a level, or its slope. */
+/* Value of a polynomial minus a level; with of_slope, slope of the polynomial. */
 static double value_at(size_t count, const double *coefficient, int of_slope, double level, double at)
 {
     double slope;

@@ -25,7 +25,8 @@ static inline double aoi_legendre_at_start(const double *coefficient)
     return even - odd;
 }
 
-/* Coefficients of the derivative, count like those given; derivative may be coefficient. */
+/* Sets `derivative` to the count coefficients of a series' derivative. derivative may be the same array as
+ * coefficient. */
 void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative);
 
 /* AOI_NODES + 1 coefficients from the values at the start and the nodes. */
@@ -48,9 +49,8 @@ int aoi_legendre_falls(const double *values, const double *coefficient, double l
 /* Place and value of the largest maximum of a polynomial inside (0, 1). Returns 1 if there is one. */
 int aoi_legendre_top(size_t count, const double *coefficient, double *place, double *value);
 
-/* Place at which a polynomial of AOI_NODES + 1 coefficients falls to a level before its lowest
- * minimum in (0, 1), if that is below depth (<= level). Values at the nodes may not show it.
- * Returns 1 then. */
+/* Finds the place at which a polynomial of AOI_NODES + 1 coefficients falls to a level before its lowest minimum in
+ * (0, 1), also between nodes. Returns 1 if the minimum is below depth (<= level), else 0. */
 int aoi_legendre_dips(const double *coefficient, double depth, double level, double *place);
 
 #endif

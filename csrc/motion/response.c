@@ -187,7 +187,7 @@ static inline void put_row(const double *sums, size_t count, size_t i, double *i
     }
 }
 
-/* One mass that nothing holds: the most common body, and the cheapest. */
+/* True if a body is one free mass: the most common body, with the cheapest response. */
 static int is_free_mass(const aoi_modes *body)
 {
     return body->n == 1 && body->omega[0] == 0.0 && decay_of(body, 0) == 0.0;

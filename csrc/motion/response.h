@@ -29,15 +29,14 @@ typedef struct aoi_response {
     double *scratch;
 } aoi_response;
 
-/* Index at which the influence on a port of a force on another begins in influence and
- * influence_rate. */
+/* Index in influence and influence_rate at which the influence of a force on the port `by` on another port begins. */
 static inline size_t aoi_response_at(const aoi_response *response, size_t port, size_t by)
 {
     const aoi_columns *columns = &response->columns;
     return (port * columns->count + (columns->of ? columns->of[by] : by)) * AOI_NODES * AOI_NODES;
 }
 
-/* Number of doubles in the block of the arrays, for `columns` columns, or AOI_BY_MODES. */
+/* Number of doubles in `block` of aoi_response_make, for `columns` columns (or AOI_BY_MODES). */
 size_t aoi_response_size(const aoi_modes *body, size_t columns);
 
 /* Fills the tables of a step of length h > 0. columns: NULL: each port has its own. block:

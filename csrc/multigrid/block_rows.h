@@ -53,9 +53,9 @@ static inline void OF(across)(size_t b, const REAL *block, const REAL *x, REAL *
     }
 }
 
-/* Products with the 3 x 3 blocks of a row except the diagonal one, at p = diagonal: those before it
- * serve row i alone, those behind it column i as well. Each row of a block is read with the number
- * that follows, which exists since the last block of all is a diagonal one. */
+/* Products with the 3 x 3 blocks of a row except the diagonal one, whose index is `diagonal`: blocks before it act
+ * on row i alone, blocks behind it also, transposed, on column i. Each row of a block is read together with the
+ * number that follows, which exists since the last block of all is a diagonal one. */
 static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, size_t row, size_t diagonal,
                                 const REAL *x, REAL *r)
 {

@@ -18,15 +18,15 @@ typedef struct aoi_blocks {
     const float *values, *inverse;
 } aoi_blocks;
 
-/* Rows order[begin] ... order[end-1]. The functions below work on one part, in stages: every part must
- * have ended a stage before any begins the next, and has the same arguments in all. Parts of a stage
- * may go on at the same time; the result is the same, bit for bit. */
+/* A part of the rows, order[begin] ... order[end-1]. The functions below work on one part, in stages: every part
+ * must have ended a stage before any part begins the next, and must get the same arguments in all stages. Within a
+ * stage, parts may run in parallel; the result is bit-identical. */
 typedef struct aoi_part {
     size_t begin, end;
 } aoi_part;
 
-/* Checks that a part of an aoi_blocks of stored_count blocks can be read safely, has a diagonal block in each row
- * and none left of it behind, and is of a size that is dealt with (1 ... AOI_BLOCKS_WIDEST). The bounds of parts are
+/* Checks that a part of an aoi_blocks of stored_count blocks can be read safely, that each row has a diagonal block
+ * and no block left of it stored behind, and that the block size is 1 ... AOI_BLOCKS_WIDEST. The bounds of parts are
  * not checked: with parts other than those that the order was made for, threads write to the same rows and the
  * results are wrong. */
 int aoi_blocks_check(const aoi_blocks *matrix, aoi_part part, size_t stored_count);
@@ -35,9 +35,8 @@ int aoi_blocks_check(const aoi_blocks *matrix, aoi_part part, size_t stored_coun
 void aoi_blocks_subtract(const aoi_blocks *matrix, aoi_part part, int stage, const float *x, float *r,
                          float *work);
 
-/* y = A x in double precision, in stages 0 and 1, with A's entries by `values`, stored as the matrix's
- * own; x and y of n size doubles, not overlapping. The matrix's values and inverse are not looked at.
- * work: doubles. */
+/* y = A x in double precision, in stages 0 and 1, with x and y of n size doubles, not overlapping. values: the
+ * entries of A, stored as those of `matrix`, whose values and inverse are not read. work: doubles. */
 void aoi_blocks_multiply(const aoi_blocks *matrix, aoi_part part, int stage, const double *values,
                          const double *x, double *y, double *work);
 

@@ -25,7 +25,7 @@ typedef struct aoi_stepped {
     double *free_a;                       /* [n]: the next acceleration without forces at the ports  */
     double *gain;                         /* [ports][n]: next acceleration per unit port force      */
     double *before;                       /* [n]: rates before the step of a damped body, else NULL  */
-    double *own[AOI_STEPPED_OWN];         /* [n] each: arrays of the kind                            */
+    double *own[AOI_STEPPED_OWN];         /* [n] each: arrays that the kind of body defines          */
     double *seen;                         /* [n][AOI_PLAIN_SEEN]: weights, modal.c                   */
     /* [ports][ports]: displacements and velocities of the ports at the end of a step, per unit force at that time */
     double *compliance, *rate_compliance;
@@ -71,9 +71,9 @@ int aoi_stepped_start(aoi_stepped *body, const aoi_rule_step *step);
 /* Finds the accelerations at the start under a force at each port. */
 int aoi_stepped_begin(aoi_stepped *body, const double *force);
 
-/* Steps of any other body. aoi_stepped_predict goes to the end of a step without forces at the
- * ports, and gives their displacements and velocities then, without the residual.
- * aoi_stepped_correct adds the forces at the end of the step. */
+/* Steps of a body that is not plain. aoi_stepped_predict advances it to the end of a step without forces at the
+ * ports, and gives the displacements and velocities of the ports there, without the deflection of the residual
+ * compliance. aoi_stepped_correct adds the forces at the end of the step. */
 int aoi_stepped_predict(aoi_stepped *body, double *displacement, double *velocity);
 void aoi_stepped_correct(aoi_stepped *body, const double *force);
 

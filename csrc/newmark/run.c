@@ -154,7 +154,7 @@ static int rub(aoi_contact_state *contact)
     return status;
 }
 
-/* Friction of a contact whose bodies went straight from (0, 0) to an indentation and slides. */
+/* Starts the friction of a contact whose bodies have moved straight from (0, 0) to an indentation and slides. */
 static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, const aoi_newmark *run)
 {
     aoi_rubbing *rubbing = contact->rubbing;
@@ -213,7 +213,7 @@ static int contact_begin(const aoi_newmark *run, size_t i, const aoi_start *star
                                                                                      : AOI_ERROR_PATCH;
 }
 
-/* Takes the three forces of a contact with friction from the last step to this one. */
+/* Advances the three forces of a contact with friction from the last step to this one. */
 static int rubbing_advance(aoi_contact_state *contact)
 {
     aoi_rubbing *of = contact->rubbing;
@@ -396,8 +396,8 @@ static void press(aoi_newmark *run, size_t b, size_t port, double force)
     }
 }
 
-/* Sets displacements and velocities of the ports at the start, by the state and the deflection of
- * the residual compliance. */
+/* Sets displacements and velocities of the ports at the start from the state and the deflection of the residual
+ * compliance. */
 static void find_ports(aoi_newmark *run)
 {
     const aoi_system *system = run->system;
@@ -459,7 +459,7 @@ static void set_states(aoi_newmark *run)
     }
 }
 
-/* Sets contacts and accelerations at the start. */
+/* Sets the states of contacts and the accelerations of bodies at the start. */
 static int begin(aoi_newmark *run, const aoi_start *start)
 {
     const aoi_system *system = run->system;

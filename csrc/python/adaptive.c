@@ -118,8 +118,8 @@ static PyObject *adaptive_result(const aoi_adaptive *run, kept_track **kept, dou
     return Py_BuildValue("NNnn", track, contacts, (Py_ssize_t)at.steps, (Py_ssize_t)at.rejected);
 }
 
-/* args: (bodies, contacts, rtol, end, x, moving, velocities, most steps). x: initial modal
- * coordinates of all bodies; None: zero. */
+/* Runs a system to a tolerance. args: (bodies, contacts, rtol, end, x, moving, velocities, most steps). x: initial
+ * modal coordinates of all bodies; None: zero. */
 PyObject *adaptive(PyObject *args)
 {
     call of = {.status = AOI_OK};

@@ -39,7 +39,7 @@ static double call_python(void *data, int which, double indentation, double rate
     return answer;
 }
 
-/* data: (functions, depends_on_rate, pulls, object kept alive). functions: a tuple of
+/* Reads a user's law from data, (functions, depends_on_rate, pulls, object kept alive). functions: a tuple of
  * AOI_USER_FUNCTIONS callables or addresses of C functions; None: not given. */
 static void take_user_law(call *of, PyObject *data, aoi_law *law)
 {
@@ -111,7 +111,7 @@ void take_law(call *of, PyObject *tuple, aoi_law *law)
     }
 }
 
-/* tuple: (mu, ratio, precision, compliance of shape (3, 3) or None). */
+/* Reads friction from the tuple (mu, ratio, precision, compliance of shape (3, 3) or None). */
 static void take_friction(call *of, PyObject *tuple, aoi_contact *contact, aoi_friction *friction)
 {
     double mu = 0.0, ratio = 0.0, precision = 0.0;
@@ -170,8 +170,9 @@ static PyObject *finish_law(call *of, const aoi_law *law)
     return finish(of, "contact law", "");
 }
 
-/* args: (law, indentation, rate, force, stiffness, damping, along). along: the indentations are
- * successive states of one contact, whose memory is kept up to date; else each is a first touch. */
+/* Writes force, stiffness and damping of a law. args: (law, indentation, rate, force, stiffness, damping, along).
+ * along: the indentations are successive states of one contact, whose memory is kept up to date; else each is a
+ * first touch. */
 PyObject *law_force(PyObject *args)
 {
     call of = {.status = AOI_OK};
@@ -201,7 +202,7 @@ PyObject *law_force(PyObject *args)
     return finish_law(&of, &law);
 }
 
-/* args: (law, indentation, energy). */
+/* Writes the potential of a law, J. args: (law, indentation, energy). */
 PyObject *law_potential(PyObject *args)
 {
     call of = {.status = AOI_OK};

@@ -125,7 +125,7 @@ static int one_case(void *data)
     return 1;
 }
 
-/* args: (bodies, moving, laws, which (count, 3), numbers (count, 4), answers (count, 10)). */
+/* Runs many impacts. args: (bodies, moving, laws, which (count, 3), numbers (count, 4), answers (count, 10)). */
 PyObject *briefs(PyObject *args)
 {
     call of = {.status = AOI_OK};

@@ -25,7 +25,7 @@ static void pattern_end(PyObject *capsule)
     pattern_free(PyCapsule_GetPointer(capsule, PATTERN));
 }
 
-/* args: (order, row starts, indices, block size). */
+/* Makes the pattern of a block matrix. args: (order, row starts, indices, block size). */
 PyObject *blocks_pattern(PyObject *args)
 {
     PyObject *capsule = NULL;
@@ -89,7 +89,7 @@ static void take_part(part_call *all, PyObject *args, size_t size, size_t parts,
     }
 }
 
-/* args: (matrix, part, stage, x, y, work). */
+/* One stage of y = A x. args: (matrix, part, stage, x, y, work). */
 PyObject *blocks_multiply(PyObject *args)
 {
     part_call all = {.matrix.n = 0};
@@ -107,7 +107,7 @@ PyObject *blocks_multiply(PyObject *args)
     return finish(&all.of, "product of blocks", "");
 }
 
-/* args: (matrix, part, stage, x, r, work). */
+/* One stage of r -= A x. args: (matrix, part, stage, x, r, work). */
 PyObject *blocks_subtract(PyObject *args)
 {
     part_call all = {.matrix.n = 0};
@@ -124,7 +124,7 @@ PyObject *blocks_subtract(PyObject *args)
     return finish(&all.of, "product of blocks", "");
 }
 
-/* args: (matrix, part, stage, steps, low, high, finish, x, r, work). */
+/* One stage of aoi_blocks_smooth. args: (matrix, part, stage, steps, low, high, finish, x, r, work). */
 PyObject *blocks_smooth(PyObject *args)
 {
     part_call all = {.matrix.n = 0};
@@ -147,7 +147,7 @@ PyObject *blocks_smooth(PyObject *args)
     return finish(&all.of, "smoothing", "");
 }
 
-/* args: (row starts, indices, aggregates). */
+/* Calls aoi_graph_aggregate. args: (row starts, indices, aggregates). */
 PyObject *graph_aggregate(PyObject *args)
 {
     call of = {.status = AOI_OK};

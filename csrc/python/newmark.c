@@ -21,8 +21,8 @@ static int few_steps(void *data)
     return of->status == AOI_OK && of->done + 1 < of->columns;
 }
 
-/* args: (bodies, contacts, dt, beta, gamma, x, v, force, force rate, record, energies). x, v:
- * coordinates and rates of all bodies, the initial ones on entry, the final ones on return. */
+/* Runs a system in fixed steps. args: (bodies, contacts, dt, beta, gamma, x, v, force, force rate, record,
+ * energies). x, v: coordinates and rates of all bodies, the initial ones on entry, the final ones on return. */
 PyObject *newmark(PyObject *args)
 {
     call of = {.status = AOI_OK};

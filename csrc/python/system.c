@@ -7,7 +7,7 @@
 #define PLACE_OF(part) part##_at,
 enum { MODES_PARTS(PLACE_OF) MODES_COUNT };
 
-/* tuple: (start, indices, values) of a sparse matrix of n rows. */
+/* Reads a sparse matrix of n rows from the tuple (start, indices, values). */
 static void take_sparse(call *of, PyObject *tuple, size_t n, aoi_sparse *matrix)
 {
     size_t stored = ANY_LENGTH;
@@ -41,7 +41,7 @@ static int solve_by_python(void *data, double *x)
     return failed;
 }
 
-/* tuple: (K, M, alpha, beta, callable). */
+/* Reads the matrices of a body of n coordinates from the tuple (K, M, alpha, beta, callable). */
 static void take_full(call *of, PyObject *tuple, size_t n, taken_full *full, signal_check *signals)
 {
     PyObject *K = NULL, *M = NULL;

@@ -60,8 +60,7 @@ static void *copied(call *of, const char *bytes, Py_ssize_t size)
     return copy ? memcpy(copy, bytes, (size_t)size) : NULL;
 }
 
-/* args: (bodies, contacts, values, places). Makes and checks a track from the bytes of
- * track_bytes. */
+/* Makes and checks a track from the bytes of track_bytes. args: (bodies, contacts, values, places). */
 PyObject *track_open(PyObject *args)
 {
     PyObject *bodies, *contacts, *capsule = NULL;
@@ -103,7 +102,7 @@ static PyObject *bytes_of(const void *record, size_t size)
     return bytes;
 }
 
-/* Returns the content of a capsule, or NULL with an error raised for another object. */
+/* Returns the content of a track's capsule; NULL, with an error raised, for any other object. */
 static const kept_track *held(call *of, PyObject *capsule)
 {
     const kept_track *kept = of->status == AOI_OK ? PyCapsule_GetPointer(capsule, NAME) : NULL;
@@ -130,7 +129,7 @@ static PyObject *triples(call *of, double *made, size_t count)
     return bytes;
 }
 
-/* The start and length of each row, s, and its number of contacts, as bytes of doubles. */
+/* Returns the start and length of each row, s, and its number of contacts, as bytes of doubles. */
 PyObject *track_rows(PyObject *args)
 {
     call of = {.status = AOI_OK};

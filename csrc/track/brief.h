@@ -7,7 +7,7 @@
 /* Results of one impact of two bodies. */
 typedef struct aoi_brief {
     double touches, lasting; /* number of touches; 1 if the run ends in contact, else 0 */
-    double peak_force, peak_time, impulse; /* N, s, N s */
+    double peak_force, peak_time, impulse; /* N; s; N s, of all touches */
     double start, end;  /* start of the first touch and end of the last, s; 0 if there is none   */
     /* velocities of the centres of mass after the last touch, or at the run's end without one, m/s */
     double velocity[2];

@@ -1,5 +1,5 @@
-/* Dense output: the record of a track at any time. Bodies are advanced from the start of a row to that
- * time exactly as in the run; in free motion at evenly spaced times, from one time to the next. */
+/* Dense output: the record of a track at any time. Bodies are advanced from the start of a row to the time exactly
+ * as in the run; for evenly spaced times in free motion, they are advanced from one time to the next. */
 #include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
@@ -25,7 +25,7 @@ struct aoi_sampler {
     size_t rows;
     /* for each body: the last row with it, and its index in track */
     size_t *body_row, *body_at;
-    size_t *contact_row, *contact_at; /* for each contact: the same                          */
+    size_t *contact_row, *contact_at; /* for each contact: its last row, and its index there */
 
     size_t row, most_modes;
     int has_edge; /* a contact of the row was solved with an edge      */
@@ -49,7 +49,7 @@ static size_t bends_size(const aoi_system *system)
     return BEND_STATE * system->body_count + 2 * system->first[system->body_count];
 }
 
-/* Lays out the sampler's arrays behind it in block, or only counts their bytes if it is NULL. */
+/* Lays out the sampler's arrays behind the sampler in `block`, or, if block is NULL, only counts their bytes. */
 static size_t lay_out(aoi_sampler *sampler, const aoi_system *system, void *block)
 {
     const size_t bodies = system->body_count, contacts = system->contact_count;
@@ -131,7 +131,7 @@ static double *bend_of(const aoi_sampler *sampler, size_t b)
     return sampler->flown + BEND_STATE * b + 2 * sampler->system->first[b];
 }
 
-/* Takes note of the bodies and contacts of a row. */
+/* Registers the bodies and contacts of a row. */
 static void enter_row(aoi_sampler *sampler, size_t row)
 {
     const aoi_system *system = sampler->system;
