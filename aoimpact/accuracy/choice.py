@@ -43,7 +43,7 @@ _SHARE_OF_TIME, _SHARE_OF_STEPS, _SHARE_WITH_FRICTION = 0.005, 0.2, 0.05
 
 
 def check_linear_solver(solver: Solver, *, chosen: bool) -> None:
-    """Raise InputError if `solver` is no linear solver, or if no models are made with it.
+    """Raise InputError if `solver` is no linear solver, or if the call makes no models.
 
     Parameters
     ----------

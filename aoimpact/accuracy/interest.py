@@ -98,7 +98,8 @@ _NAME = re.compile(r"[A-Za-z_]\w*(\.\w+)*")
 class Named:
     """Reads numbers of a result by name: quantities, or dotted attributes and indices.
 
-    In a scene, the name of a quantity means the numbers of all contacts or bodies; NaN without any.
+    In a scene, the name of a quantity stands for the numbers of all contacts or bodies. A quantity
+    without numbers is NaN.
     """
 
     names: tuple[str, ...]

@@ -202,7 +202,7 @@ class Each(Generic[T]):
 
     @cached_property
     def of(self) -> Callable[[FEModel], T]:
-        """Function of a body that returns what `_make` prepares for it, and keeps it."""
+        """Cached function that returns the data that `_make` prepares for a body."""
         return cache(self._make)
 
     def _make(self, body: FEModel) -> T:

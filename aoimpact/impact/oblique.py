@@ -125,7 +125,7 @@ def with_functionals(
     assert isinstance(model, Body)
     if model.numbers is not None and model.kind in ("rigid", "wall"):
         return turning(model.numbers, axes, roles or ROLES[:1])
-    given = [tip.tangents for tip in model.tips[::3]]  # a model chosen for another such impact
+    given = [tip.tangents for tip in model.tips[::3]]  # of an earlier oblique impact
     if given and all(one is not None and np.allclose(one, axes[1:], atol=0.1) for one in given):
         return model
     raise InputError(

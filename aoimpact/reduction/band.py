@@ -27,8 +27,8 @@ from .recovery import Recovery
 if TYPE_CHECKING:
     from .body import Body, BodyModel
 
-# Largest relative error of the receptance at iω within the band. The error of a mode that gives a
-# tenth of the receptance is then 1 %.
+# Largest relative error of the receptance at iω within the band. A mode that contributes a tenth of
+# the receptance then has an error of at most 1 %.
 _RIGHT = 1e-3
 
 # Number of frequencies per decade at which the error is computed.

@@ -466,7 +466,7 @@ class KrylovSpace:
         if wanted > had:
             more = max(wanted - had, had // 2)
             require(
-                8.0 * float(had + more) * dofs,  # doubles
+                8.0 * float(had + more) * dofs,  # bytes
                 f"a basis of {wanted} vectors of {dofs} dofs",
                 "ask for fewer oscillators or a larger rtol, or coarsen the mesh away from the "
                 "contact",

@@ -123,7 +123,7 @@ class Recovery:
         strained, inertia = body.K @ self.basis, body.M @ self.basis
         model, n = self.model, len(self.model.omega)
         push = model.modes.T @ loads
-        # Rigid motions that forces on the ports do not excite, and the model does not contain.
+        # Loads, such as the weight, on rigid motions that the model does not contain.
         omitted = body.rigid_modes.T @ (loads - inertia[:, :n] @ push)
         r = -strained
         r[:, :n] += inertia[:, :n] * model.omega**2

@@ -110,7 +110,7 @@ class Energy(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class BodyResult(Frozen, Measured):
-    """One body's motion over time.
+    """Motion of one body over time.
 
     Attributes
     ----------

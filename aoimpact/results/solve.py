@@ -153,7 +153,7 @@ class RecordLength:
         return found if whole else solve(_lasting(plan, self.length), solver)
 
     def warn_if_cut(self) -> None:
-        """Warn where the impact was not over after the longest record."""
+        """Warn if the impact was not over at the end of the longest record."""
         if self._cut:
             warn(
                 f"duration: it was left out, and after {with_unit(self.length, 's')} the impact is "

@@ -163,13 +163,13 @@ def _is_certain(error: ErrorParts, count: int) -> bool:
 
 
 def _peak(run: Run, owner: str) -> str:
-    """The largest force of a contact, and its time."""
+    """Return the largest force of a contact, and its time."""
     force = _told(run, f"{owner}peak_force", 5, listed=True)
     return f"{force} at {_told(run, f'{owner}peak_time')}"
 
 
 def _slips(contact: ContactResult) -> str:
-    """The intervals of full slip of a contact."""
+    """Return the intervals of full slip of a contact."""
     if not contact.intervals or not (slips := contact.slip_intervals):
         return ""
     if not contact.stick_intervals:
@@ -179,7 +179,7 @@ def _slips(contact: ContactResult) -> str:
 
 
 def _body(run: Run, number: int) -> str:
-    """A body's model, support and contact points; in an impact also its mass."""
+    """Return a body's model, support and contact points; in an impact also its mass."""
     body, scene = run.plan.bodies[number], run.plan.scene
     rigid, name, mass = body.label in _RIGID, run.names[number], ""
     tips = body.tips[:: 3 if run.plan.oblique else 1][: _PLACES if scene else 1]

@@ -32,8 +32,8 @@ _EPSILON = float(np.finfo(np.float64).eps)
 _MOST_STEPS = 1000
 
 # _TIGHTER: factor on the damping after a full step; _LOOSER: that after a shortened one. Values of
-# 0.02 to 0.2 and of 1 to 10 change the number of steps by up to a third. _LEAST_DAMPING: lower
-# bound.
+# 0.02 to 0.2 of the former and 1 to 10 of the latter change the number of steps by up to a third.
+# _LEAST_DAMPING: least damping.
 _TIGHTER, _LEAST_DAMPING, _LOOSER = 0.1, 1e-12, 2.0
 
 # _TOO_FAR: a step is too long if the forces at its end do negative work along it of more than this

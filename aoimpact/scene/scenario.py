@@ -161,7 +161,7 @@ class Scenario:
 
     @cached_property
     def _loads_of(self) -> dict[int, list[Load]]:
-        """The loads on each loaded body, by its number."""
+        """The loads on each loaded body, by the body's number."""
         found: dict[int, list[Load]] = {}
         for load in self.loads:
             found.setdefault(load.body, []).append(load)
