@@ -158,7 +158,7 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
             if known is None:
                 return None  # uncertainty unknown: a rigid model or a sharp edge
             if known.removed and not isinstance(contact.law, PatchLaw):
-                left += known.removed  # with and without it, results bound the true ones
+                left += known.removed  # runs with and without `removed` bound the truth
             else:
                 varying += known.varying
         most = min(left, removable(law, run.deepest(number))) if left else -varying

@@ -1,8 +1,8 @@
 """The motion of one body in a run, in the coordinates of its model, at any times.
 
 The record of an adaptive run has the states at any time. A run with fixed steps records the forces,
-but no states. A single body is linear, with prescribed forces, so that Newmark's rule with the same
-steps repeats the states that it had in the run.
+but no states. A single body under prescribed forces is linear, so that Newmark's rule with the same
+steps reproduces its states in the run.
 """
 
 from __future__ import annotations

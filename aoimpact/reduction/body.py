@@ -1,7 +1,7 @@
 """A body in its natural modes, the form of every body in the core.
 
 All reduced models are Galerkin models: the motion of the body is X = Σ q_j φ_j. The displacement of
-a port is a contact functional of it, u = bᵀX. Anti-oscillator models (star.py) are models of one
+a port is a contact functional of X, u = bᵀX. Anti-oscillator models (star.py) are models of one
 port in other coordinates.
 """
 

@@ -3,8 +3,8 @@
 `QUANTITIES` is their only table. ``quantity=``, `Run.value`, summaries, the errors of a result,
 the names that ``keep=`` takes, the columns of a sweep with their units, the fast path of
 `simulate_many` and the comparison of models all read it. An impact is a scene of two bodies with
-one contact: of a quantity, it has only the number of the first contact or body. CONTRIBUTING.md
-says what a new quantity needs.
+one contact; each quantity has only the number of the first contact or body. CONTRIBUTING.md says
+what a new quantity needs.
 """
 
 from __future__ import annotations

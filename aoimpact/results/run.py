@@ -1104,7 +1104,7 @@ class Result(Eventful, Run):
 
     @property
     def restitution(self) -> float:
-        """Coefficient of restitution, from velocities of centres of mass after the last contact.
+        """Coefficient of restitution, by velocities of centres of mass after the last contact.
 
         It is (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is
         constrained or of infinite mass. NaN without a rebound, and where a centre of mass

@@ -216,7 +216,7 @@ def _rebound(result: Result, name: str, along: str = "") -> str:
 def error_rows(run: Run) -> list[tuple[str, str]]:
     """Return the rows of errors: each quantity of interest with its value, error and tolerance.
 
-    The error of a history is that at any time, relative to its largest value.
+    The error of a history is its largest error over time, relative to the history's largest value.
     """
     chosen = run.chosen
     rows = []

@@ -165,7 +165,7 @@ class Contact(NamedTuple):
         friction = self.friction and self.friction.between(self.materials(bodies), known)
         removed = tuple(0.0 if of is None else of.removed_for(self.width) for of in known)
         left = bounded and math.fsum(removed) > 0.0
-        if left or isinstance(self.law, PatchLaw):  # a PatchLaw has the compliance taken out
+        if left or isinstance(self.law, PatchLaw):  # a PatchLaw lacks the compliance already
             return self._replace(friction=friction)
         law = effective_law(self.law, math.fsum(removed))
         return self._replace(law=law, removed=removed, friction=friction)

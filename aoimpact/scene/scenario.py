@@ -128,7 +128,7 @@ class Scenario:
 
     @property
     def body_names(self) -> tuple[str, ...]:
-        """Names of the bodies; empty for one without a name."""
+        """Names of the bodies; empty for a body without a name."""
         given = self.names or [""] * len(self.bodies)
         return tuple(name or body.name for name, body in zip(given, self.bodies, strict=True))
 
@@ -138,7 +138,7 @@ class Scenario:
         return any(map(attrgetter("tips"), self.bodies))
 
     def touched(self, contact: Contact) -> list[tuple[int, int, ContactPoint]]:
-        """Return number, port and contact point of the bodies in contact that have such a point."""
+        """Return number, port and contact point of the meshed bodies in a contact."""
         if not self.meshed:
             return []
         known = [(of, at, self.bodies[of].touched_at(at)) for of, at in contact.ports]

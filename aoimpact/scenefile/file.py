@@ -43,7 +43,8 @@ _ARGUMENT = re.compile(r"(\w+)(?:\[(\d+)\])?")
 # Maximum number of problems of a file that are shown: as many as fit on a screen.
 _SHOWN = 20
 
-# Maximum number of objects kept for the next runs of a sweep: enough for reuse, not for every mesh.
+# Maximum number of objects kept for the next runs of a sweep, so that not every mesh stays in
+# memory.
 _MOST_KEPT = 8
 
 
