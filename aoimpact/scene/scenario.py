@@ -138,7 +138,7 @@ class Scenario:
         return any(map(attrgetter("tips"), self.bodies))
 
     def touched(self, contact: Contact) -> list[tuple[int, int, ContactPoint]]:
-        """Return number, port and contact point of the meshed bodies in a contact."""
+        """Return number, port and contact point of a contact's finite-element bodies."""
         if not self.meshed:
             return []
         known = [(of, at, self.bodies[of].touched_at(at)) for of, at in contact.ports]
