@@ -231,8 +231,8 @@ struct aoi_law {
     double parameter[AOI_LAW_PARAMETERS]; /* of aoi_law_create, and derived ones; or the caller's */
     double compliance;   /* c [m/N] taken out: F = law(indentation + c F, rate); below 0: in series */
     double limit;        /* largest indentation for which the law holds at rate 0: a run that goes
-                            deeper ends with AOI_ERROR_PATCH. To be set with a compliance c: to
-                            where c times the law's stiffness comes near 1, if it does           */
+                            deeper ends with AOI_ERROR_PATCH. With a compliance c, the caller
+                            sets it to where c times the law's stiffness comes near 1, if any    */
     int depends_on_rate; /* the force depends on the rate                                        */
     int turns;           /* loading and unloading differ: a step must end where the rate turns   */
     int pulls;           /* negative forces are meant; a contact ends only at `rest`             */
@@ -248,7 +248,8 @@ struct aoi_law {
     aoi_user_law user;
 };
 
-/* Makes the law of that name from count parameters, k in N/m^n; the force at indentation d and rate v:
+/* Makes the law called `name` from count parameters, k in N/m^n. Names, parameters, and the force at an indentation d
+ * and rate v:
  *   hertz: k                         k d^(3/2)
  *   power: k, n >= 1                 k d^n
  *   linear: k                        k d
@@ -266,31 +267,30 @@ struct aoi_law {
  *   yang_sun: k, critical, beta      k d^(3/2); from D with force F back F ((d - p)/(D - p))^(5/2), and from p up to D
  *                                    with 3/2 for 5/2; p = D (1 - (critical/D)^(2/5)), or beta (D - critical) where
  *                                    beta is not 0 (at most 1), and 0 where D is less than critical
- * k, slope, yield force and critical are positive, what damps is not negative.
- * AOI_ERROR_ARGUMENT for an unknown name, a wrong count, or a value out of range, given or derived. */
+ * k, slope, yield force and critical must be positive, damping parameters not negative. AOI_ERROR_ARGUMENT for an
+ * unknown name, a wrong count, or a value out of range, given or derived. */
 AOI_API int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
 
-/* Makes a law through knots: cubics between them, a straight line past the last, which is the law's
- * limit.
+/* Makes a law from knots: cubics between the knots, and a straight line past the last knot, which is the law's limit.
  *   count  knots, >= 2
  *   table  4 x count, the caller's for as long as the law is used: indentations (ascending, from 0),
  *          forces (from 0, never falling), slopes there, and energies (the integral of the cubics)
- * AOI_ERROR_ARGUMENT where these do not hold. */
+ * AOI_ERROR_ARGUMENT if the table does not meet these conditions. */
 AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table);
 
 /* Makes the caller's law.
  *   user             copied
  *   depends_on_rate  1: the force depends on the rate
  *   pulls            1: negative forces are meant
- * AOI_ERROR_ARGUMENT where the force or a function said to be given is missing. */
+ * AOI_ERROR_ARGUMENT if the force, or a function with a nonzero `given`, is missing. */
 AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
 
 /* Checks a law. AOI_ERROR_ARGUMENT where it cannot be used: NULL, without force or potential, with
  * a compliance that is not finite, with a limit that is not positive. */
 AOI_API int aoi_law_check(const aoi_law *law);
 
-/* Force of a law and its derivatives, as in fixed steps: zero at and below rest, and cut at zero
- * unless the law pulls.
+/* Gives the force of a law and its derivatives, as runs in fixed steps use them: zero at and below rest, and cut at
+ * zero unless the law pulls.
  *   memory       AOI_LAW_MEMORY, or NULL for a law without
  *   indentation  m
  *   rate         m/s; chooses between loading and unloading
@@ -299,9 +299,9 @@ AOI_API int aoi_law_check(const aoi_law *law);
 AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                           aoi_law_value *value);
 
-/* As law->potential, at the total indentation: c F^2/2, which is stored in the bodies, is not included. Past the
- * limit of a law with a compliance, where the energy has no meaning, it grows as under a force that is a straight
- * line. */
+/* As law->potential, at the total indentation. The energy c F^2/2, which is stored in the bodies, is not included.
+ * Past the limit of a law with a compliance, where the energy has no meaning, it grows as under a force that is a
+ * straight line. */
 AOI_API double aoi_law_potential(const aoi_law *law, const double *memory, double indentation);
 
 /* ------------------------------------------------------------------------------------ friction */
@@ -317,15 +317,14 @@ AOI_API double aoi_law_potential(const aoi_law *law, const double *memory, doubl
  * the rate is distributed over them in proportion: share = F/F(rate 0) raises Coulomb's bound to mu/ratio share (d - x).
  * For an elastic law share is 1. */
 typedef struct aoi_friction {
-    aoi_law law;      /* the normal law, of its own indentation: without a compliance               */
-    double mu, ratio; /* coefficient of friction; tangential over normal stiffness, Mindlin's G / E
+    aoi_law law;      /* normal law as a function of its own indentation, without compliance        */
+    double mu, ratio; /* coefficient of friction; ratio of tangential to normal stiffness, Mindlin's G / E
                          of the pair: 2 (1 - nu)/(2 - nu) for like materials                       */
-    double precision; /* error of the curve of stretches, over the largest stretch since the touch  */
+    double precision; /* error of the curve of stretches, relative to the largest since the touch   */
 } aoi_friction;
 
-/* Makes the friction of a law. The law's compliance and limit are left out: with these the
- * functions below take the contact's own indentation and slide, which are those of the bodies plus
- * compliance times force.
+/* Makes the friction of a law. The law's compliance and limit are not used. For a law with a compliance, the functions
+ * below take the contact's own indentation and slide, which are those of the bodies plus compliance times force.
  *   law        it must neither have a memory nor turn or pull; copied
  *   mu         >= 0, at most 1e140 times the ratio
  *   ratio      > 0
@@ -352,8 +351,8 @@ typedef struct aoi_friction_state {
     double reach, share; /* largest stretch since the touch, m; share as above */
 } aoi_friction_state;
 
-/* Friction at the end of a path on which the first body slides relative to the second. Its force
- * acts on the second body, and reversed on the first. */
+/* Friction at the end of a path on which the first body slides relative to the second. The force acts on the second
+ * body; its opposite acts on the first. */
 typedef struct aoi_friction_value {
     double force[2];         /* N                                                                   */
     double by_slide[2][2];   /* d force / d slide, N/m                                              */
@@ -364,10 +363,10 @@ typedef struct aoi_friction_value {
     double terms;            /* magnitude to which the rounding of the force is relative, N         */
 } aoi_friction_value;
 
-/* Friction after a straight path from the state to an indentation, m, and a share, with a slide, m.
- * The state is only read. The result is exact for paths along one line, reversals included. Where
- * directions turn, each spring turns exactly, and the force has the precision of the curve.
- * by_indentation leaves out how the turning depends on the indentation. */
+/* Computes the friction after a straight path from the state to an indentation, m, and a share, with a slide, m. The
+ * state is not changed. The result is exact for paths along one line, reversals included. Where directions turn,
+ * each spring turns exactly, and the force has the precision of the curve. by_indentation neglects the effect of the
+ * indentation on the turning. */
 AOI_API void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
                               double share, const double slide[2], aoi_friction_value *value);
 
@@ -382,14 +381,14 @@ AOI_API int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state
 AOI_API int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
                               double share, const double slide[2]);
 
-/* Energy stored in the stretches, J. The rest of the work of the force has been dissipated. */
+/* Energy stored in the stretches, J. The rest of the work of friction has been dissipated. */
 AOI_API double aoi_friction_energy(const aoi_friction *friction, const aoi_friction_state *state);
 
 /* ----------------------------------------------------------------- what there is: the model */
 
-/* Forces on the ports of a body, linear between times: at time[i] force[i][p] on port p, constant
- * before the first time and after the last. Times ascend; of two equal ones, at a jump, the later
- * counts. count 0: no load. */
+/* Forces on the ports of a body, linear between times: force[i][p] is the force on port p at time[i], N; it is
+ * constant before the first time and after the last. Times ascend; two equal times make a jump, at which the later
+ * force counts. count = 0: no load. */
 typedef struct aoi_load {
     size_t count;
     const double *time, *force;

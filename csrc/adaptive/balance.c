@@ -1,10 +1,10 @@
 /* The forces on massless contact points are in equilibrium at every instant. Where a contact begins or ends there, the
  * forces of the contacts coupled to it change at once: rates jump, and with them the forces that depend on rates.
  *
- * With C the residual compliances, F the forces and z the indentations without deflection, the indentations d are z
- * - C F. In an event, d is continuous if a law depends on the rate, and follows from equilibrium if none does. The
- * rates follow from the derivative, d' = z' - C F', with F' = K d' for a law without rate, and from F = f(d, d') for
- * one with rate. */
+ * With residual compliances C, forces F and indentations z without deflection, the indentations are d = z - C F. In
+ * an event, d is continuous if a law depends on the rate, and follows from equilibrium if none does. The rates
+ * follow from the derivative, d' = z' - C F', with F' = K d' for a law without rate, and from F = f(d, d') for one
+ * with rate. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/vector.h"

@@ -174,8 +174,8 @@ static void first_level(aoi_adaptive *run, size_t c, double time)
     }
 }
 
-/* Time for which the present rate may last: a massless contact point follows a load at once, and
- * has another rate after the load's next bend. */
+/* Time for which the present rate may last, s: a massless contact point follows a load at once, and has another rate
+ * after the load's next bend. */
 static double time_left(const aoi_adaptive *run, size_t c)
 {
     /* just beyond a bend of a load that is at the present time within rounding */

@@ -76,8 +76,8 @@ static inline size_t aoi_row_contact_size(const aoi_contact *contact)
     return contact->friction ? AOI_TRACK_FRICTION_SIZE : AOI_TRACK_CONTACT_SIZE;
 }
 
-/* Forces of a contact with friction at a place (0 to 1) of a row, along the normal and the
- * tangents, N. of: its values in the row; bent: its own indentation less that of the bodies, m. */
+/* Forces of a contact with friction at a place (0 to 1) of a row, along the normal and the tangents, N. of: the
+ * contact's values in the row; bent: the contact's own indentation less that of the bodies, m. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent);
 
 /* Values of the force's polynomial (with friction, of all three) at the nodes of the part of a row

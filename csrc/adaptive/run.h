@@ -108,7 +108,7 @@ struct aoi_adaptive {
     aoi_list engaged, changed; /* bodies in this step; bodies changed since their last row */
     size_t span, row_size;
     int crowded; /* 1: contacts are solved by modes (crowd.c) */
-    /* numbers of entries: of closed contacts, which come first; of closed and open contacts */
+    /* numbers of entries: closed_count of the closed contacts, which come first; entry_count of all contacts */
     size_t closed_count, entry_count;
     int level;                        /* steps are base 2^(-level/8) long */
     int grain;                        /* levels are multiples of this */
@@ -247,11 +247,10 @@ void aoi_contact_note_peak(aoi_adaptive *run, size_t c, double force, double aft
  * aoi_coupled_solve. */
 int aoi_balance_at_start(aoi_adaptive *run);
 
-/* Finds indentations, rates and forces of contacts at massless contact points after an event of one
- * of them; where none are found, leaves all unchanged. A contact that has just touched opens again
- * where the others separate it. pull_off: an adhesive contact has let go, and its massless contact
- * point jumps back. Then only indentations and forces are found, and the step's contacts that the
- * point reaches are closed. */
+/* Finds indentations, rates and forces of contacts at massless contact points after an event of one of them; if none
+ * are found, all stay unchanged. A contact that has just touched opens again if other contacts separate its bodies.
+ * pull_off: an adhesive contact has let go, and its massless contact point jumps back. Then only indentations and
+ * forces are found, and the step's contacts that the point reaches are closed. */
 void aoi_balance_at_once(aoi_adaptive *run, int pull_off);
 
 /* The energy in residual compliances and in the laws of contacts at them, J. Adds sign times its law's energy to the

@@ -64,8 +64,8 @@ static inline void aoi_step_law_at_end(const aoi_law *law, const aoi_contact_ste
     aoi_law_force(law, entry->memory, entry->piece, entry->indentation[end], entry->rate[end], value);
 }
 
-/* True if a residual compliance lies between the bodies of a contact: its velocity changes at once where
- * the force begins or ends. */
+/* True if a residual compliance lies between the bodies of a contact: the rate of its indentation changes at once
+ * where the force begins or ends. */
 static inline int aoi_contact_has_residual(const aoi_adaptive *run, size_t c)
 {
     const size_t *body = run->system->contact[c].body;

@@ -214,15 +214,16 @@ static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entr
 {
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, entry), scale / h);
-    /* Rounding changes slopes at the nodes by up to their number squared over the step's length. */
+    /* Rounding changes slopes at the nodes by up to the rounding of the values, times the number of nodes squared,
+     * divided by the step's length. */
     const double rounding = AOI_NODES * AOI_NODES * AOI_COLLOCATION_ROUNDING * entry->scale / h;
     const double unresolved = fmax(within, fmax(rate_tail(entry) - rounding, 0.0) / fmax(slow, DBL_MIN));
     const double growth = CAUTION * pow(unresolved, -1.0 / AOI_NODES);
     return unresolved > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), BLIND_GROWTH);
 }
 
-/* Growth allowed by friction, where slip may begin or end in the step. The drift has about the order of a
- * kink of the rate; so has the error of the impulse, which counts only where it is too large. */
+/* Growth allowed by friction, where slip may begin or end in the step. The drift and the error of the impulse have
+ * about the order of a kink of the rate; the latter counts only if it is too large. */
 static double sliding_growth(const errors *of)
 {
     const double worst = fmax(of->drift, of->handed_on > 1.0 ? of->handed_on : 0.0);

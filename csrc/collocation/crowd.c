@@ -83,7 +83,7 @@ const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *w
     return lay_out(system, count, work, &size).moved[0];
 }
 
-/* The body on one side of an entry, with shape and push of its port. */
+/* The body on one side of an entry, with the shape and push vectors of its port. */
 typedef struct touched {
     size_t body, n, first; /* index of the body; number of its modes; index of the first one */
     const double *shape, *push;

@@ -406,7 +406,8 @@ static size_t sticking(const path *p)
     return i;
 }
 
-/* Starts a walk at spring next - 1, which sticks, or at the first one if next is 0. k: its knot. */
+/* Starts a walk at the sticking spring next - 1, or, if next is 0, at the first spring. k: set to the knot of this
+ * spring. */
 static walk walk_from(const path *p, size_t next, knot *k)
 {
     walk w = {.p = p, .next = next, .sticks = next > 0};

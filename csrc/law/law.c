@@ -85,8 +85,7 @@ static void own_force(const aoi_law *law, const double *memory, int piece, doubl
     note_nan(law, indentation, rate, value);
 }
 
-/* Converts derivatives with respect to the law's own indentation d to derivatives with respect to the total one, d -
- * c F. */
+/* Converts derivatives with respect to the law's own indentation d to those for the total indentation d - c F. */
 static void stiffen(double compliance, aoi_law_value *value)
 {
     const double share = compliance * value->stiffness;

@@ -4,11 +4,10 @@
 
 #include "aoimpact.h"
 
-/* The contact equation with friction at the end of a step, with the linear bodies eliminated: place
- * = free - compliance force, in the normal direction and along two tangents. place: the indentation
- * and the slide since the state; force: the law's and that of friction; compliance: less the part
- * that has been taken out of the law; guess: initial place of the search. The rate of the
- * indentation is rate_free - rate_compliance force. */
+/* The contact equation with friction at the end of a step, with the linear bodies eliminated: place = free -
+ * compliance force, in the normal direction and along two tangents. place: the indentation, and the slides since the
+ * state; force: normal force and friction; compliance: compliance of the bodies less the part taken out of the law;
+ * guess: initial place of the search. The rate of the indentation is rate_free - rate_compliance force. */
 typedef struct aoi_oblique_equation {
     double free[3], compliance[3][3];
     double guess[3];

@@ -194,7 +194,7 @@ static int solve_three(const aoi_coupled *e, aoi_rubbing *rubbing, size_t i, con
     return status;
 }
 
-/* Solves the equation of contact i alone, from its present indentation. */
+/* Solves the equation of contact i alone, starting from its present indentation. */
 static int solve_one(newton *s, iterate *at, size_t i)
 {
     s->failed = i;
@@ -430,9 +430,9 @@ static int solve_from_here(newton *s, int most_steps)
     return status == AOI_OK && !(merit == 0.0) ? AOI_ERROR_NOT_FINITE : status;
 }
 
-/* The force of an adhesive contact ends with a jump. Coupled to other contacts, its own equation may then have no
- * consistent state, neither closed nor open, although all equations together have a solution with it open. This opens
- * the adhesive contact with the least indentation; it returns 0 where none is left. */
+/* The force of an adhesive contact ends with a jump. If the contact is coupled to others, its equation alone may
+ * then have no consistent state, neither closed nor open, although all equations together have a solution with the
+ * contact open. Opens the adhesive contact with the least indentation; returns 0 if no such contact is left. */
 static int end_next(newton *s)
 {
     double next = HUGE_VAL;
@@ -449,7 +449,7 @@ static int end_next(newton *s)
 
 static int has_failed(int status) { return status == AOI_ERROR_NO_CONVERGENCE || status == AOI_ERROR_NOT_FINITE; }
 
-/* Solves from zero contact forces, to a relative tolerance. */
+/* Solves from zero contact forces, to the relative tolerance `rounding`, in at most most_steps steps. */
 static int solve_from_apart(newton *s, double rounding, int most_steps)
 {
     const aoi_coupled *e = s->e;

@@ -30,7 +30,7 @@ typedef struct aoi_contact_state {
     aoi_rubbing *rubbing;            /* NULL: without friction                                 */
     size_t axis;                     /* 0 along the normal, 1 and 2 the tangents               */
     double from;                     /* the gap, or where the slide of this step begins        */
-    /* for fixed steps: numbers of its ports among those of all bodies */
+    /* for fixed steps: indices of its two ports among the ports of all bodies */
     size_t port[2];
     size_t contact;                  /* in adaptive/balance.c: number of the contact           */
     /* in adaptive/balance.c: 1 if its force acts while indentations are found */

@@ -1,6 +1,6 @@
 /* Newmark's rule on natural modes, each an oscillator of its own with any damping:
  *   (1 + 2 decay gamma dt + omega^2 beta dt^2) a' = f - omega^2 p - 2 decay q
- * with the predictors p, q of displacement and velocity. */
+ * with the predictors p of displacement and q of velocity. */
 #include "newmark/body.h"
 #include "linear/vector.h"
 #include "model/modes.h"

@@ -13,7 +13,7 @@ static const size_t MOST_BYTES = (size_t)1 << 30;
 /* Rows of the track that one piece of a run adds; the clock is read after each piece. */
 enum { ROWS = 48 };
 
-/* A run under way, up to about most_steps steps, rejected ones included. */
+/* A run in progress, which ends after about most_steps steps, rejected ones included. */
 typedef struct job {
     aoi_adaptive *run;
     aoi_track *track;

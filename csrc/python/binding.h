@@ -94,7 +94,7 @@ double seconds_now(void);
 typedef struct signal_check {
     aoi_pause pause;
     double next;           /* time of the next check, s    */
-    PyThreadState *thread; /* while the GIL is released   */
+    PyThreadState *thread; /* saved while the GIL is free */
 } signal_check;
 
 void signal_check_open(signal_check *signals);

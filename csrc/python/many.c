@@ -1,4 +1,4 @@
-/* Python binding of many impacts in one call, without the GIL. Each returns an aoi_brief only. */
+/* Python binding of many impacts in one call, without the GIL. The result of an impact is an aoi_brief only. */
 #include "python/binding.h"
 #include "track/brief.h"
 
@@ -62,7 +62,7 @@ static int check_cases(const cases *of, size_t count, const int32_t *which)
     return AOI_OK;
 }
 
-/* Runs one case. which: first body, second body and law; numbers: its CASE_COLUMNS. */
+/* Runs one case. which: first body, second body and law; numbers: the CASE_COLUMNS values of the case. */
 static int run_case(work *on, const cases *of, const int32_t *which, const double *numbers, aoi_brief *brief)
 {
     const double *moving = of->moving[which[0]];

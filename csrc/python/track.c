@@ -197,8 +197,8 @@ static int read_next(void *data)
     return of->done < of->count;
 }
 
-/* args: (track, times, what, body, out). Reads a track at ascending times, without the GIL between
- * checks for signals. */
+/* Reads a track at ascending times, without the GIL between checks for signals. args: (track, times, what, body,
+ * out). */
 PyObject *track_read(PyObject *args)
 {
     call of = {.status = AOI_OK};

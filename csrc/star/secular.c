@@ -1,6 +1,6 @@
-/* Roots of the secular equation, each to full relative accuracy of its distance from the nearest
- * pole: the way between the star and its modes with no dense matrix. The idea of working with that
- * distance is LAPACK's (dlaed4); the iteration is a plain guarded Newton. */
+/* Roots of the secular equation, each to full relative accuracy of its distance from the nearest pole: they convert
+ * between a star and its modes without a dense matrix. The idea of working with that distance is from LAPACK
+ * (dlaed4); the iteration is Newton's method guarded by bisection. */
 #include "star/secular.h"
 
 #include <float.h>

@@ -56,8 +56,8 @@ static double time_of_rest(const aoi_system *system, const double *row, const do
     return row[AOI_TRACK_START] + length - ago * length;
 }
 
-/* Updates the interval of a contact by one row. A contact that begins in this row or is slack in it
- * has ended where its last row did. */
+/* Updates the interval of a contact by one row. If a contact begins in this row or is slack in it, its interval so
+ * far has ended with the last row before. */
 static void follow_contact(search *found, const aoi_system *system, const double *row, const double *of)
 {
     aoi_interval *open = &found->open[(size_t)of[AOI_TRACK_CONTACT]];
