@@ -72,8 +72,8 @@ class Audit:
         along an axis, median over the three axes. Exact for a free uniform body; supports raise the
         value, added masses lower it.
     rigid_residual : tuple of float
-        ‖K r‖ / ‖abs(K) abs(r)‖ for the translations along x, y, z and, with coordinates, the rotations
-        about them. Below 1e-6 the motion r meets no elastic force.
+        ‖K r‖ / ‖abs(K) abs(r)‖ for the translations along x, y, z and, with coordinates, the
+        rotations about them. Below 1e-6 the motion r meets no elastic force.
     frequencies : ndarray
         Lowest natural frequencies, Hz.
     doubts : tuple of str
