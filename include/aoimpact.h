@@ -248,7 +248,7 @@ struct aoi_law {
     aoi_user_law user;
 };
 
-/* Makes the law called `name` from count parameters, k in N/m^n. Names, parameters, and the force at an indentation d
+/* Makes the law of that name from count parameters, k in N/m^n. Names, parameters, and the force at an indentation d
  * and rate v:
  *   hertz: k                         k d^(3/2)
  *   power: k, n >= 1                 k d^n
