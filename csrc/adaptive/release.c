@@ -73,7 +73,8 @@ double aoi_release_step(const aoi_adaptive *run, double h)
     }
     const double left = aoi_release_after(run, fmax(h / LEAST_OF_REST, contact->closed.edge));
     if (left <= contact->closed.edge) {
-        /* Slightly beyond separation: a step that ended before it by rounding would leave a very short last one. */
+        /* The step ends slightly beyond separation: if rounding ended it before, a very short last step would be
+         * left. */
         const double beyond = 0.25 * aoi_event_tolerance(run, contact->scales.indentation) /
                               fabs(contact->closed.rate);
         return fmin(h, left + fmax(beyond, 16.0 * DBL_EPSILON * run->elapsed));

@@ -1,6 +1,6 @@
 /* The adaptive run. Contact is integrated by collocation in steps of length base 2^(-level/8), free motion in closed
- * form. This file decides which of the two comes next; the length of the first step follows from closing.c, that of the
- * next ones from the errors that step_error.c finds. */
+ * form. This file decides which of the two comes next. The length of the first step follows from closing.c, the
+ * lengths of later steps from the errors that step_error.c finds. */
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "linear/vector.h"
@@ -349,7 +349,7 @@ aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
 /* True if a body is rigid: its free motion is a polynomial, so that one search covers it to the end of the run. */
 static int is_simple(const aoi_modes *body) { return body->n == 1 && body->omega[0] == 0.0; }
 
-/* Finds when the bodies of a watched contact touch, up to limit, on copies of their states. */
+/* Finds when the bodies of a watched contact touch, up to limit; advances copies of their states. */
 static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
 {
     const aoi_system *system = run->system;
@@ -483,7 +483,7 @@ static int prepare(aoi_adaptive *run, double *limit)
         }
         if (run->unbalanced) {
             aoi_balance_at_once(run, 0);
-            /* the balance may have raised forces, which may be largest now */
+            /* the balance may have raised forces, whose peak may be now */
             for (size_t i = 0; i < run->closed.count; i++) {
                 aoi_contact_note_peak(run, run->closed.at[i], run->contact[run->closed.at[i]].closed.force, 0.0);
             }

@@ -153,9 +153,9 @@ enum {
  * within a step, which may be shortened instead. */
 enum { AOI_MOST_LOOKS = 100000, AOI_LOOKS_IN_STEP = 10000 };
 
-/* Largest number of evaluations of a mode from one halt to the next, some hundredths of a second: loads are looked
- * up for each, and the bodies are advanced once more at the halt. It limits the time between checks for signals and
- * does not affect the results. Tried: no run changes. */
+/* Largest number of evaluations of a mode from one halt to the next, which take some hundredths of a second: the
+ * loads are looked up in each, and the bodies are advanced once more at the halt. It limits the time between checks
+ * for signals and does not affect the results. Tried: no run changes. */
 enum { AOI_MOST_BENDS = 30000 };
 
 /* Largest distance of an event from the start of a step, as a share of its length, at which the event is applied at

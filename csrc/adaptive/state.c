@@ -221,7 +221,7 @@ double aoi_event_tolerance(const aoi_adaptive *run, double scale)
     return fmax(EVENT_SHARE * run->rtol, 4.0 * DBL_EPSILON) * scale;
 }
 
-/* The rounding of an indentation, which is a difference of modal sums, m. */
+/* Rounding error of an indentation, which is a difference of modal sums, m. */
 static double rounding_of(const aoi_free_pair *pair)
 {
     double size = fabs(pair->gap);

@@ -94,8 +94,8 @@ void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, 
 /* Tolerance of the indentation at which a contact touches, not below rounding, m. */
 double aoi_touch_tolerance(aoi_adaptive *run, const aoi_contact_step *entry);
 
-/* Legendre coefficients of the forces on a body's ports in a step of length h, given at the nodes; not for a body of which
- * no mode rings in the step. */
+/* Legendre coefficients of the forces on a body's ports in a step of length h, given at the nodes; left unset for a
+ * body without a mode that rings in the step. */
 void aoi_step_series(const aoi_modes *body, const double *force, double h, double *series);
 
 /* Initial value and velocity of the polynomial motion of mode j of a body under the step's forces and, if loaded,

@@ -23,14 +23,14 @@ typedef struct aoi_newton {
  * more work, 0.15 costs 0.1 %. */
 #define AOI_NEWTON_KEPT 0.05
 
-/* Starts an iteration. It has converged at a change `enough` of the indentation relative to its
- * scale, or at AOI_COLLOCATION_ROUNDING where changes no longer shrink. */
+/* Starts Newton's method, which has converged at a change `enough` of the indentation relative to its scale, or at
+ * AOI_COLLOCATION_ROUNDING where changes no longer shrink. */
 aoi_newton aoi_newton_begin(size_t count, const aoi_contact_step *entry);
 
 /* Notes a change of the indentation, relative to its scale. Returns whether the iteration has converged. */
 int aoi_newton_done(aoi_newton *newton, double change);
 
-/* True if the iteration can still converge. */
+/* True if the iteration can still converge, after its last relative change. */
 int aoi_newton_goes_on(const aoi_newton *newton, double change);
 
 /* Multiplies a column of a coupling by a derivative of the law (by), at the points where the law is

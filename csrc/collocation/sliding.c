@@ -375,8 +375,8 @@ double aoi_sliding_corner(aoi_sliding *of, const aoi_contact_step *entry, double
     return 2.0;
 }
 
-/* The ratio of friction to the normal force at the nodes of a step with an edge. At a node beyond the contact's end it is
- * that of the node before: where the indentation falls to zero all springs slip. */
+/* Finds the ratio of friction to the normal force at the nodes of a step with an edge. Beyond the contact's end, the
+ * ratio at a node equals the ratio at the node before: where the indentation falls to zero all springs slip. */
 static void find_shares(aoi_sliding *of, const finds *found)
 {
     for (size_t i = 0; i < 2; i++) {

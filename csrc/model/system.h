@@ -28,7 +28,7 @@ static inline int aoi_system_rubs(const aoi_system *system)
 /* True if any body has a residual compliance. */
 int aoi_system_bends(const aoi_system *system);
 
-/* Reduction of the indentation of a contact per unit force of another, or of its own, by residual compliances, m/N. */
+/* Reduction of the indentation of contact c due to residual compliances, per unit force of the contact `by`, m/N. */
 double aoi_system_residual(const aoi_system *system, size_t c, size_t by);
 
 /* Half bandwidth of the contact equations: largest difference between the numbers of two forces on

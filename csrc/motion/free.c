@@ -65,8 +65,8 @@ void aoi_free_pair_motion(const aoi_free_pair *pair, int most, double *of)
     }
 }
 
-/* The first positive root of c + b t + a t^2, or infinity. With c < 0 that is where it becomes
- * positive; with c = 0 (bodies that have just separated) where it does so again. */
+/* The first positive root of c + b t + a t^2, or infinity. With c < 0 the parabola becomes positive there; with c =
+ * 0 (bodies that have just separated) it becomes positive again. */
 static double first_root(double c, double b, double a)
 {
     if (c > 0.0 || (c == 0.0 && (b > 0.0 || (b == 0.0 && a > 0.0)))) {

@@ -13,8 +13,8 @@ typedef struct aoi_motion {
     double impulse, rate, step, ramp;
 } aoi_motion;
 
-/* omega, decay >= 0 in any proportion (0 and 0: a free mass), time >= 0; no digits are lost where the
- * time is short. */
+/* Sets `motion` for any omega, decay >= 0 (0 and 0: a free mass) and time >= 0; no digits are lost if the time is
+ * short. */
 void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *motion);
 
 /* The integrals over [0, 1] of the impulse response of aoi_motion, and of its rate, at h (1 - x) times the shifted

@@ -78,9 +78,9 @@ static void state_at(const aoi_path *path, double share, double *x, double *v)
     }
 }
 
-/* The integrals by quadrature. Where damping is strong, that of v^2 follows from the balance of the mode's energy: the
- * force does little work on motion that decays at once. The dissipated energy is 2 decay times the integral, so that
- * the division leaves an error of the rounding of the mode's energy. */
+/* Finds the integrals by quadrature. Where damping is strong, the integral of v^2 follows from the balance of the
+ * mode's energy: the force does little work on motion that decays at once. The dissipated energy is 2 decay times
+ * the integral, so that the division leaves an error of the rounding of the mode's energy. */
 static void by_quadrature(const aoi_path *path, double *squared, double *moment)
 {
     const double time = path->place * path->h;

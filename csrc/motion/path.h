@@ -18,8 +18,8 @@ static inline int aoi_path_rings(double omega, double decay, double h)
  * lost unless f is linear in time. */
 void aoi_path_follow(double omega, double decay, double h, const double *f, double *x, double *v);
 
-/* Motion of a mode from x, v over a time h. force: Legendre coefficients, as above; straight: 1 if
- * it is linear in time; place: share of h that the integrals cover (0 .. 1). */
+/* Motion of a mode from x, v over a time h. force: AOI_NODES Legendre coefficients; straight: 1 if the force is
+ * linear in time; place: share of h that the integrals cover (0 .. 1). */
 typedef struct aoi_path {
     double omega, decay, h, x, v, place;
     const double *force;

@@ -35,7 +35,7 @@ void aoi_legendre_fit(double start, const double *nodes, double *coefficient);
 /* Legendre coefficients of the polynomial through the nodes. */
 void aoi_nodes_to_legendre(const double *nodes, double *legendre);
 
-/* Values of that polynomial at the nodes of the part of the step up to place; part may be nodes. */
+/* Values of the polynomial through the nodes at the nodes of the part of the step up to place; part may be nodes. */
 void aoi_nodes_on_part(const double *nodes, double place, double *part);
 
 /* The polynomial through the nodes, extrapolated to the start. */

@@ -193,7 +193,8 @@ static int is_free_mass(const aoi_modes *body)
     return body->n == 1 && body->omega[0] == 0.0 && decay_of(body, 0) == 0.0;
 }
 
-/* A free mass: double integrals of the force, by int_0^1 (1-t) P_l(t) dt, which is 1/2, -1/6, and then zero. */
+/* Fills the tables of a free mass: double integrals of the force, with int_0^1 (1-t) P_l(t) dt = 1/2, -1/6, 0, 0,
+ * ... */
 static void free_mass(aoi_response *response, const aoi_modes *body)
 {
     const double h = response->h;

@@ -4,10 +4,9 @@
 
 #include "law/law.h"
 
-/* Columns of an influence, for the ports on which forces act: port[column], and of[port] its
- * column; both NULL: each port has the column of its own number. count AOI_BY_MODES: influences are
- * those on each mode of a unit force on it, [n][node][node], of which the influence of one port on
- * another is a sum. */
+/* Columns of an influence, one for each port on which forces act. port: port of each column; of: column of each
+ * port; both NULL: the column of a port has its number. count = AOI_BY_MODES: influences [n][node][node] on each
+ * mode of a unit force on the mode; sums of these are the influences between ports. */
 typedef struct aoi_columns {
     size_t count, *port, *of;
 } aoi_columns;

@@ -85,9 +85,9 @@ static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, si
     }
 }
 
-/* r_i -= A_ij x_j for all j that the row stores, and r_j -= A_ji x_i for those behind the diagonal: r_i is
- * complete then, since the rows before it have left their part. b is the size of a block: a constant
- * wherever speed matters. */
+/* r_i -= A_ij x_j for all j that the row stores, and r_j -= A_ji x_i for those behind the diagonal: r_i is complete
+ * then, since the rows before row i have already subtracted their part. b: block size, a compile-time constant where
+ * speed matters. */
 static inline void OF(row)(const aoi_blocks *matrix, const REAL *values, size_t b, size_t row,
                            const REAL *x, REAL *r)
 {

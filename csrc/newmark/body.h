@@ -40,7 +40,7 @@ typedef struct aoi_stepped {
     double centre_rate, centre_a, centre_reached;
 } aoi_stepped;
 
-/* The functions that differ between bodies in modes and in finite elements. */
+/* The functions that differ between bodies in modes and bodies in finite elements. */
 typedef struct aoi_stepped_kind {
     /* sets gain, own, and before to NULL if undamped */
     int (*prepare)(aoi_stepped *body);

@@ -137,7 +137,7 @@ PyObject *tuple_item(call *of, PyObject *tuple, size_t i, size_t size)
 void call_take(call *of, PyObject *tuple, size_t first, size_t size, size_t count, const argument *table)
 {
     uint32_t done = 0;
-    /* a matrix whose number of columns another array sets is taken in the second pass */
+    /* the second pass takes matrices whose number of columns is set by another array */
     for (int last = 0; last < 2; last++) {
         for (size_t i = 0; i < count && of->status == AOI_OK; i++) {
             const int waits = !last && table[i].each && *table[i].each == ANY_LENGTH;

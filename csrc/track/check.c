@@ -25,7 +25,7 @@ static int contact_is_sound(const aoi_system *system, const double *of)
         return 0;
     }
     const aoi_law *law = system->contact[c].law;
-    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* the law is not evaluated: its force has no edge */
+    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* the force is zero and has no edge: the law is not evaluated */
         return edge == AOI_EDGE_NONE && !system->contact[c].friction;
     }
     return number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
