@@ -274,7 +274,7 @@ class TensorAt(Each[tuple[StressRows, FloatArray]]):
     layer : Layer
         Place within shells and beams.
     strain : bool, optional
-        Whether to return strain instead of stress.
+        True to return strain instead of stress.
     nodes : ndarray of int, shape (p,), optional
         Numbers of the nodes, if the places are nodes.
     """

@@ -126,7 +126,7 @@ _MEMBER = re.compile(
     r"(\d+)(?: THRU (\d+)(?: BY 0*([1-9]\d*))?((?: EXCEPT| \d+(?!\d| THRU))*))?(?: |$)"
 )
 
-# What a set of bulk data holds, by its type; sets of other types hold neither.
+# Members of a set of bulk data, by the type of the set. Sets of other types have no members here.
 _BOTH = ("nodes", "elements")
 _MEMBERS = {"GRID": _BOTH[:1], "NODE": _BOTH[:1], "ELEM": _BOTH[1:], "ELEMENT": _BOTH[1:]}
 
@@ -232,7 +232,7 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
 def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[str, IntArray]:
     """Return the groups of elements by property.
 
-    Of elements with one property number but several dimensions, those of lower dimension make a
+    Elements of several dimensions may have one property number. Those of lower dimension make a
     group of their own if the deck has a property of this number for them. Otherwise they are sides
     and edges to which a mesher gave the number.
     """

@@ -30,7 +30,7 @@ _TEXT = re.compile(
     rb"([ \d]{7}\d|[ \d]{15}\d)([ \d-]{7}\d|[ \d-]{15}\d)([ \d]{7}\d)([ \d]{7}\d)(.*)"
 )
 
-# What follows the type in OUTPUT4: a name, or the format of the numbers. Other formats have a
+# Fields after the type in OUTPUT4: a name, or the format of the numbers. Other formats have a
 # number there.
 _NAMED = re.compile(rb"\s*[A-Za-z]|.{8}\s*1P,")
 

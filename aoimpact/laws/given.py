@@ -130,7 +130,7 @@ class UserLaw(ContactLaw, kind="user", by_caller=True):
     depends_on_rate : bool, optional
         False promises that the force does not depend on the rate, which saves calls.
     pulls : bool, optional
-        Whether negative forces are meant; the contact then ends where the indentation reaches 0.
+        True to allow negative forces; the contact then ends where the indentation reaches 0.
 
     Notes
     -----

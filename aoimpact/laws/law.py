@@ -258,7 +258,7 @@ class ContactLaw:
         rate : array_like, optional
             Rate dδ/dt, m/s; broadcast against `indentation`.
         along : bool, optional
-            Whether the indentations are a history in time, in which a law with memory also unloads.
+            True for indentations that are a history in time, in which a law with memory unloads.
 
         Returns
         -------

@@ -17,9 +17,6 @@ from .law import HertzianLaw, parameter
 # Ratio of hardness to yield strength of a metal that no longer strain-hardens (Tabor).
 _CONSTRAINT = 2.8
 
-# Least β of Tan and Sun's law: a dent shallower than this share of the indentation is rounding.
-_LEAST_SHARE = 1e-12
-
 
 def yield_force(modulus: float, radius: float, pressure: float) -> float:
     """Return the force, N, at which Hertz's largest pressure is p: π³ R² p³ / (6 E*²).
@@ -355,7 +352,7 @@ class YangSun(HertzianLaw, kind="yang_sun", has_memory=True, unloading_power=2.5
 
     k: float
     critical_indentation: float = field(metadata=parameter(positive, "m"))
-    beta: float | None = field(default=None, metadata=parameter(within, low=_LEAST_SHARE, high=1.0))
+    beta: float | None = field(default=None, metadata=parameter(within, low=math.ulp(1), high=1.0))
 
     @cached_property
     def _parameters(self) -> tuple[float, ...]:

@@ -27,13 +27,14 @@ class Inverse:
     Attributes
     ----------
     solve : callable or None
-        Of a direct method: f, shape (n,) or (n, m), ↦ (K + s²M)⁻¹ f.
+        Solution (K + s²M)⁻¹ f by a direct method, from f, shape (n,) or (n, m).
     iterate : callable or None
-        Of an iterative method: f, shape (n,) or (n, m), the tolerance of ‖f - A x‖ / ‖f‖ and the
-        maximum number of iterations ↦ (K + s²M)⁻¹ f and the number of preconditioned residuals.
+        Solution (K + s²M)⁻¹ f by an iterative method, and the number of preconditioned residuals,
+        from f, shape (n,) or (n, m), the tolerance of ‖f - A x‖ / ‖f‖, and the most iterations.
         Raises ConvergenceError.
     precondition : callable or None
-        Of an iterative method: r, shape (n, m), ↦ ≈ (K + s²M)⁻¹ r, symmetric and much cheaper.
+        Approximation of (K + s²M)⁻¹ r by an iterative method, from r, shape (n, m); symmetric and
+        positive definite, and much cheaper than a solution.
     at : callable or None
         s² ↦ the inverse at another shift, for less than a new set-up. An iterative method saves
         time at smaller shifts only, and both inverses remain usable. A direct method holds factors

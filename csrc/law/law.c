@@ -1,4 +1,4 @@
-/* What all contact laws have in common: creation by name, the choice of a smooth piece, the removal
+/* Functions common to all contact laws: creation by name, the choice of a smooth piece, the removal
  * of a patch's compliance, and the cut of negative forces. */
 #include "law/kinds.h"
 #include "law/law.h"
