@@ -47,13 +47,13 @@ import sys as _sys
 from importlib.machinery import PathFinder as _PathFinder
 from pathlib import Path as _Path
 
-# Searches beside this file only; find_spec would also find the core of an editable install.
+# `PathFinder` searches only this folder. `find_spec` would also find an editable install's core.
 if _PathFinder.find_spec("aoimpact._core", __path__) is None:
-    # A script in the source folder imports this folder, without core, before the installed package.
-    # The installed package is meant and replaces this folder.
+    # A script in the source folder imports this folder, which lacks the core, before the installed
+    # package. The installed package then replaces this folder.
     _source = _Path(__file__).resolve().parents[1]
     _elsewhere = [entry for entry in _sys.path if _Path(entry).resolve() != _source]
-    # An editable install is not on sys.path, but found by a finder of setuptools.
+    # An editable install is not on sys.path: a finder of setuptools finds it.
     _found = (finder.find_spec("aoimpact", _elsewhere) for finder in _sys.meta_path)
     _installed = next(filter(None, _found), None)
     if _installed and _installed.origin and _installed.submodule_search_locations:
@@ -65,7 +65,7 @@ if _PathFinder.find_spec("aoimpact._core", __path__) is None:
             "script by the Python of that environment (.venv/bin/python)"
         )
 
-import lazy_loader as _lazy_loader  # last: it may be missing too, and then the message above helps
+import lazy_loader as _lazy_loader  # last, so that the message above explains a missing one
 
 # The public names are listed in __init__.pyi; each is imported at its first use.
 _find, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""Local compliance of a model at a contact, which replaces that of a half-space or layer."""
+"""Local compliance of a model at a contact, to be replaced by that of a half-space or layer."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base import FloatArray
 
-# The frequencies that shape the force of an impact range from s/SPAN to s SPAN; s = 10/duration.
+# The force of an impact depends on frequencies from s/SPAN to s SPAN, s = 10/duration.
 SPAN = 3.0
 
 
@@ -59,7 +59,7 @@ class Compliance:
     oblique: FloatArray | None = None
 
     def removed_for(self, radius: float | None) -> float:
-        """Return c for another contact radius, m; `removed` if the radius is None."""
+        """Return c for another contact radius, m; if the radius is None, return `removed`."""
         if radius is None or self.by_width == 0.0:
             return self.removed
         return self.removed - self.by_width * math.log(radius / self.radius)
@@ -67,8 +67,8 @@ class Compliance:
     def of_truncated(self, tip: Any, deflection: FloatArray) -> Compliance:
         """Return the compliances of a truncated model, which omits some of the body's modes.
 
-        The contact law takes over the omitted compliance at s, ΔG = bᵀΔx (residual flexibility: R.
-        H. MacNeal, Comput. Struct. 1, 581 (1971)). The derivative of ΔG with respect to s² is
+        The omitted compliance at s, ΔG = bᵀΔx, is added to the contact law (residual flexibility:
+        R. H. MacNeal, Comput. Struct. 1, 581 (1971)). The derivative of ΔG with respect to s² is
         minus the omitted inertia, xᵀMx - x̃ᵀMx̃. The change of ΔG over the frequencies of an impact
         is estimated by a single mode with this compliance and derivative.
 

@@ -53,26 +53,26 @@ from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, Shea
 from .subdivision import cells_towards, sides_towards
 from .touch import element_at, spread
 
-# Largest 1 - |cos θ| of a force that counts as normal: θ is about a milliradian.
+# Largest 1 - |cos θ| for which a force counts as normal: an angle θ of about a milliradian.
 _ALONG = 1e-6
 
-# Largest height above the tangent plane, relative to the face or the body, that counts as 0.
+# Largest height above the tangent plane, relative to the size of face or body, that counts as 0.
 _FLAT = 1e-7
 
-# χ falls from 1 to 0 as the cosine between outward normal and position increases from _BEHIND to
-# _FAR_BEHIND. The wall of a hemispherical cup, seen from its pole, has cosines up to 0.71.
+# The cutoff χ falls from 1 to 0 as the cosine between outward normal and position increases from
+# _BEHIND to _FAR_BEHIND. The wall of a hemispherical cup has cosines up to 0.71 from its pole.
 _BEHIND, _FAR_BEHIND = 0.35, 0.8
 
-# Largest ratio of size to distance from the contact of elements that interpolate u_B for its
-# inertia, for linear (False) and quadratic (True) elements. R changes by less than 1e-4 of its
+# Elements whose ratio of size to distance from the contact is at most this interpolate u_B for its
+# inertia: _INTERPOLATED[False] if linear, [True] if quadratic. R changes by less than 1e-4 of its
 # value.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
-# Relative residual of w. R lacks the energy of the error of w: 0.007/(E* a) for a residual of 3e-2,
-# on elements 27 times as long as wide.
+# Relative residual to which w is solved for. R lacks the energy of the error of w: 0.007/(E* a) for
+# a residual of 3e-2, on elements 27 times as long as wide.
 _SOLVED = 1e-3
 
-# Ratio of the step of central differences to the distance from the contact: errors of 1e-8.
+# Step of central differences, relative to the distance from the contact. Errors are 1e-8.
 _DIFFERENCE = 1e-4
 
 
@@ -149,7 +149,7 @@ def extracted(
 
 
 def _over_width(body: Any, splitting: Splitting, point: FloatArray, normal: FloatArray) -> float:
-    """Return how much the mean of w under Hertz's pressure changes with the radius, m/N."""
+    """Return the change of w's mean under Hertz's pressure as the radius grows to a, m/N."""
     radius, sunk = splitting.space.radius, -splitting.w[0, 0, : body.mesh.n_nodes] @ normal
     try:
         mean = float(spread(body.surface, point, normal, radius).weights @ sunk)
@@ -162,7 +162,7 @@ def _over_width(body: Any, splitting: Splitting, point: FloatArray, normal: Floa
     nodes = body.surface.nodes[here.face[0]]
     middle = float(body.surface.shape(here.face, here.uv)[0] @ sunk[nodes])
     # w is quadratic in the distance from the middle and, by reciprocity, in the radius of the
-    # pressure: it has the mean g₀ + 0.8 g₁ a² under the pressure, and g₀ + 0.4 g₁ a² at the middle.
+    # pressure: w has the mean g₀ + 0.8 g₁ a² under it, and is g₀ + 0.4 g₁ a² at the middle.
     return 2.0 * abs(mean - middle)
 
 
@@ -230,7 +230,7 @@ class Splitting:
         material: Any = material_of(body.material, element_at(body, point)[0])
         own: int | None = each_of(body.material).index(material)
         like = material.half_space(normal)
-        layers = [(math.inf, 1.0)]  # depths of stiffer materials, m, ratios of E* to their moduli
+        layers = [(math.inf, 1.0)]  # (depth of a stiffer material, m; ratio of E* to its modulus)
         for piece in (of for of in pieces(mesh, body.material) if of.which != own):
             ratio = like.plane_strain_modulus / piece.of.half_space(normal).plane_strain_modulus
             if ratio < 1.0:
@@ -257,9 +257,9 @@ class Splitting:
         self.compliance, self.inertia = 0.5 * (found + found.T), float(parts[1, 0, 0])
         self.by_width = 0.0
         if self.curved:
-            # Difference quotient with R for half the radius and the same w; as R is stationary in
-            # w, the error is of second order. On a surface of curvature 1/ρ, R varies as about
-            # log(a)/(E* ρ).
+            # dR/d(log a) is a difference quotient between the radii a and a/2 with the same w. As R
+            # is stationary in w, the error is of second order. On a surface of curvature 1/ρ, R
+            # varies as about log(a)/(E* ρ).
             half = copy.copy(self)
             half.space = self.space.of_radius(0.5 * radius)
             half.spaces = [(half.space, self.frame)]
@@ -297,7 +297,7 @@ class Splitting:
         return moved @ self.frame, self.frame.T @ stress @ self.frame
 
     def _solved(self, moved_by: FloatArray, solver: LinearSolver) -> ArrayPair:
-        """Solve a(w, v) = L(v) on free dofs for w; w = -χ u_B = -`moved_by` on constrained dofs.
+        """Solve a(w, v) = L(v) on free dofs for w; on constrained dofs w = -χ u_B = -`moved_by`.
 
         Returns w and the two parts of R, the second of which is multiplied by -s².
         """
@@ -317,7 +317,7 @@ class Splitting:
         return w, parts + 2.0 * right @ moved.T - taken
 
     def _fields(self, x: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
-        """Return u_B under each force at points and, if requested, its stress, in global axes."""
+        """Return the half-space field u_B of each force at points and, if requested, its stress."""
         found, tensors = [], []
         for space, frame in self.spaces:
             y = (x - self.point) @ frame.T
@@ -330,14 +330,14 @@ class Splitting:
         return np.array(found), np.array(tensors)
 
     def field(self, x: FloatArray) -> FloatArray:
-        """Return χ u_B under each force at points, in global axes, m."""
+        """Return the displacements χ u_B of all forces at points, in global axes, m."""
         return self._cutoff(x)[0][..., None] * self._fields(x)[0]
 
     def at_nodes(self) -> FloatArray:
-        """Return χ u_B at the nodes and, by differences, its rotation at nodes of shells and beams.
+        """Return χ u_B at nodes and, by differences, its rotation at nodes of shells and beams.
 
-        Added shape functions get the amplitude that interpolates χ u_B if a support holds them,
-        otherwise 0.
+        The amplitude of an added shape function interpolates χ u_B if a support holds the function,
+        and is 0 otherwise.
         """
         nodes, some, shapes = self.mesh.nodes, self.mesh.thin_nodes, self.body.shapes
         found = np.zeros(self.forces.shape[1:])
@@ -345,7 +345,7 @@ class Splitting:
         own, held = found[:, 0].copy(), np.unique(self.body.held[0] // 3)
         held = held[(held >= len(nodes)) & (held < shapes.n_nodes)]
         for block in (of for of in shapes.blocks if of.signs is not None):
-            # At the node of an added function, all other added functions are zero.
+            # At the node of an added shape function, all other added functions are zero.
             row, column = np.nonzero(np.isin(block.cells, held))
             shape, cells = block.element.shape(block.element.nodes[column]), block.cells[row]
             rest = self.field(np.einsum("na,nai->ni", shape, shapes.nodes[cells]))
@@ -362,7 +362,7 @@ class Splitting:
         return found
 
     def _cutoff(self, x: FloatArray) -> ArrayPair:
-        """Return χ and its gradient at points."""
+        """Return the cutoff χ and its gradient, 1/m, at points."""
         y = (x - self.point) @ self.frame.T
         chi, slope = np.ones(x.shape[:-1]), np.zeros(x.shape)
         if self.behind:
@@ -391,7 +391,7 @@ class Splitting:
         t: FloatArray,
         u: FloatArray,
     ) -> None:
-        """Add ∫ t·v to the forces and ∫ t·u to the self terms; t, u: shape (n_forces, n, q, 3)."""
+        """Add ∫ t·v to nodal loads and ∫ t·u to self terms; t, u: shape (n_forces, n, q, 3)."""
         t = weight[..., None] * t
         self.self_term[part] += np.tensordot(t, u, axes=((1, 2, 3), (1, 2, 3)))
         self._add_forces(part, nodes, shape.swapaxes(1, 2) @ t)
@@ -441,15 +441,15 @@ class Splitting:
                 sunk += np.tensordot(pressure, u, axes=((1, 2, 3), (1, 2, 3)))
                 t = pressure - chi * np.einsum("dnqij,nqj->dnqi", stress, at.area)
                 self._add(0, block.cells[at.rows], at.weight, at.shape, t, chi * u)
-        # For a plane contact no pressure is integrated, as faces in its plane are left out.
+        # On a plane contact face no pressure is integrated, as faces in its plane are left out.
         self.curved = pressed > 0.5
         return sunk - pressed * np.diag([space.mean_displacement for space, _ in self.spaces])
 
     def add_cells(self, at_nodes: FloatArray, own: int | None) -> None:
         """Add integrals over cells near or behind the contact, and over cells of other materials.
 
-        Near the contact, the mesh does not interpolate u_B well enough for its inertia: for cells
-        there, the contribution of `add_elements` is replaced.
+        Near the contact, the mesh does not interpolate u_B well enough for its inertia: the inertia
+        that `add_elements` adds for these cells is replaced.
         """
         nodes, mesh, shapes = self.mesh.nodes, self.mesh, self.body.shapes
         softness = np.array([_turned(of.softness, frame.T) for of, frame in self.spaces])
@@ -516,5 +516,5 @@ class Splitting:
 
 
 def _turned(tensor: FloatArray, frame: FloatArray) -> FloatArray:
-    """Transform C_ijkl to the axes in the rows of `frame`."""
+    """Return the elastic tensor C_ijkl in the axes that are the rows of `frame`."""
     return np.asarray(np.einsum("ai,bj,ck,dl,ijkl->abcd", frame, frame, frame, frame, tensor))

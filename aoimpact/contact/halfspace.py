@@ -23,15 +23,15 @@ import numpy as np
 from ..base import ArrayPair, FloatArray
 from ..fem import PLACES, Material, hooke
 
-# Smallest ratio of the distance from the rim to a; its square is the error of the field.
+# Smallest distance from the disc's rim, relative to its radius a; its square is the field's error.
 _ON_RIM = 1e-9
 
-# Number of angles in the integral of an anisotropic half-space. The integrand is periodic, and
-# smooth except for far points just below the surface: the error is 1e-4 at r = 8 a, z = 0.4 a.
+# Number of angles in the integral of an anisotropic half-space. The integrand is periodic and,
+# except for far points just below the surface, smooth: the error is 1e-4 at r = 8 a, z = 0.4 a.
 _ANGLES = 128
 
-# Rough displacements, for inertia terms, use every second angle: R of a ply changes by 1e-4 of its
-# value (by 1e-2 with every fourth angle).
+# Displacements for inertia terms may be rough: every second angle is used, which changes R of a ply
+# by 1e-4 of its value (every fourth angle: by 1e-2).
 _EVERY = 2
 
 # Relative change of the shear moduli that separates equal roots of Stroh's eigenvalue problem.
@@ -88,7 +88,7 @@ class HalfSpace:
         return other
 
     def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
-        """Return displacement and stress; the latter is empty unless requested."""
+        """Return displacement, m, and stress, Pa; the stress is empty unless requested."""
         raise NotImplementedError
 
 
@@ -114,7 +114,7 @@ class IsotropicHalfSpace(HalfSpace):
         Radius a of the disc under pressure, m.
     """
 
-    # Smallest ratio of the distance from the axis to √(a² + z²); its square is the error.
+    # Smallest ratio of the distance from the axis to √(a² + z²); its square is the field's error.
     on_axis: ClassVar[float] = 1e-4
 
     def __init__(self, material: Material, radius: float) -> None:
@@ -173,7 +173,7 @@ class ShearedHalfSpace(IsotropicHalfSpace):
     """
 
     axis = 0
-    on_axis = 2e-3  # larger, as rounding errors of D³ f grow as 1/r⁶
+    on_axis = 2e-3  # larger than for a normal force: rounding errors of D³ f grow as 1/r⁶
 
     @property
     def mean_displacement(self) -> float:

@@ -29,8 +29,8 @@ from ..base import BoolArray, ComplexArray, FloatArray, IntArray
 from ..fem import Laminate, Layers, Material, Shell, thin_stiffness_mass
 from ..mesh import plane_of, sides
 
-# Integrals over wave numbers k use _WAVES points from _LONG/max(λ, t) to _SHORT/min(a, t), with the
-# thickness t.
+# Integrals over wave numbers k use _WAVES values of k from _LONG/max(λ, t) to _SHORT/min(a, t),
+# with the thickness t and the bending length λ.
 _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
 
 # For the plate of a laminate, only every eighth of the wave numbers is used.
@@ -39,23 +39,24 @@ _SKIPPED = 8
 # Radius of the mesh about the contact: _EDGES edges or, if less, _LENGTHS bending lengths λ.
 _EDGES, _LENGTHS = 6.0, 8.0
 
-# k a below which a series replaces the transform of Hertz's pressure, to avoid cancellation.
+# Product k a below which the transform of Hertz's pressure is a series, to avoid cancellation.
 _SERIES = 1e-2
 
-# Excess of laminates. `_FEW_WAVES`: number of wave numbers. `_TURNS`: number of directions.
-# `_GRADES`: number of elements through the thickness. `_FINEST`: ratio of the finest element's
-# thickness to t.
+# For the excess compliance of laminates. `_FEW_WAVES`: number of wave numbers. `_TURNS`: number of
+# directions. `_GRADES`: number of elements through the thickness. `_FINEST`: ratio of the finest
+# element's thickness to t.
 _FEW_WAVES, _TURNS, _GRADES, _FINEST = 60, 4, 24, 5e-3
 
-# Motion of a laminate's plate. `_AROUND`, `_RINGS`: numbers of directions and of wave numbers.
-# `_SPREAD`: ratio of the distance r to the width over which the force is spread; the wave numbers
-# then reach 42/r. `_MEANS`: number of directions for the mean compliance.
+# For the motion of a laminate's plate. `_AROUND`, `_RINGS`: numbers of directions and of wave
+# numbers. `_SPREAD`: ratio of the distance r to the width over which the force is spread; the wave
+# numbers then reach 42/r. `_MEANS`: number of directions for the mean compliance.
 _AROUND, _RINGS, _SPREAD, _MEANS = 48, 160, 6.0, 16
 
-# Ratio λ/t at `slow_bending`. The rounding error of waves in laminates grows as (λ/t)^4.
+# Ratio of bending length λ to thickness t at the frequency `slow_bending`. The rounding error of
+# waves in laminates grows as (λ/t)^4.
 _LONG_WAVES = 30.0
 
-# Number of directions searched for the smallest bending stiffness.
+# Number of directions in which the smallest bending stiffness is searched.
 _DIRECTIONS = 36
 
 
@@ -223,7 +224,7 @@ def mesh_compliance(
 
 
 def _facing(cells: IntArray, x: FloatArray) -> IntArray:
-    """Return the elements with their nodes ordered counter-clockwise in the plane."""
+    """Return the elements with their nodes in counter-clockwise order in the plane."""
     one, other = x[cells[:, 1]] - x[cells[:, 0]], x[cells[:, 2]] - x[cells[:, 0]]
     turned = one[:, 0] * other[:, 1] < one[:, 1] * other[:, 0]
     return np.where(turned[:, None], cells[:, ::-1], cells)
@@ -287,7 +288,7 @@ def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
 def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
     """Return a plate's compliance minus that of the elastic laminate beyond a half-space, m/N.
 
-    The half-space is that of the top ply. The mean over the directions of waves is taken.
+    The half-space has the material of the top ply. The result is the mean over directions of waves.
     """
     modulus = layers.half_space(None).plane_strain_modulus
     k = np.geomspace(0.02 / bending_length(layers, s), 25.0 / radius, _FEW_WAVES)
@@ -301,11 +302,11 @@ def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
 def _plate_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> ComplexArray:
     """Return amplitudes (u, v, w, βx, βy), (n, 5), of plate waves e^{ikx} per unit pressure.
 
-    The theory is first-order shear deformation. The waves run at the angle `turn`, rad, to the
-    layers' x axis.
+    The plate is that of first-order shear deformation theory. The waves run at the angle `turn`,
+    rad, to the layers' x axis.
     """
     along, still, (c, d) = np.zeros((8, 5)), np.zeros((8, 5)), (np.cos(turn), np.sin(turn))
-    for strain, moved in ((0, 0), (3, 3)):  # membrane, bending
+    for strain, moved in ((0, 0), (3, 3)):  # first membrane, then bending
         along[strain, moved] = along[strain + 2, moved + 1] = c
         along[strain + 1, moved + 1] = along[strain + 2, moved] = d
     along[6:, 2] = c, d
@@ -358,7 +359,7 @@ def _layer_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> FloatA
 def _by_wave_number(
     along: FloatArray, still: FloatArray, stiffness: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return K0, K1 and K2 in BᴴCB = K0 + ik K1 + k² K2, with B = ik along + still."""
+    """Return K0, K1 and K2 of the matrix BᴴCB = K0 + ik K1 + k² K2, with B = ik along + still."""
     mixed = still.T @ stiffness @ along
     return still.T @ stiffness @ still, mixed - mixed.T, along.T @ stiffness @ along
 

@@ -59,20 +59,21 @@ _ALONG = math.sqrt(0.5)
 
 
 # Ratio of a patch's radius r to the contact radius a. For two similar bodies c dF/dδ = 1.2 a/r, so
-# that nothing is left of Hertz's law at r = 1.2 a. The rest is a margin.
+# that nothing is left of Hertz's law at r = 1.2 a. The excess above 1.2 is a margin.
 PATCH_OVER_CONTACT = 1.4
 
 # Largest ratio of a patch's radius r to the body's thickness h if the contact radius is unknown.
 # Beyond the half-space's field, the body's motion consists of waves with k up to 1/h. For these
-# waves the work of Hertz's pressure is that of a point force times 1 - (k r)²/5, 1 % less.
+# waves Hertz's pressure does 1 - (k r)²/5 times the work of a point force, 1 % less.
 _OF_DEPTH = 0.25
 
-# Factor by which a patch is widened if the contact turns out stiffer than the mesh under it.
+# Factor by which a patch is widened if the contact proves stiffer than the mesh under the patch.
 _WIDER = 2.0
 
 # Assumed ratio of the contact radius to the element's edge while the radius is unknown. R hardly
 # depends on it: 0.1 or 4 times the true radius changes a force by 0.2 %. On a curved body, R
-# depends on log a only while a is small compared with the surface's radius; wide patches are not.
+# depends on log a only while a is small compared with the surface's radius of curvature, which does
+# not hold for wide patches.
 _WITHIN_EDGE = 0.15
 
 # If a patch does not fit on the surface: `_SMALLER`: largest ratio of successive radii. `_WITHIN`:
@@ -80,8 +81,8 @@ _WITHIN_EDGE = 0.15
 # of the radius to the element's edge; below it a point force is used.
 _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 
-# Warn if abs(resultant - 1) or couple/size exceeds this; also the largest sin² of the angle between
-# a force and the axis of a tube.
+# Largest abs(resultant - 1) and couple/size of a functional without a warning. Largest sin² of the
+# angle between a force and a tube's axis.
 _NEARLY = 1e-3
 
 # Product s T of the shift s and the contact duration T. On the paper's beam, values of 8 to 14 are
@@ -89,7 +90,7 @@ _NEARLY = 1e-3
 # shifts at once were found to be less efficient per solve.
 SHIFT_TIMES_DURATION = 10.0
 
-# Largest ratio of thickness to width of solid elements of a sheet, with a margin for rounding.
+# Largest ratio of thickness to width of the solid elements of a sheet, with a margin for rounding.
 _FLAT = 0.1 * (1.0 + 1e-6)
 
 # Range of abs(b) for which bᵀKb and bᵀMb neither overflow nor underflow.
@@ -224,7 +225,7 @@ class ContactPoint(Frozen):
 
         :meta private:
         """
-        known = vars(self).get("extraction")  # keeps the compliance found for the impact
+        known = vars(self).get("extraction")  # `other` takes over the compliance of the impact
         if self.thin is not None and self.directed and self.normal is not None:
             other = replace(self, normal=-self.normal)
             if known is not None and isinstance(self.thin, Layers) and self.thin.sided:
@@ -266,7 +267,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def functionals(self) -> tuple[ContactPoint, ...]:
-        """Return the contact point itself and, if there are tangents, one along each tangent.
+        """Return the contact point itself and, if it has tangents, one more point per tangent.
 
         :meta private:
         """
@@ -405,7 +406,7 @@ class ContactPoint(Frozen):
         normal: Any = touched(surface, point, None, 0.0).normal
         found = extracted(self, normal, self.width, solver, moved)
         if self.patch is not None and not self.automatic and found.removed < 0.0:
-            raise InputError(  # errors of the mesh do not explain a negative compliance
+            raise InputError(  # mesh errors do not make a compliance negative
                 f"radius={self.patch.radius:g}: the patch is so wide that the body yields less to "
                 "its mean displacement than under the contact; give a smaller radius, or leave it "
                 "out"
@@ -480,8 +481,8 @@ class ContactPoint(Frozen):
     def depth(self) -> float:
         """Thickness of the body under the point, m; infinite without a mesh.
 
-        For a beam, the height of a rectangle with the same area and bending stiffness along the
-        force.
+        For a beam, it is the height of a rectangle with the same area and bending stiffness along
+        the force.
         """
         surface = self.body.surface
         if isinstance(self.thin, Beam) and self.direction is not None:
@@ -576,8 +577,9 @@ class ContactPoint(Frozen):
 def own_contact_time(tip: ContactPoint) -> float:
     """Return an estimate of the contact time, s: half a period of mass and contact stiffness.
 
-    The stiffness is r E*/0.6 of a half-space under Hertz's pressure or, without a mesh, that of K
-    for a displacement of the contact's nodes alone. Without stiffness, the time is infinite.
+    The stiffness is that of a half-space under Hertz's pressure on a radius r, r E*/0.6, or,
+    without a mesh, that of K for a displacement of the contact's nodes alone. Without stiffness,
+    the time is infinite.
     """
     if tip.on_surface:
         assert tip.material is not None
@@ -698,7 +700,7 @@ def contact_within(
     contact_radius : float
         Contact radius a, m.
     wider : bool, optional
-        True for a wider patch, required if the contact is stiffer than the mesh under it.
+        True for a wider patch, as needed if the contact is stiffer than the mesh under the patch.
 
     Raises
     ------
@@ -830,7 +832,7 @@ def _of_functional(body: FEModel, b: Any) -> ContactPoint:
 
 
 def _placed(tip: ContactPoint) -> ContactPoint:
-    """Add the point and normal of the surface on which a functional's force presses, if any."""
+    """Return a contact point with the point and normal of the surface that its force presses on."""
     surface, nodes, direction = tip.body.surface, tip.body.nodes, tip.direction
     if surface is None or nodes is None:
         return tip
@@ -868,8 +870,8 @@ def _on_node(body: FEModel, node: int, along: Any) -> Touch:
 
 
 def _made(body: FEModel, touch: Touch, **how: Any) -> ContactPoint:
-    """Return the contact point of a touch, with its nodal forces on the free dofs."""
-    # Remove rounding, so that a point at a node loads only this node.
+    """Return the contact point of a unit contact force, with its nodal forces on the free dofs."""
+    # Remove rounding errors of the forces, so that a point at a node loads only this node.
     b = body.on_dofs(np.where(np.abs(touch.forces) > ROUNDING, touch.forces, 0.0))
     if np.abs(b).max(initial=0.0) <= ROUNDING:
         raise InputError(

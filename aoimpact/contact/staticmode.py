@@ -1,4 +1,4 @@
-"""Static mode of a body at its contact, and shifts s of K + s²M chosen by the contact time.
+"""Static mode of a body at its contact, and shifts s of K + s²M for a contact time.
 
 The static mode follows eqs. (1)-(3) and (11) of the paper.
 """
@@ -17,11 +17,13 @@ from ..fem import displacement, near_static
 from ..linalg import LinearSolver
 from .point import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadratic
 
-# Smallest rᵀb/|r||b| of a rigid motion r excited by b; less is rounding. With the weakest springs
-# to the ground that are detected (1e-9 of the diagonal of K), r is accurate to about 1e-16/1e-9.
+# Smallest rᵀb/|r||b| of a rigid motion r that b excites; smaller values are rounding errors. With
+# the weakest springs to the ground that are detected (1e-9 of the diagonal of K), r is accurate to
+# about 1e-16/1e-9.
 _MOVED = 1e-7
 
-# Tolerance for entries of a rigid motion that should be 0 or 1: rounding of a null space.
+# Tolerance for entries of a rigid motion that should be 0 or 1, due to rounding errors of the null
+# space of K.
 _AS_ONE = 1e-6
 
 
@@ -133,7 +135,8 @@ def fitted_shifts(
 ) -> list[float]:
     """Return the shifts, rad/s, for the contact time and, if longer, for the duration of a run.
 
-    Without a contact time, the shortest estimate among the contact points is taken.
+    Without a contact time, the shortest of the contact points' estimates (`own_contact_time`) is
+    taken.
     """
     if contact_time is None:
         contact_time = min(own_contact_time(tip) for tip in tips)
@@ -165,7 +168,7 @@ def slow_shift(tip: ContactPoint, duration: float) -> float:
 def shortest_contact_time(tip: ContactPoint) -> float:
     """Return the shortest contact time that the mesh resolves, s.
 
-    Waves of this period are about as long as an element. The time is 0 if bᵀKb = 0.
+    Waves whose period is this time are about as long as an element. The time is 0 if bᵀKb = 0.
     """
     highest = highest_shift(tip)
     return SHIFT_TIMES_DURATION / highest if highest > 0.0 else 0.0

@@ -44,12 +44,13 @@ _SLOW = 0.087
 # 20 x 6 and 6 x 20 mm agree with those on beams with 0.9 to 2.0.
 _OF_SECTION = 2.0
 
-# Relative precision of the radius of a patch; c compensates for the deviation.
+# Tolerance, relative to the radius, in the search for a patch's radius; c compensates for the
+# deviation.
 _NEARLY = 1e-2
 
 # Contact at an edge. `_ABOUT`: radius of the mesh in element edges (with 4 edges, forces change by
-# less than 0.5 %). `_MOST`: largest number of halvings of the mesh before the last one. Finer
-# meshes are extrapolated by the logarithm of the elements' size.
+# less than 0.5 %). `_MOST`: largest number of halvings of the elements before the last one; results
+# for smaller elements are extrapolated linearly in the logarithm of the elements' size.
 _ABOUT, _MOST = 2.0, 3
 
 
@@ -139,14 +140,16 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
         found -= of_layers + excess
         joints = rigid_ends(mesh.nodes, [(of.cells, of.of) for of in about])
         if whole and any(len(strips) for _, strips, _ in joints):
-            # Excess of the mesh over a fine one at joints of plates, minus that of the skin alone.
+            # Excess compliance of the mesh over a fine mesh at joints of plates, less that of the
+            # skin alone.
             alone = _halved(tip, numbers[level[numbers]], slow, halvings)
             yields = _halved(tip, numbers, slow, halvings) - alone
             unsure = abs(yields[-1] - yields[-2])
             found += yields[0] - yields[-1]
     over_webs = np.unique(ends[np.bincount(number)[number] > 2])
     known = 0.5 if at_edge else 1.0 - 0.5 * float(shares[over_webs].sum())
-    # At an edge or over a web the excess is between 0 and that of an interior point: half ± half.
+    # At an edge or over a web the excess compliance is between 0 and that of an interior point:
+    # half of the latter, with as much uncertainty.
     found += known * excess
     unsure += (1.0 - known) * abs(excess)
     if len(layers.plies) == 1:
@@ -196,7 +199,7 @@ def _halved(tip: Any, about: IntArray, s: float, halvings: int) -> FloatArray:
 
 
 def excess_of_beam(beam: Beam) -> tuple[float, float]:
-    """Return the excess compliance of a beam over a half-space, 0, and its uncertainty, m/N.
+    """Return a beam's excess compliance over a half-space, which is 0, and its uncertainty, m/N.
 
     The uncertainty is the compliance of a full section between the contact and the beam's axis.
     """
@@ -205,7 +208,7 @@ def excess_of_beam(beam: Beam) -> tuple[float, float]:
 
 
 def _around(tip: Any, parts: list[Piece], close: BoolArray) -> BoolArray:
-    """Return a mask of elements with a close node and almost the normal of the contact point."""
+    """Return a mask of elements with a node in `close` and almost the contact point's normal."""
     mesh = tip.body.mesh
     own = np.zeros(mesh.n_cells, dtype=bool)
     for part in parts:

@@ -33,7 +33,7 @@ _OFF_SURFACE, _SAID = 0.1, 0.02
 # Smallest |cosine| between a surface's normal and a direction that presses on it: 84°.
 _TANGENT = 0.1
 
-# Relative rounding of the distance between the face of a shell and its nodes.
+# Relative rounding error of the distance between the face of a shell and its nodes.
 _FACE = 1e-6
 
 
@@ -45,7 +45,7 @@ _RINGS, _AROUND = 24, 64
 # that no two rings are aligned alike with the edges of the faces.
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
-# Smallest cosine between normals on the patch and at its middle: a turn by 45°.
+# Smallest cosine of the angle between a normal on the patch and that at its middle: 45°.
 _STEEPEST = math.sqrt(0.5)
 
 # Iteration for the mean normal over the patch. `_SETTLED`: tolerance of its change, rad.
@@ -103,8 +103,8 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
     """Return the distribution of a unit force over a patch about a point of the surface.
 
     Each quadrature point of the disc is projected along the normal onto a face, and its weight is
-    distributed to the nodes by the face's shape functions. So the weights sum to one and have no
-    first moment about the normal for any mesh.
+    distributed to the nodes by the face's shape functions. On any mesh, the weights therefore sum
+    to one and have no first moment about the normal.
 
     Parameters
     ----------
@@ -317,7 +317,7 @@ def element_at(body: Any, point: FloatArray) -> tuple[int, FloatArray, float]:
 
 
 def to_nodes(body: Any, point: FloatArray) -> FloatArray:
-    """Project a point on the face of a shell or beam to the nodes' surface or axis, m.
+    """Project a point on the face of a shell or beam to the surface or axis of its nodes, m.
 
     Other points are returned unchanged.
 

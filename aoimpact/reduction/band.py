@@ -34,8 +34,9 @@ _RIGHT = 1e-3
 # Number of frequencies per decade at which the error is computed.
 _EACH_DECADE = 16
 
-# Largest ratio of the fitted duration to that of a shorter contact without a check: in twelve
-# impacts with three and eight oscillators the force was then hardly less accurate.
+# Ratio of fitted to actual duration up to which models are not checked for shorter contacts. In
+# twelve impacts with three and eight oscillators the force was then hardly less accurate than with
+# models fitted to the actual duration.
 _SHORTER = 3.0
 
 # Ratio of successive durations at which a model is checked for longer contacts. With three
@@ -44,8 +45,9 @@ _SHORTER = 3.0
 _LONGER = 1.15
 
 # Largest relative unbalanced force at which the force of a contact is as accurate as with a fitted
-# model. In the impacts of _SHORTER its relative error was .02 to .9 for unbalanced forces above
-# .01, and hardly larger than with a fitted model for those below .005.
+# model. In the twelve impacts of _SHORTER the relative error of the force was .02 to .9 for
+# unbalanced forces above .01, and for unbalanced forces below .005 hardly larger than with a fitted
+# model.
 _BALANCED = 5e-3
 
 
@@ -148,8 +150,8 @@ def is_valid_for(model: BodyModel, lasted: float, port: int = 0, most: float = _
 def unbalanced(model: Body, s: float, port: int = 0) -> float:
     """Return the force that a model leaves unbalanced, relative to the force at a port.
 
-    At the frequency i s, rad/s, it is √(rᵀD⁻¹r / bᵀX) with the residual r = b - (K + s²M) X and the
-    diagonal D of K + s²M.
+    At the frequency i s, rad/s, it is √(rᵀD⁻¹r / bᵀX) with the model's response X, the residual
+    r = b - (K + s²M) X, and the diagonal D of K + s²M.
     """
     point, x = model.tips[port], model.deflection(s, port)
     body = point.body

@@ -42,7 +42,7 @@ from .band import Band, band_of
 if TYPE_CHECKING:
     from .star import AOModel
 
-# Reads the fields of a body in the core's order.
+# Function that returns the fields of a body's namespace in the core's order.
 _PARTS = itemgetter(*_core.MODES.split())
 
 # Relative difference, due to rounding errors of the mesh, below which a translation and the rigid
@@ -82,7 +82,7 @@ class BodyModel(ABC):
 
     @property
     def alone(self) -> Self:
-        """The same model without references to vectors of other models.
+        """The same model, but without references to vectors that other models share.
 
         :meta private:
         """
@@ -261,7 +261,7 @@ class BodyModel(ABC):
         return self.tips[port].extraction if self.tips else None
 
     def surface_at(self, port: int = 0) -> ContactSurface | None:
-        """Return material and curvatures at a port; None if they are not known.
+        """Return material and curvatures of the surface at a port; None if they are not known.
 
         :meta private:
         """
@@ -347,7 +347,7 @@ class Body(Frozen, BodyModel):
     contact_time : float or None
         Duration of the contact that the model was fitted to, s; None if it fits any.
     slow : float or None
-        Duration of the slower motion that every second vector was fitted to, s; None without.
+        Duration of the slower motion that every second vector was fitted to, s; None if none was.
     numbers : AOModel or None
         Anti-oscillator model of a body given by numbers.
     oscillators : AOModel or None
@@ -355,7 +355,7 @@ class Body(Frozen, BodyModel):
     as_whole : AsWhole or None
         Motion as a whole of a body given by numbers.
     series : Body or None
-        Natural modes that an anti-oscillator model was made of; its compliances are theirs.
+        Body in natural modes that an anti-oscillator model was made of, with the same compliances.
 
     Examples
     --------
@@ -500,7 +500,7 @@ class Body(Frozen, BodyModel):
         return self.vectors() if callable(self.vectors) else self.vectors
 
     def seen(self, functionals: FloatArray) -> FloatArray:
-        """Return functionals @ modes, shape (n,) or (m, n).
+        """Return functionals of the modes, functionals @ modes, shape (n,) or (m, n).
 
         :meta private:
         """
@@ -582,7 +582,7 @@ class Body(Frozen, BodyModel):
         """Modal coordinates of the static mode φ_st at a port, eqs. (2), (3).
 
         φ_st is the rigid motion with u = 1 if a force at the port moves the body as a whole. The
-        coordinates lack the part of φ_st that follows forces at once (`following`).
+        part of φ_st that follows forces at once (`following`) is not included.
         """
         r, still = self.shape[port], self.omega == 0.0
         if r[still].any():
@@ -623,7 +623,7 @@ class Body(Frozen, BodyModel):
                 "the mass of a body touched in several places is not known: make it with nodes"
             )
         centre, tip = self.seen(functional), self.tips[0]
-        if free := tip.translates:  # then elastic modes do not move the centre of mass
+        if free := tip.translates:  # elastic modes then do not move the centre of mass
             centre = np.where(self.omega == 0.0, centre, 0.0)
         moving = mass * centre if free or self.ports > 1 else self._static()
         weight = np.zeros_like(centre) if self.weightless else mass * centre
@@ -652,8 +652,8 @@ class Body(Frozen, BodyModel):
     def loads(self, gravity: Pull = 0.0) -> FloatArray:
         """Return the forces on the dofs per unit of each port force, shape (n_dofs, p).
 
-        The columns are the functionals of the ports; under gravity, m/s², the weight, N, is one
-        more.
+        The columns are the functionals of the ports. Under gravity, m/s², one more column is the
+        weight, N.
 
         :meta private:
         """
@@ -736,9 +736,9 @@ class Body(Frozen, BodyModel):
     def band(self) -> tuple[float, float]:
         """Lowest and highest frequency, Hz, between which the model has its body's receptance.
 
-        There the receptance, averaged over neighbouring frequencies, has a relative error below
-        1e-3. The band costs a static solution for each contact point. The band of a model given by
-        numbers is unlimited.
+        In this band the receptance, averaged over neighbouring frequencies, has a relative error
+        below 1e-3. To find it takes a static solution for each contact point. The band of a model
+        given by numbers is unlimited.
         """
         return (0.0, math.inf) if self._band is None else self._band.limits
 
@@ -770,7 +770,7 @@ class Body(Frozen, BodyModel):
         return found if self.following is None else found + self.following[:, port]
 
     def extraction_at(self, port: int = 0) -> Compliance | None:
-        """Return the compliances at a port; those of the truncated model for natural modes.
+        """Return the compliances at a port; for natural modes, those of the truncated model.
 
         None for a rigid body, or if they are not known.
 
@@ -862,7 +862,7 @@ def in_time(coordinates: npt.ArrayLike, n: int) -> FloatArray:
 
 
 def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArray:
-    """Return an orthonormal basis of the rigid motions that an impact at a port causes, (k, 0 … 2).
+    """Return an orthonormal basis of the rigid motions due to an impact at a port, (k, 0 … 2).
 
     Its columns are coordinates on all rigid motions. The first is the motion that the port excites.
     The second completes the span of a translation along the direction of travel, with which an
@@ -882,7 +882,7 @@ def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArra
     first = push / size
     if not tip.translates:
         return first[:, None]
-    assert tip.direction is not None  # of the translation
+    assert tip.direction is not None  # so has a body that translates
     way = rigid.T @ (tip.body.M @ tip.body.translation(tip.direction))
     rest = way - (first @ way) * first
     rest -= (first @ rest) * first

@@ -3,8 +3,8 @@
 It is the Ritz model of the refined body (fem/finer.py) in three sets of vectors: those of the given
 model; for each contact, the first members of the sequence (K + s²M)⁻¹ b,
 (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … of the body as meshed; and approximate responses of the refined body
-to the forces that each mode, and the first member, leave unbalanced. These responses are one step
-of inverse iteration from all modes at once, with the shift of the first contact.
+to the forces left unbalanced by each mode and by the first member. These responses are one step of
+inverse iteration from all modes at once, with the shift of the first contact.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _TERMS = 12
 
 
 def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
-    """Return a model of the refined body; one of more vectors if the body cannot be refined.
+    """Return a model of the refined body, or one of more vectors if the body cannot be refined.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
 
 
 def _fitted_alike(model: Body, linear: Solver) -> Body:
-    """Return a model of more vectors, fitted to the same durations; shells and beams are halved."""
+    """Return a model of more vectors for the same durations; shell and beam elements are halved."""
     elastic = int(np.count_nonzero(model.omega))
     if not elastic:
         return model

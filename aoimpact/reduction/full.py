@@ -17,7 +17,7 @@ from .body import Body, BodyModel, Pull, Velocity, checked_ports, of_modes
 from .reduction import antioscillators
 from .star import AOModel
 
-# Largest number of dofs for which all modes are computed: some ten seconds and a third of a GiB.
+# Largest number of dofs for which all modes are computed; this takes some ten seconds and 0.3 GiB.
 _MODAL_MOST = 3000
 
 
@@ -93,7 +93,7 @@ class FullModel(Frozen, BodyModel):
 
     @property
     def in_modes(self) -> bool:
-        """True if modal damping requires that the body is stepped in all its modes.
+        """True if modal damping requires integration of the body in all its modes.
 
         :meta private:
         """
@@ -108,7 +108,7 @@ class FullModel(Frozen, BodyModel):
 
     @property
     def massless(self) -> bool:
-        """True if a port has no mass; False if implicit steps act on the matrices themselves.
+        """True if a port has no mass; False if K and M themselves, not modes, are integrated.
 
         :meta private:
         """
@@ -118,8 +118,8 @@ class FullModel(Frozen, BodyModel):
     def moving(self) -> FloatArray:
         """Initial velocities of the dofs for a unit velocity of the body, shape (n_dofs,).
 
-        The body translates if it can, or if it has several contact points, whose models know no
-        other motion as a whole; else it moves in the static mode.
+        The body translates if it can, or if it has several contact points: its models then have no
+        other motion as a whole. Otherwise it moves in the static mode.
 
         :meta private:
         """

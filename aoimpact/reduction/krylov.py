@@ -48,11 +48,11 @@ from ..linalg import (
 from .body import Body, checked_ports, of_modes, ways_of
 from .star import AOModel, excited, of_body
 
-# Ratio of a shift to the best one within which both are equally good: on the paper's beam, shifts
-# of 8 to 14 divided by the contact time.
+# Largest ratio between a shift and the best shift at which both are equally good: on the paper's
+# beam, shifts of 8 to 14 divided by the contact time are.
 _AS_GOOD = 1.3
 
-# Largest ratio of vectors to wanted oscillators in the search for missing oscillators.
+# Largest number of vectors per wanted oscillator in the search for missing oscillators.
 _MOST_IDLE = 2
 
 
@@ -63,12 +63,12 @@ _MOST_IDLE = 2
 ORDER_FITTED = 5
 
 # _SHARPENED_FROM: number of vectors per contact point after which the shift is first raised.
-# _SHARPENED_BY: ratio of the next such number, for which the raised shift is best. Each change
-# costs a factorisation.
+# _SHARPENED_BY: ratio of the number at which it is next raised, and for which the raised shift is
+# best, to the last. Each change costs a factorisation.
 _SHARPENED_FROM, _SHARPENED_BY = 48, 4
 
-# _DOUBTFUL: Ritz value, relative to the largest, below which a mechanism is possible; slender
-# bodies under short contacts have such values, too. _NO_STIFFNESS: largest stiffness of a
+# _DOUBTFUL: Ritz value, relative to the largest, below which a mechanism is possible, though
+# slender bodies under short contacts also have such values. _NO_STIFFNESS: largest stiffness of a
 # mechanism, relative to the sum of absolute values of its terms: some hundred rounding errors.
 _DOUBTFUL, _NO_STIFFNESS = 1e-12, 1e-14
 
@@ -82,22 +82,22 @@ _NO_CANCELLATION = 0.5
 
 # For the search of a compact body's static mode in the span of Krylov vectors: _FIRST: first number
 # of vectors per contact point; _PROMISING: largest relative residual at which one more per point is
-# tried; _LAST: largest number of such trials; _REACHED: relative residual of a result. The error of
-# bᵀx is of the order of its square, but not the error of the part of x that is orthogonal to the
-# other vectors. A result spares a factorisation of K: models of 8 oscillators of blocks of 9 400
-# and 42 000 dofs are made 1.7 and 2.1 times as fast.
+# tried; _LAST: largest number of such trials; _REACHED: relative residual at which the search
+# succeeds. The error of bᵀx is of the order of the residual squared, but not the error of the part
+# of x that is orthogonal to the other vectors. Success spares a factorisation of K: models of 8
+# oscillators of blocks of 9 400 and 42 000 dofs are made 1.7 and 2.1 times as fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
-# Relative residual ‖b - K x‖ / ‖b‖ of a static mode by an iterative method. With a residual of
-# 1e-6, errors of models of a clamped plate, up to 180 vectors, are the same.
+# Relative residual ‖b - K x‖ / ‖b‖ to which an iterative method solves for a static mode. With 1e-6
+# the errors of models of a clamped plate, up to 180 vectors, are the same.
 _STATIC = 1e-4
 
-# ω² of a vector, relative to the largest K_ii/M_ii, above which it has practically no mass, and its
-# rounding errors spoil other vectors. The ratio is up to 3 in bodies with mass everywhere; if M is
-# singular, modes are lost at limits from 2000 on.
+# Largest ω² of a vector, relative to the largest K_ii/M_ii. Above it a vector has practically no
+# mass, and its rounding errors spoil other vectors. The ratio is up to 3 in bodies with mass
+# everywhere; if M is singular, modes are lost with limits of 2000 and more.
 _WITHOUT_MASS = 300.0
 
-# Elastic part of b relative to b, below which it is a rounding error.
+# Size of the elastic part of b, relative to b, below which that part is a rounding error.
 _RIGID_ONLY = 1e-13
 
 
@@ -384,10 +384,10 @@ class KrylovSpace:
     def _across(
         self, x: FloatArray, mx: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-        """Return the M-orthogonal remainder x, M x, the coordinates removed, and the length of x.
+        """Return x made M-orthogonal to the basis, M x, the coordinates removed, and x's length.
 
-        The length is 0 if x is a rounding error. Passes of Gram-Schmidt end with one that shortens
-        x little.
+        The length is 0 if the new x is a rounding error. Gram-Schmidt passes end with one that
+        hardly shortens x.
         """
         vectors, parts, before = self._basis[: self._count], np.zeros(self._count), math.inf
         size = length = _length(x, mx)
@@ -399,7 +399,7 @@ class KrylovSpace:
         return x, mx, parts, length if length > _NOTHING_NEW * size else 0.0
 
     def _put(self, slot: int, vector: FloatArray) -> None:
-        """Store a vector of the basis, and its products by K with all vectors; 0 for rigid ones."""
+        """Store a basis vector, and its inner products in K with all vectors (rigid motions: 0)."""
         if not np.isfinite(vector).all():
             raise ConvergenceError(
                 "a motion that the contact excites is out of range: it has hardly any mass"
@@ -454,14 +454,14 @@ class KrylovSpace:
             until *= _SHARPENED_BY
             first = max(first, min(until / ORDER_FITTED * self.shift, self._highest))
         shifts = (first, *self._slow)
-        for passed in set(self._solvers) - set(shifts):  # the first shift was raised
+        for passed in set(self._solvers) - set(shifts):  # shifts replaced by the raised one
             at = self._solvers.pop(passed).at
             if at is not None and first not in self._solvers:
                 self._solvers[first] = at(first**2)
         inverse = self._inverse(shifts[turn % len(shifts)])
         most = 1 if len(shifts) > 1 else min(most, until * places - solves)
         before = self._count
-        wanted = before + min(most, max(1, solves))  # the caller then checks the progress
+        wanted = before + min(most, max(1, solves))  # at most doubled, then the caller checks again
         had, dofs = self._basis.shape
         if wanted > had:
             more = max(wanted - had, had // 2)
@@ -478,7 +478,7 @@ class KrylovSpace:
             turn = self._solved
             if turn < places:
                 self._load = self._b[turn]
-            elif places > 1:  # with one functional, the last pass has set it
+            elif places > 1:  # with one functional, the last pass has set the load
                 self._load = self.body.M @ self._basis[self._given + turn - places]
             x, _, mx = inverse.solve_roughly(self._load)
             self._solved += 1
@@ -542,7 +542,7 @@ def only_excited(body: Body) -> Body:
 
 
 def _of_largest_mass(star: AOModel, n: int) -> AOModel:
-    """Return the model of the `n` heaviest oscillators, in their order; m0 takes the other mass."""
+    """Return the model of the `n` heaviest oscillators, in their order; others' mass joins m0."""
     by_mass = np.argsort(-star.m, kind="stable")
     order = np.concatenate([np.sort(by_mass[:n]), by_mass[n:]])
     assert star.origin is not None
@@ -610,7 +610,7 @@ def interface(
     return model
 
 
-# Products over all dofs avoid BLAS, since its last bits depend on the number of threads, and the
+# Products over all dofs avoid BLAS, whose last bits depend on the number of threads, and the
 # orthogonal remainder of a static mode may consist of such bits.
 
 

@@ -33,16 +33,16 @@ if TYPE_CHECKING:
 # errors hardly change for values between 3 and 20; below 3, they grow if slow modes are left out.
 PACE = 10.0
 
-# Relative residual ‖f - A x‖ / ‖f‖ of a correction by an iterative solver. Relative errors of
-# stresses in a disc, a plate, a bracket and a flange, 20 mm from the contact, are 4e-8 at most
-# (2e-7 with 1e-4).
+# Relative residual ‖f - A x‖ / ‖f‖ to which an iterative solver computes a correction. Relative
+# errors of stresses in a disc, a plate, a bracket and a flange, 20 mm from the contact, are then at
+# most 4e-8 (2e-7 with a residual of 1e-4).
 SOLVED = 1e-6
 
 # Largest unbalanced force, relative to its parts, that is left uncorrected. Approximate solutions
 # leave that much for each vector, in a separate direction; exact solutions leave one direction for
-# each force, and rounding errors of 1e-12. The neglect causes relative errors of at most 9e-5 in
-# the stresses of SOLVED and in a beam's (models of 9 … 67 oscillators; 3e-5 with a third of this
-# limit), and a probe takes a fifth of the time.
+# each force, and rounding errors of 1e-12. The neglect makes a probe five times as fast, and causes
+# relative errors of at most 9e-5 (3e-5 with a third of this limit) in stresses of the bodies of
+# SOLVED and of a beam, with models of 9 … 67 oscillators.
 _BALANCED = ROUGH
 
 
@@ -66,7 +66,7 @@ class Recovery:
     s: float
 
     def __getstate__(self) -> dict[str, Any]:
-        # The caches are cheap to recompute.
+        # Caches are dropped, as they are cheap to recompute.
         return {"model": self.model, "loads": self.loads, "s": self.s}
 
     def displacement(self, coordinates: FloatArray, forces: FloatArray) -> FloatArray:
@@ -89,7 +89,7 @@ class Recovery:
 
     @cached_property
     def basis(self) -> FloatArray:
-        """Displacement per unit coordinate, and that which follows unit forces, (n_dofs, n + p)."""
+        """Displacement per unit coordinate, then that per unit force at once, (n_dofs, n + p)."""
         at_once = np.zeros_like(self.loads)
         if (following := self.model.following) is not None:
             at_once[:, : following.shape[1]] = following
@@ -97,11 +97,11 @@ class Recovery:
 
     @property
     def shapes(self) -> FloatArray:
-        """Shapes of which the correction is a combination, (n_dofs, k)."""
+        """Displacements that the correction is a combination of, (n_dofs, k)."""
         return self._correction[0]
 
     def amounts(self, coordinates: FloatArray, forces: FloatArray) -> FloatArray:
-        """Return the factors of `shapes` in the correction, (k, times)."""
+        """Return the coefficients of the correction on `shapes`, (k, times)."""
         amounts: FloatArray = self._correction[1] @ np.vstack([coordinates, forces])
         return amounts
 
@@ -123,7 +123,8 @@ class Recovery:
         strained, inertia = body.K @ self.basis, body.M @ self.basis
         model, n = self.model, len(self.model.omega)
         push = model.modes.T @ loads
-        # Loads, such as the weight, on rigid motions that the model does not contain.
+        # Part of the loads, such as the weight, that acts on rigid motions which the model does not
+        # contain.
         omitted = body.rigid_modes.T @ (loads - inertia[:, :n] @ push)
         r = -strained
         r[:, :n] += inertia[:, :n] * model.omega**2
@@ -141,10 +142,10 @@ class Recovery:
 
 
 def _directions(columns: FloatArray) -> ArrayPair:
-    """Return an orthonormal basis of columns, (n, k), and their coordinates on it, (k, m).
+    """Return an orthonormal basis of the span of columns, (n, k), and their coordinates, (k, m).
 
-    The method is a QR factorisation with column pivoting by Gram-Schmidt; it ends when the columns'
-    remainders are negligible.
+    The method is a QR factorisation with column pivoting by Gram-Schmidt. It ends when what is left
+    of all columns is negligible.
     """
     directions, weights = [], []
     while (sizes := np.linalg.norm(columns, axis=0)).max(initial=0.0) > _BALANCED:

@@ -44,19 +44,19 @@ from .star import AOModel, excited, with_shapes
 _DENSE_MOST = 6000
 
 # Largest number of Lanczos steps: _MOST_STEPS, or _SOME + _SHARE_OF_DOFS times the number of dofs
-# if that is less. If Lanczos' method fails, it has taken a tenth of LAPACK's time from 2000 dofs
-# on. _CONVERGED: residual of a converged mode, relative to the eigenvalue.
+# if that is less. A failed attempt takes a tenth of LAPACK's time for 2000 dofs or more.
+# _CONVERGED: largest residual of a converged mode, relative to the eigenvalue.
 _MOST_STEPS, _SOME, _SHARE_OF_DOFS, _CONVERGED = 600, 60, 1 / 12, 1e-10
 
 # Expected number of linear solutions per oscillator. On a beam, a plate and a block the number was
-# 5 to 300, least for many oscillators in the order of frequency.
+# 5 to 300, smallest if many oscillators are wanted in the order of frequency.
 _SOLUTIONS_EACH = 20
 
 # Mass of an oscillator, relative to the static mass, below which it is a rounding error.
 _NO_MASS = 1e-13
 
-# Residual mass, relative to the static mass, below which it is set to 0: the rounding error of
-# thousands of masses. A contact on a dof without mass has no residual mass.
+# Residual mass, relative to the static mass, below which it is set to 0: the rounding error of a
+# sum of thousands of masses. The residual mass of a contact on a dof without mass is 0.
 _ROUNDING_OF_MASS = 1e-11
 
 
@@ -72,7 +72,7 @@ def _oscillators(
 ) -> _Found:
     """Return oscillators by eqs. (6), (9), (12) from constraint modes in ascending frequency.
 
-    Modes of equal frequency are joined.
+    Modes of equal frequency become one oscillator.
     """
     m, k, c = (np.empty(len(omega2)) for _ in range(3))
     of = np.empty(len(omega2), dtype=np.int32)
@@ -95,7 +95,7 @@ def _all_constraint_modes(tip: ContactPoint) -> ArrayPair:
     """Return all constraint modes by LAPACK, after a reflection that turns bᵀφ = 0 into φ₁ = 0.
 
     The dof with the largest entry of b comes first. Otherwise the mass of a dof with a zero entry
-    may be lost in rounding errors of a far heavier one.
+    may be lost in rounding errors of a far heavier dof.
     """
     n = tip.body.n_dofs
     order, most = np.arange(n), int(np.argmax(np.abs(tip.b)))
@@ -197,7 +197,7 @@ def _wanted_oscillators(
     dofs, found, left_out = tip.body.n_dofs, None, math.inf
     if dofs > DENSE_DOFS:
         try:
-            with np.errstate(over="ignore", invalid="ignore"):  # detected in its result
+            with np.errstate(over="ignore", invalid="ignore"):  # overflow shows in the result
                 found, left_out = _first_oscillators(tip, static, n, order, solvers)
         except ConvergenceError:
             if dofs > _DENSE_MOST:
@@ -304,7 +304,7 @@ def antioscillators(
     used: list[LinearSolver] = []
 
     def solvers(s2: float) -> LinearSolver:
-        used[:] = [invert(s2)]  # the body refers to the solver weakly
+        used[:] = [invert(s2)]  # kept here, as the body refers to the solver weakly
         return used[0]
 
     static = static_mode(tip, invert=solvers)

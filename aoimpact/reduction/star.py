@@ -41,7 +41,8 @@ from .body import AsWhole, Body, in_time, ways_of
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
 # Largest m a²/I of a body with a contact at the arm a: that of a ball on a rod of 200 times its
-# radius. Above it, the effective mass is so small that its vibration alone determines the steps.
+# radius. Above it, the effective mass at the contact is so small that its vibration alone limits
+# the time steps.
 _MOST_TURNING = 1e5
 
 # Share of the total participation (or mass) below which a mode (or an oscillator) is not excited.
@@ -272,7 +273,7 @@ class AOModel(Frozen):
         return 0.0 if self.m0 > 0.0 else 1.0 / (self.k0 + math.fsum(self.k))
 
     def _moved(self, omega2: FloatArray) -> FloatArray:
-        """Return the coordinates λ of modes with given ω², 1 at the contact, (n + 1, modes).
+        """Return the coordinates λ, 1 at the contact, of modes with given ω², (n + 1, modes).
 
         The coordinate of oscillator i in mode j is ω_i²/(ω_i² - ω_j²).
         """
@@ -313,8 +314,8 @@ class AOModel(Frozen):
     def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return K, M and b for the n + 1 coordinates λ, the contact first.
 
-        K has k0 + Σ k_i at the contact, k_i on the rest of the diagonal and -k_i between both
-        (Fig. 2); M is diagonal; b = (1, 0, …, 0).
+        K has k0 + Σ k_i on the diagonal at the contact, k_i at oscillator i, and -k_i between the
+        two (Fig. 2); M is diagonal; b = (1, 0, …, 0).
 
         Returns
         -------
@@ -410,7 +411,8 @@ class AOModel(Frozen):
     def _displaced(self, values: FloatArray) -> FloatArray:
         """Return the displacement of the body for coordinates λ, (n_dofs,) or (n_dofs, times)."""
         assert self.origin is not None
-        # Coordinates of M-orthonormal modes are φᵀM times the motion; M is diagonal in λ.
+        # The coordinates of M-orthonormal modes φ are φᵀM times the motion; in the coordinates λ, M
+        # is diagonal.
         of, masses = self.origin, np.concatenate([[self.m0], self.m])
         q = of.shape[0] * (self._moved(of.omega**2).T @ (values.T * masses).T).T
         full: FloatArray = of.displaced(q.T)
@@ -451,7 +453,7 @@ class AOModel(Frozen):
 
 
 def _body_of(numbers: AOModel) -> Body:
-    """Return the body of given numbers in natural modes, scaled to 1 at the contact.
+    """Return the body of given numbers in natural modes, each scaled to 1 at the contact.
 
     With this scale the masses can differ by any factor. A wall has one mode that no force moves.
     """
@@ -465,7 +467,7 @@ def _body_of(numbers: AOModel) -> Body:
         # The weight is 0: the supports, and so the deflection under it, are not known.
         as_whole = AsWhole(centre, push * numbers.k0 / omega2, np.zeros(len(omega2)))
     else:
-        # The values are exact: rounding errors would press bodies that fall side by side on each
+        # Exact values are set: rounding errors would press bodies that fall side by side on each
         # other.
         rigid = np.where(omega2 == 0.0, 1.0, 0.0)
         as_whole = AsWhole(rigid, rigid, np.zeros(1) if wall else rigid)
@@ -599,7 +601,7 @@ def with_shapes(
     placed[: n + 1, others.shape[1] :] = coordinates * r
     shape = np.concatenate([np.zeros(others.shape[1]), r])[None]
     follow = None
-    if numbers.m0 == 0.0:  # a force moves the contact at once, and no oscillator
+    if numbers.m0 == 0.0:  # a force at once moves the contact, but no oscillator
         follow = numbers.residual * np.concatenate([[1.0], -np.ones(n), np.zeros(len(still.T))])
     body = Body(
         kind="AO" if n or numbers.k0 else "rigid",
@@ -620,7 +622,7 @@ def with_shapes(
 
 
 def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
-    """Return the tensor of inertia, kg m², from one moment for all axes, three, or a tensor."""
+    """Return the tensor of inertia, kg m², from it, one moment for all axes, or three moments."""
     given = finite_array(name, value, unit="kg m²")
     tensor = inertia_tensor(name, given if given.ndim else np.full(3, given), most=HUGE)
     if np.linalg.eigvalsh(tensor)[0] <= 0.0:
@@ -629,7 +631,7 @@ def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
 
 
 def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> ArrayPair:
-    """Sort oscillators by frequency, and add masses and stiffnesses of those of equal frequency."""
+    """Sort oscillators by frequency, and join those of equal frequency by adding their m and k."""
     order = np.argsort(k / m, kind="stable")
     m, k = m[order], k[order]
     omega2 = k / m
