@@ -1,10 +1,11 @@
-/* The forces on massless contact points are in equilibrium at every instant. Where a contact begins or ends there, the
- * forces of the contacts coupled to it change at once: rates jump, and with them the forces that depend on rates.
+/* The forces on massless contact points are in equilibrium at every instant. Where a contact begins or ends there,
+ * the forces of the contacts coupled to it change at once: rates jump, and with them the forces that depend on
+ * rates.
  *
- * With residual compliances C, forces F and indentations z without deflection, the indentations are d = z - C F. In
- * an event, d is continuous if a law depends on the rate, and follows from equilibrium if none does. The rates
- * follow from the derivative, d' = z' - C F', with F' = K d' for a law without rate, and from F = f(d, d') for one
- * with rate. */
+ * With residual compliances C, contact forces F and the indentations z without the deflection C F, the
+ * indentations are d = z - C F. At an event, d is continuous if a law depends on the rate, and follows from
+ * equilibrium if none does. The rates follow from the derivative, d' = z' - C F', with F' = K d' for a law that
+ * does not depend on the rate, and from F = f(d, d') for a law that does. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/vector.h"
@@ -18,14 +19,14 @@
 #include <math.h>
 #include <string.h>
 
-/* Times in units of the contact time, which is taken as at most MOST_STEPS steps of the run. SUDDEN: length of the
- * implicit step that replaces a sudden change. Indentations do not change in this step, except where a dashpot vanishes
- * at the touch: there the force falls from the whole load like the square root of time, and its fall within SUDDEN is
- * missed. SUDDEN = 1e-13 lost up to 15 % of a peak; 1e-22 loses 5e-5 of the peak; 1e-24 has rounding errors of 1e-7.
- * PART_RELAXED, LEAST_AFTER, MOST_AFTER: rates and forces after the change are extrapolated to time zero from two short
- * steps. Their length is PART_RELAXED times the relaxation time, but at least LEAST_AFTER and at most MOST_AFTER. The
- * relative error is PART_RELAXED squared, plus a rounding error inversely proportional to the length. A dashpot whose
- * relaxation time is shorter than the steps is neglected.
+/* SUDDEN, LEAST_AFTER and MOST_AFTER are times in units of the contact time; MOST_STEPS limits the contact time,
+ * in steps of the run. SUDDEN: length of the implicit step that replaces a sudden change. Indentations do not
+ * change in this step, except where a dashpot vanishes at the touch: there the force falls from its full value
+ * like the square root of time, and its fall within SUDDEN is missed. SUDDEN = 1e-13 lost up to 15 % of a peak;
+ * 1e-22 loses 5e-5 of the peak; 1e-24 has rounding errors of 1e-7. PART_RELAXED: rates and forces just after the
+ * change are extrapolated from two short steps, whose length is PART_RELAXED times the relaxation time, but at
+ * least LEAST_AFTER and at most MOST_AFTER. The relative error is PART_RELAXED squared, plus a rounding error
+ * inversely proportional to the length. A dashpot whose relaxation time is shorter than the steps is neglected.
  *
  * Measured with SUDDEN = 1e-13: the largest jump of the sum of the forces at a place that a ball strikes, in 1200
  * scenes at rtol from 1e-9 to 1e-5, is 2 rtol. The jump is 11 rtol with PART_RELAXED = 1e-4, 87 rtol with
@@ -34,17 +35,18 @@
 static const double SUDDEN = 1e-22, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_RELAXED = 1e-5,
                     MOST_STEPS = 100.0;
 
-/* Largest relaxation time of a dashpot, in units of the first step of a run. With a longer one, the dashpot's force
- * is only rounding. Measured: 1e14 and 1e15 solve all of the 400 scenes of YIELD in coupled.c, of which 4 fail
- * without this limit; 1e13 moves the first touch of another contact by 4e-8. */
+/* Largest ratio of a dashpot's relaxation time to the length of the implicit step at the start of a run, which is
+ * lengthened if necessary: above it, the dashpot's force is only rounding error. Measured: 1e14 and 1e15 solve all
+ * of the 400 scenes of YIELD in coupled.c, of which 4 fail without this limit; 1e13 changes the time of another
+ * contact's first touch by 4e-8. */
 static const double RIGID = 1e15;
 
-/* Largest relaxation time of a dashpot, in units of an implicit step. With a longer one, the indentation changes by
- * rounding only. Tried: 6 runs change, by 4e-13. */
+/* Largest ratio of a dashpot's relaxation time to the length of a later implicit step: a stronger dashpot is
+ * replaced by one at this limit, since the indentation changes only by rounding. Tried: 6 runs change, by 4e-13. */
 static const double RIGID_IN_STEP = 1e13;
 
-/* Largest number of iterations for the forces in equilibrium, and of Newton's method for the rates. Tried: 1 run
- * changes, by 1e-13. */
+/* Largest number of Newton iterations, for the forces in equilibrium and for the rates after a sudden change.
+ * Tried: 1 run changes, by 1e-13. */
 enum { MOST_LOOPS = 30 };
 
 size_t aoi_balance_size(size_t count, size_t span)
@@ -68,7 +70,8 @@ static aoi_coupled lay_out(const aoi_adaptive *run, size_t count)
     return e;
 }
 
-/* Sets up the equations of the listed contacts for an implicit step of length `time`, or for rest if time is 0. */
+/* Sets up the contact equations of the listed contacts, for an implicit step of length `time`, s, or, if time is
+ * 0, for the state of rest. */
 static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
 {
     const size_t width = 2 * e->band + 1;
@@ -78,7 +81,7 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
         const double here = e->free[i] = aoi_contact_free(run, contact->contact, &rate);
         e->rate_free[i] = time > 0.0 ? rate + (here - contact->indentation) / time : 0.0;
         for (size_t k = 0; k < width; k++) {
-            const size_t j = i + k - e->band; /* a negative one wraps round and is no column */
+            const size_t j = i + k - e->band; /* a negative index wraps round to a large one, which is no column */
             e->compliance[i * width + k] =
                 j < e->count ? aoi_system_residual(run->system, contact->contact, run->balanced[j].contact)
                              : 0.0;
@@ -88,7 +91,8 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
     }
 }
 
-/* Adds a contact to the list if one of its contact points is massless. */
+/* Adds contact c to the list run->balanced of `count` entries if its contact point is massless. Returns the new
+ * count. */
 static size_t list(aoi_adaptive *run, size_t c, size_t count)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];
@@ -96,7 +100,7 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
     if (!(aoi_system_residual(run->system, c, c) > 0.0)) {
         return count;
     }
-    /* The dashpot of an open contact acts from the touch on, not from the open gap. */
+    /* The dashpot of an open contact acts from the touch on: its indentation starts at rest, not at the open gap. */
     const double rest = aoi_law_rest(law, contact->memory);
     const double from = contact->is_closed ? contact->closed.start : fmax(contact->closed.start, rest);
     run->balanced[count] = (aoi_contact_state){.law = law,
@@ -123,14 +127,15 @@ static int piece_at(const aoi_adaptive *run, const aoi_contact_state *of, double
     return aoi_law_piece(of->law, of->memory, indentation, rate > 0.0, &low, &high);
 }
 
-/* The law's force, not cut at zero. */
+/* Sets `value` to the force and slopes of a law, where a negative force is not replaced by zero. */
 static void uncut_force(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate,
                         aoi_law_value *value)
 {
     aoi_law_force(of->law, of->memory, piece_at(run, of, indentation, rate), indentation, rate, value);
 }
 
-/* A contact's initial indentation, without the deflection of residual compliances under loads. */
+/* Returns a contact's indentation at the start of a run, m, without the deflection of residual compliances under
+ * loads. */
 static double placed(const aoi_adaptive *run, size_t c)
 {
     const aoi_contact *of = &run->system->contact[c];
@@ -146,7 +151,8 @@ static double placed(const aoi_adaptive *run, size_t c)
     return indentation;
 }
 
-/* Relaxation time of a contact's dashpot at a residual compliance, s; 0 if the bodies do not touch. */
+/* Returns the relaxation time of a contact's dashpot, damping times residual compliance, s; 0 if the bodies do not
+ * touch. */
 static double relaxation_of(const aoi_adaptive *run, const aoi_contact_state *of)
 {
     const size_t c = of->contact;
@@ -180,7 +186,7 @@ int aoi_balance_at_start(aoi_adaptive *run)
     return status;
 }
 
-/* Estimate of the contact time: ratio of the largest present indentation to the largest present rate. */
+/* Returns an estimate of the contact time, s: the ratio of the largest indentation to the largest present rate. */
 static double time_of_contacts(const aoi_adaptive *run, size_t count)
 {
     const double left = fmin(run->end - aoi_run_now(run), MOST_STEPS * aoi_run_step(run));
@@ -193,18 +199,20 @@ static double time_of_contacts(const aoi_adaptive *run, size_t count)
     return depth > 0.0 && depth < rate * left ? depth / rate : left;
 }
 
-/* The force, cut at zero unless the law has adhesion (pulls). */
+/* Returns the force, with a negative value replaced by zero unless the law has adhesion (pulls). */
 static double cut(const aoi_law *law, double force) { return law->pulls ? force : fmax(force, 0.0); }
 
-/* A contact's force after an implicit step of length `time`, linearised in its rate. force: at the rate without
- * changes of contact forces; damping: derivative with respect to the rate. after = 1: at the indentations of the
- * step's end; `acts` tells which contacts have a force. after = 0: at the indentations of the step's start; laws
- * without adhesion are cut at zero, at the event that the step has located if there is one. */
+/* Returns a contact's force after an implicit step of length `time`, s, as a linear function of its rate: member
+ * `force` is the force at the rate with unchanged contact forces, `damping` the slope. after = 1: indentations are
+ * those at the step's end, and `acts` says which contacts have a force. after = 0: indentations are those at the
+ * step's start. The force of a rate-dependent law without adhesion is then zero where it would be negative, and
+ * after the event at which it became zero. */
 static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int after)
 {
     const aoi_contact_state *of = &run->balanced[i];
     const double own = e->compliance[i * (2 * e->band + 1) + e->band];
-    const double enough = RIGID_IN_STEP * time / own; /* damping that keeps the indentation constant over the step */
+    /* damping above which the indentation stays constant in the step */
+    const double enough = RIGID_IN_STEP * time / own;
     aoi_law_value still, value;
     uncut_force(run, of, e->indentation[i], 0.0, &still);
     uncut_force(run, of, e->indentation[i], e->rate[i], &value);
@@ -222,8 +230,8 @@ static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e,
     return (aoi_law_value){force, 0.0, damping + by_place};
 }
 
-/* Sets the equations for the changes of the forces in a short time, (1 + W C / time) change = force - present force,
- * with the force and the damping W from linear_force. */
+/* Sets the equations for the changes of the forces in a short time, (1 + W C / time) change = force - present
+ * force, with the force and the damping W from linear_force and the residual compliances C. */
 static void set_changes(const aoi_adaptive *run, double time, int after, const aoi_coupled *e, double *change)
 {
     const size_t width = 2 * e->band + 1;
@@ -237,8 +245,9 @@ static void set_changes(const aoi_adaptive *run, double time, int after, const a
     }
 }
 
-/* An iteration of Newton's method: solves for the changes of the forces, and updates the rates. most: largest change
- * of a rate beyond rounding, m/s. Returns the largest rate; NaN where there is no solution. */
+/* Makes one iteration of Newton's method: solves for the changes of the forces, and updates the rates. most: set
+ * to the largest change of a rate beyond rounding, m/s. Returns the largest rate, m/s; NaN if there is no
+ * solution. */
 static double change_rates(const aoi_adaptive *run, double time, int after, const aoi_coupled *e, double *change,
                            double *most)
 {
@@ -253,7 +262,7 @@ static double change_rates(const aoi_adaptive *run, double time, int after, cons
         const double *row = e->compliance + i * (2 * e->band + 1);
         double sum = 0.0, size = 0.0;
         for (size_t k = 0; k <= 2 * e->band; k++) {
-            const size_t j = i + k - e->band; /* a negative one wraps round and is no column */
+            const size_t j = i + k - e->band; /* a negative index wraps round to a large one, which is no column */
             sum += j < e->count ? row[k] * change[j] : 0.0;
             size += j < e->count ? fabs(row[k] * change[j]) : 0.0;
         }
@@ -265,23 +274,24 @@ static double change_rates(const aoi_adaptive *run, double time, int after, cons
     return largest;
 }
 
-/* Sets the indentations under the forces, and the rates at constant forces. */
+/* Sets the indentations under the present contact forces, and the rates that hold while these forces are constant. */
 static void set_motion(const aoi_adaptive *run, const aoi_coupled *e)
 {
     const size_t width = 2 * e->band + 1;
     for (size_t i = 0; i < e->count; i++) {
         e->indentation[i] = aoi_contact_free(run, run->balanced[i].contact, &e->rate_free[i]);
         for (size_t k = 0; k < width; k++) {
-            const size_t j = i + k - e->band; /* a negative one wraps round and is no column */
+            const size_t j = i + k - e->band; /* a negative index wraps round to a large one, which is no column */
             e->indentation[i] -= j < e->count ? e->compliance[i * width + k] * e->force[j] : 0.0;
         }
     }
 }
 
-/* Finds the forces in equilibrium and the indentations under them, by Newton's method. Two iterations are not enough
- * at a residual compliance far above that of the contacts: there, a force that ends within the tolerance of events
- * changes the other indentations by more than their size. The indentations of dashpots stay unchanged. Laws without
- * rate are continued below the touch, which is located within a tolerance only. Returns 0 if no forces are found. */
+/* Finds the forces in equilibrium and the indentations under them, by Newton's method. More than two iterations
+ * are needed where the residual compliance is far above the compliance of the contacts: a force that ends within
+ * the tolerance of events then changes the other indentations by more than their size. Indentations at dashpots
+ * stay unchanged. Laws that do not depend on the rate are continued below the touch, which is known only within a
+ * tolerance. Returns 1, or 0 if no forces are found. */
 static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double *change = e->free, largest = 0.0, most, changed = HUGE_VAL, force = 0.0;
@@ -303,8 +313,8 @@ static int find_places(const aoi_adaptive *run, double time, const aoi_coupled *
     return isfinite(largest);
 }
 
-/* Newton's method for the rates a short time after a sudden change, from the indentations and forces just after it.
- * Returns the largest rate, m/s; NaN where it does not converge. */
+/* Finds the rates a short time after a sudden change by Newton's method, from the indentations and forces just
+ * after the change. Returns the largest rate, m/s; NaN if the method does not converge. */
 static double rates_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double largest = 0.0, most = HUGE_VAL;
@@ -314,9 +324,9 @@ static double rates_after(const aoi_adaptive *run, double time, const aoi_couple
     return most <= AOI_RATE_ERROR * largest ? largest : (double)NAN;
 }
 
-/* Rates and forces just after a sudden change, extrapolated from their values after a short time and after twice
- * that time. The extrapolated force of a strong dashpot is more accurate than its force at the extrapolated rate.
- * Returns the largest rate, m/s. */
+/* Finds rates and forces just after a sudden change, extrapolated from their values after a short time and after
+ * twice that time. For a strong dashpot, the extrapolated force is more accurate than the force at the
+ * extrapolated rate. Returns the largest rate, m/s. */
 static double find_rates(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     const double *change = e->free;
@@ -339,21 +349,22 @@ static double least_jump(const aoi_adaptive *run, size_t count)
     for (size_t i = 0; i < count; i++) {
         largest = fmax(largest, run->contact[run->balanced[i].contact].ledger.peak.force);
     }
-    /* Least jump of a force that closes or opens a contact, as a multiple of rtol times the largest force: smaller
-     * jumps are errors of the last step, within which events have been located. Measured and tried: from 3 to 30 no
-     * run changes. */
+    /* Least jump of a force that closes or opens a contact, as a multiple of rtol times the largest force: a
+     * smaller jump is an error of the last step, in which events are located only within a tolerance. Measured and
+     * tried: from 3 to 30 no run changes. */
     return 10.0 * run->rtol * largest;
 }
 
-/* True if a contact with a rate-dependent law without adhesion becomes slack at once. */
+/* True if a contact becomes slack at once: its law depends on the rate, has no adhesion, and gives a negative
+ * force. */
 static int becomes_slack(const aoi_adaptive_contact *contact, const aoi_law *law, double force, double least)
 {
     return contact->closed.piece != AOI_SLACK && !contact->closed.begins && law->depends_on_rate && !law->pulls &&
            force < -least;
 }
 
-/* True if a contact that has just touched separates at once, since other contacts move its massless contact point. A
- * touch that the step has located stays closed: its bodies approach each other. */
+/* True if a contact that has just touched separates at once because other contacts move its massless contact
+ * point. A touch that the step has located stays closed, since its bodies approach each other. */
 static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, double least, double error)
 {
     const aoi_adaptive_contact *contact = &run->contact[from->contact];
@@ -362,7 +373,8 @@ static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, 
            from->rate < -error;
 }
 
-/* Updates the memory of a law if the rate has changed its sign, at an event or in this sudden change. */
+/* After a turn of the indentation: keeps the rate from becoming positive if the turn is an event of the step;
+ * takes the unloading piece of the law if the rate has become negative in this sudden change. */
 static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contact)
 {
     if (contact->event == AOI_EVENT_TURN) {
@@ -388,7 +400,7 @@ static void set_contact(aoi_adaptive *run, const aoi_contact_state *from, double
         aoi_contact_take_piece(law, contact, contact->closed.start, from->rate > 0.0);
         contact->closed.last_length = 0.0;
     }
-    /* An event that the step has located is not revised: the step's rates are more accurate. */
+    /* An event that the step has located is kept: the step's rates are more accurate than those found here. */
     const int found = contact->event == AOI_EVENT_SLACKEN || contact->event == AOI_EVENT_TIGHTEN;
     if (!found && contact->closed.piece == AOI_SLACK && from->force > least) {
         aoi_contact_press_again(law, contact);
@@ -398,14 +410,14 @@ static void set_contact(aoi_adaptive *run, const aoi_contact_state *from, double
     contact->closed.force = contact->closed.piece != AOI_SLACK ? cut(law, from->force) : 0.0;
 }
 
-/* Opens a contact and watches it. */
+/* Opens a contact and adds it to the watched contacts. */
 static void open_and_watch(aoi_adaptive *run, size_t c)
 {
     aoi_contact_open(run, c);
     aoi_watch_add(run, c);
 }
 
-/* After a pull-off: sets the forces in equilibrium, opens the contacts that the contact point has left, and closes
+/* Sets the forces in equilibrium after a pull-off, opens the contacts that the contact point has left, and closes
  * those that it has reached. Rates are found later, when all closed contacts are listed. */
 static void meet(aoi_adaptive *run, const aoi_coupled *e)
 {
@@ -423,7 +435,7 @@ static void meet(aoi_adaptive *run, const aoi_coupled *e)
         if (contact->is_closed && !touches && !acts) {
             open_and_watch(run, c);
         } else if (contact->is_closed && contact->closed.piece == AOI_SLACK && acts) {
-            aoi_contact_press_again(of->law, contact); /* as an open contact that closes */
+            aoi_contact_press_again(of->law, contact); /* treated as an open contact that closes */
         } else if (!contact->is_closed && acts) {
             aoi_contact_close(run, c);
         } else if (!contact->is_closed) {
@@ -432,7 +444,8 @@ static void meet(aoi_adaptive *run, const aoi_coupled *e)
     }
 }
 
-/* Lists the closed contacts and, after a pull-off, the step's open contacts, which the contact point may reach. */
+/* Lists the closed contacts and, after a pull-off, the step's open contacts, which the contact point may reach.
+ * Returns their number. */
 static size_t list_all(aoi_adaptive *run, int pull_off)
 {
     size_t count = 0;
@@ -460,7 +473,7 @@ static void set_forces(aoi_adaptive *run, const aoi_coupled *e)
     }
 }
 
-/* Force and slopes of a contact's law just after a sudden change; zero for a contact without force. */
+/* Returns force and slopes of a contact's law just after a sudden change; zero for a contact without force. */
 static aoi_law_value acting(const aoi_adaptive *run, const aoi_coupled *e, size_t i)
 {
     aoi_law_value value = {0.0, 0.0, 0.0};
@@ -470,8 +483,8 @@ static aoi_law_value acting(const aoi_adaptive *run, const aoi_coupled *e, size_
     return value;
 }
 
-/* Step length for the rates after a sudden change: short compared with the contact time, and with the longest
- * relaxation time of a dashpot that acts together with the springs of all contacts. */
+/* Returns the step length for the rates after a sudden change, s: short compared with the contact time, and with
+ * the longest relaxation time of a dashpot in parallel with the springs of all contacts. */
 static double time_after(const aoi_adaptive *run, double time, const aoi_coupled *e)
 {
     double stiffness = 0.0, relaxation = 0.0;
@@ -486,7 +499,7 @@ static double time_after(const aoi_adaptive *run, double time, const aoi_coupled
 }
 
 /* Sets rates and states of the listed contacts after a sudden change. If no rates are found, all rates and states
- * stay unchanged, and the next step begins with a worse guess. Returns whether a contact has opened. */
+ * stay unchanged, and the next step begins with a poor guess. Returns whether a contact has opened. */
 static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_coupled *e)
 {
     aoi_contact_state *of = run->balanced;
@@ -498,7 +511,7 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
     for (size_t i = 0; i < e->count && !isnan(error); i++) {
         aoi_law_value value;
         uncut_force(run, &of[i], e->indentation[i], of[i].rate, &value);
-        /* a force that was cut to zero gets its uncut value, below zero */
+        /* a force that was replaced by zero gets the law's value, which is negative */
         of[i].force = of[i].force != 0.0 ? of[i].force : value.force;
         const double certain = least + value.damping * error;
         if (is_separated(run, &of[i], certain, error)) {
@@ -511,8 +524,8 @@ static int set_contacts(aoi_adaptive *run, double time, double least, const aoi_
     return some;
 }
 
-/* One pass of aoi_balance_at_once. Returns whether a contact has opened: another pass without this contact is due
- * then. */
+/* Makes one pass of aoi_balance_at_once. Returns whether a contact has opened, after which another pass without
+ * this contact is needed. */
 static int balance(aoi_adaptive *run, int pull_off)
 {
     const size_t count = list_all(run, pull_off);

@@ -1,4 +1,4 @@
-/* A contact that closes: its state at the start, and estimates of its indentation, rate and impulse. */
+/* Closing of a contact: its initial state, and estimates of its largest indentation, rate and impulse. */
 #include "adaptive/run.h"
 #include "law/law.h"
 #include "model/system.h"
@@ -13,21 +13,22 @@
  * quantities. Tried: from 2 to 12 no run changes. */
 enum { RISES = 4 };
 
-/* Ratio of the work of a force proportional to d^n, up to an indentation d, to force times d: 1/(n+1), for n = 3/2. */
+/* Work of a force F proportional to d^n, up to an indentation d, divided by F d: 1/(n+1), for n = 3/2. */
 static const double HERTZ_SHARE = 0.4;
 
-/* EDGE_START, BENT_START: ratio of the length of the first step to the compression time times rtol^(2/7), with an
- * edge and, at a residual compliance, without an edge. MOST_START: largest ratio of that length to the compression
- * time; see ../README.md. Measured: EDGE_START = 13 costs as much work and 120 costs 1.7 % more; BENT_START = 1
- * costs 1.3 % and 9 costs 0.2 % more. */
+/* EDGE_START, BENT_START: length of the first step of a contact, in units of the compression time times
+ * rtol^(2/7); EDGE_START without residual compliance, BENT_START with one. MOST_START: limit of that length, in
+ * units of the compression time; see ../README.md. Measured: EDGE_START = 13 costs as much work and 120 costs
+ * 1.7 % more; BENT_START = 1 costs 1.3 % and 9 costs 0.2 % more. */
 static const double EDGE_START = 40.0, BENT_START = 3.0, MOST_START = 0.75;
 
 /* SHALLOW, STRIDE: start and stride, in log(indentation), of the search for the largest indentation, a scale that
- * need not be accurate. The stride is short because a caller's law may fail far beyond its range. Measured: a third
- * of the stride costs 2.0 % more work, three times as much 0.8 %. */
+ * need not be accurate. The stride is short because a law written by the caller may fail far beyond its range.
+ * Measured: a third of the stride costs 2.0 % more work, three times the stride 0.8 %. */
 static const double SHALLOW = -28.0, STRIDE = 0.35;
 
-/* Integral of a force over an interval of indentation, J; the force is interpolated by a power of the indentation. */
+/* Returns the integral of a force over an interval of indentation, J; between its values at the ends of the
+ * interval, the force is taken as a power of the indentation. */
 static double power_work(double here, double force, double next, double next_force)
 {
     const double power = force > 0.0 ? log(next_force / force) / log(next / here) : 0.0;
@@ -36,17 +37,17 @@ static double power_work(double here, double force, double next, double next_for
                : 0.5 * (force + next_force) * (next - here);
 }
 
-/* Estimate of the largest indentation: there the law has taken up the given energy and the work of a constant force.
- * It is at most `most`, which the motion would reach without the law. The law's force is integrated, since the
- * potential of a plastic law is only the recoverable part of its work. The work is interpolated linearly between the
- * points where the law is evaluated. */
+/* Returns an estimate of the largest indentation, m, at which the law has taken up the given energy and the work
+ * of a constant force. most: limit of the result, the indentation that the bodies would reach without the law's
+ * force. The law's force is integrated, since the potential of a plastic law is only the recoverable part of the
+ * work. Between the points where the law is evaluated, the work is interpolated linearly. */
 static double deepest(const aoi_law *law, const double *memory, double energy, double force, double most)
 {
     double here = fmin(exp(SHALLOW), most);
     aoi_law_value value;
     aoi_law_push(law, memory, here, 0.0, &value);
     double lack = energy + force * here - HERTZ_SHARE * value.force * here, before = value.force;
-    if (!(lack > 0.0)) { /* below `here` the force rises like Hertz's */
+    if (!(lack > 0.0)) { /* up to `here` the force is taken as proportional to d^(3/2) */
         const double work = HERTZ_SHARE * value.force * here;
         return here * fmax(pow(energy / work, 0.4), pow(force * here / work, 2.0 / 3.0));
     }
@@ -64,7 +65,7 @@ static double deepest(const aoi_law *law, const double *memory, double energy, d
     return most;
 }
 
-/* Relative acceleration of the two ports under a unit contact force, 1/kg. */
+/* Returns the acceleration of one port relative to the other per contact force, 1/kg. */
 static double mobility_of(const aoi_free_pair *pair)
 {
     double mobility = 0.0;
@@ -84,8 +85,8 @@ typedef struct approach {
     double rate, acceleration, amplitude, amplitude_rate;
 } approach;
 
-/* The approach over a time, from the rate and acceleration at its start: modes that oscillate within the time
- * contribute their amplitude only. */
+/* Returns the approach over a time, from the rate and acceleration at its start. Modes that oscillate within this
+ * time contribute only their amplitude. */
 static approach mean_approach(const aoi_free_pair *pair, approach now, double time)
 {
     for (int side = 0; side < 2; side++) {
@@ -106,8 +107,8 @@ static approach mean_approach(const aoi_free_pair *pair, approach now, double ti
     return now;
 }
 
-/* The acceleration that a load, rising from zero, reaches within the contact time. That time depends on the load: a few
- * fixed-point iterations suffice. */
+/* Returns the relative acceleration that a load, rising from zero, reaches within the contact time, m/s^2. The
+ * contact time itself depends on the load: a few fixed-point iterations suffice. */
 static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contact, const aoi_law *law,
                      const aoi_free_pair *pair, double jerk)
 {
@@ -125,7 +126,7 @@ static double rising(const aoi_adaptive *run, const aoi_adaptive_contact *contac
     return fmax(jerk * time, 0.0);
 }
 
-/* The rate at which loads alone change the acceleration of an approach, m/s^3. */
+/* Returns the time derivative of the acceleration of approach due to loads alone, m/s^3. */
 static double load_jerk(const aoi_free_pair *pair)
 {
     double jerk = 0.0;
@@ -140,7 +141,7 @@ static double load_jerk(const aoi_free_pair *pair)
     return jerk;
 }
 
-/* Estimate of the largest indentation that an approach leads to in the time left. */
+/* Returns an estimate of the largest indentation that an approach leads to within the time left, m. */
 static double reach_of(const aoi_adaptive_contact *contact, const aoi_law *law, const approach *by, double left)
 {
     const double rate = fmax(by->rate, 0.0), acceleration = fmax(by->acceleration, 0.0);
@@ -151,14 +152,14 @@ static double reach_of(const aoi_adaptive_contact *contact, const aoi_law *law, 
                : by->amplitude;
 }
 
-/* Estimate of the compression time. */
+/* Returns an estimate of the compression time, from the touch to the largest indentation, s. */
 static double time_of(const approach *by, double reach)
 {
     return reach / (fmax(by->rate, 0.0) + sqrt(fmax(by->acceleration, 0.0) * reach));
 }
 
-/* Sets the base length of a run's steps, and refines the level for this contact: its motion starts like t + t^(7/2),
- * which the first step resolves to rtol. */
+/* Sets the base length of a run's steps, and refines the level for a contact that begins: its motion starts like t
+ * + t^(7/2), which the first step resolves to rtol. */
 static void first_level(aoi_adaptive *run, size_t c, double time)
 {
     if (run->base == 0.0) {
@@ -174,11 +175,11 @@ static void first_level(aoi_adaptive *run, size_t c, double time)
     }
 }
 
-/* Time for which the present rate may last, s: a massless contact point follows a load at once, and has another rate
- * after the load's next bend. */
+/* Returns the time for which the present rate may last, s. The rate of a massless contact point changes at the
+ * next bend of a load, since the point follows a load at once. */
 static double time_left(const aoi_adaptive *run, size_t c)
 {
-    /* just beyond a bend of a load that is at the present time within rounding */
+    /* slightly later than now: a bend of a load within rounding of the present time counts as past */
     const double now = aoi_run_now(run) * (1.0 + 8.0 * DBL_EPSILON);
     double end = run->end;
     for (int side = 0; side < 2 && aoi_system_residual(run->system, c, c) > 0.0; side++) {
@@ -187,10 +188,10 @@ static double time_left(const aoi_adaptive *run, size_t c)
     return end - aoi_run_now(run);
 }
 
-/* Estimates the scales of a contact that begins, from the mobility of its two ports only. The scales are lower
- * bounds, so that the first steps are too short rather than too long. A mode that oscillates within the contact time
- * contributes at most its amplitude, whatever its velocity. At a massless contact point without mobility there is no
- * estimate. */
+/* Estimates the scales of a contact that begins, from the mobility of its two ports alone. The scales are lower
+ * bounds: the first steps may be too short, but not too long. A mode that oscillates within the contact time
+ * contributes at most its amplitude, whatever its velocity. At a massless contact point without mobility there is
+ * no estimate. */
 static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate, const double *alone)
 {
     aoi_adaptive_contact *contact = &run->contact[c];
@@ -220,7 +221,7 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
         time = fmin(time, rate / -now.acceleration);
     }
     const double jerk = load_jerk(pair);
-    if (rate > 0.0 && jerk < 0.0) { /* changing loads may do so, too */
+    if (rate > 0.0 && jerk < 0.0) { /* changing loads may also separate the bodies */
         const double a = fmax(now.acceleration, 0.0), turn = 2.0 * rate / (sqrt(a * a - 2.0 * jerk * rate) - a);
         reach = fmin(reach, turn * (rate + turn * (0.5 * a + turn * jerk / 6.0)));
         time = fmin(time, turn);
@@ -234,12 +235,12 @@ static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pa
     contact->scales.indentation = fmax(contact->scales.indentation, reach);
     contact->scales.rate = fmax(contact->scales.rate, pace);
     contact->scales.force = fmax(contact->scales.force, fmin(stop / time, value.force));
-    /* A force that underflows to zero (a high power, a short record) gives no scale. */
+    /* An impulse that underflows to zero (law with a high power, short record) gives no scale. */
     contact->scales.impulse = fmax(contact->scales.impulse, push > 0.0 ? fmin(stop, push) : stop);
     first_level(run, c, time);
 }
 
-/* Adds a contact to the list of closed contacts, which ascends. */
+/* Adds a contact to the list of closed contacts, which is in ascending order. */
 static void list_closed(aoi_adaptive *run, size_t c)
 {
     size_t at = run->closed.count++;
@@ -269,8 +270,8 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     run->unbalanced = 1;
     contact->flight.slack = contact->ledger.since_touch = 0.0;
 
-    /* The indentation is not reset to rest: the errors of resets would add up. At a residual compliance the
-     * indentation follows from the forces. */
+    /* The indentation is not reset to rest at the touch, because the errors of these resets would add up. At a
+     * residual compliance the indentation follows from the forces. */
     contact->closed = (aoi_closed){.start = bends ? here : fmax(here, rest), .rate = rate, .touch_rate = rate, .begins = 1};
     if (contact->sliding) {
         aoi_sliding_touch(contact->sliding);
@@ -281,11 +282,11 @@ void aoi_contact_close(aoi_adaptive *run, size_t c)
     if (value.damping > 0.0 && bends) {
         contact->closed.rate = contact->closed.force = 0.0; /* a dashpot stops a massless contact point */
     }
-    if (contact->closed.force < 0.0 && !of->law->pulls) { /* a touch within rounding, of bodies that still separate */
+    if (contact->closed.force < 0.0 && !of->law->pulls) { /* a touch within rounding: the bodies still separate     */
         contact->closed.piece = AOI_SLACK;
         contact->closed.force = 0.0;
     }
-    if (!bends) { /* else the balance of the contact point finds the force */
+    if (!bends) { /* with a residual compliance, the balance of the contact point finds the force */
         aoi_contact_note_peak(run, c, run->contact[c].closed.force, 0.0);
     }
     estimate_scales(run, c, &pair, rate, alone);

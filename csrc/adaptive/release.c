@@ -1,4 +1,5 @@
-/* Predicts when a contact separates, so that its last steps end there and are of suitable lengths. */
+/* Prediction of the time of separation, so that the last step of a contact ends there and the step before has a
+ * suitable length. */
 #include "adaptive/run.h"
 #include "law/law.h"
 #include "collocation/collocation.h"
@@ -7,19 +8,19 @@
 #include <math.h>
 #include <stddef.h>
 
-/* MOST_TERMS, NEGLIGIBLE: largest number of terms of the series in slowness(), and the factor below which a term is
- * left out. The series affects step lengths only. Tried: MOST_TERMS = 20 changes 29 runs, by 8e-10, and 180 none;
+/* MOST_TERMS: largest number of terms of the series in slowness(). NEGLIGIBLE: least factor of a term that is
+ * included. The series affects step lengths only. Tried: MOST_TERMS = 20 changes 29 runs, by 8e-10, and 180 none;
  * other values of NEGLIGIBLE change 34 runs, by 4e-9. */
 enum { MOST_TERMS = 60 };
 
 static const double NEGLIGIBLE = 1e-13;
 
-/* MOST_OF_REST, LEAST_OF_REST: largest and least ratio of the length of a step before the last to the time to
- * separation. Measured: 0.2 for either costs 0.8 % more work, 0.9 and 0.6 save none. */
+/* MOST_OF_REST, LEAST_OF_REST: largest and least length of the steps before the last one, as a share of the time
+ * left to separation. Measured: 0.2 for either costs 0.8 % more work, 0.9 and 0.6 save none. */
 static const double MOST_OF_REST = 2.0 / 3.0, LEAST_OF_REST = 0.5;
 
-/* int_0^1 du / sqrt(1 - e u^power): ratio of the time to separation to the time that the same way takes at the rate
- * of separation. */
+/* Returns int_0^1 du / sqrt(1 - e u^power): the ratio of the time to separation to the time that the same distance
+ * takes at the rate of separation. */
 static double slowness(double e, double power)
 {
     double factor = 1.0, sum = 1.0;
@@ -30,7 +31,8 @@ static double slowness(double e, double power)
     return sum;
 }
 
-/* The closed contact if there is only one, else NULL: several closed contacts influence each other's separation. */
+/* Returns the closed contact if there is only one, else NULL: several closed contacts influence each other's
+ * separation. */
 static const aoi_adaptive_contact *only_contact(const aoi_adaptive *run)
 {
     const int rubs = run->closed_count == 3 && run->entry[0].sliding;
@@ -52,8 +54,8 @@ double aoi_release_after(const aoi_adaptive *run, double within)
     if (!(depth > 0.0) || !(value.force > 0.0)) {
         return HUGE_VAL;
     }
-    /* The force is taken as a power of the depth. While the law holds more energy than the motion, the prediction is
-     * too rough. */
+    /* The force is taken as a power of the indentation beyond rest. While the energy stored in the law exceeds the
+     * kinetic energy, the prediction is too rough. */
     const double power = 1.0 + value.stiffness * depth / value.force;
     const double gain = 2.0 * contact->scales.mobility * value.force * depth / power;
     const double squared = contact->closed.rate * contact->closed.rate;
@@ -73,8 +75,8 @@ double aoi_release_step(const aoi_adaptive *run, double h)
     }
     const double left = aoi_release_after(run, fmax(h / LEAST_OF_REST, contact->closed.edge));
     if (left <= contact->closed.edge) {
-        /* The step ends slightly beyond separation: if rounding ended it before, a very short last step would be
-         * left. */
+        /* The step ends slightly beyond separation: if rounding let it end before, a very short last step would be
+         * needed. */
         const double beyond = 0.25 * aoi_event_tolerance(run, contact->scales.indentation) /
                               fabs(contact->closed.rate);
         return fmin(h, left + fmax(beyond, 16.0 * DBL_EPSILON * run->elapsed));

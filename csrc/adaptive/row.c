@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Distance from a change of slip, as a share of the row, within which nodes are left out: over so short a distance,
- * the difference between the stretches at the node and at the change is mostly their error. */
+/* Nodes closer than this to a change between sticking and slipping, as a share of the row, are left out: over so
+ * short a distance, the difference between the stretches at the node and at the change is mostly their error. */
 static const double BESIDE = 0.02;
 
 static const double *tangent_of(const double *of, size_t i)
@@ -17,7 +17,7 @@ static const double *tangent_of(const double *of, size_t i)
     return of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;
 }
 
-/* Places of a row (0 to 1), and the stretch of its springs along both tangents at each, m. */
+/* Stretches of the friction springs along both tangents, m, at positions in a row (0 to 1). */
 typedef struct stretches {
     size_t count;
     double place[AOI_NODES + 2], stretch[2][AOI_NODES + 2];
@@ -31,8 +31,8 @@ static void add_stretch(stretches *to, double place, const double *of, int which
     to->count++;
 }
 
-/* Finds the stretches in the part of a row, between two changes of slip, that contains a place: at
- * the ends of the part and at the nodes inside. Returns 1 if all springs slip in that part. */
+/* Finds the stretches in the part of a row that contains a position and lies between two changes of slip: at the
+ * ends of the part and at the nodes inside. Returns 1 if all springs slip in that part. */
 static int stretches_about(const double *of, double place, stretches *found)
 {
     const double *change = of + AOI_TRACK_CHANGES;
@@ -56,10 +56,10 @@ static int stretches_about(const double *of, double place, stretches *found)
     return (of[AOI_TRACK_SLIPS] != 0.0) != (i % 2 != 0);
 }
 
-/* The normal force is the law's. Friction is a multiple of it: stretch over indentation, or
- * Coulomb's coefficient where all springs slip. The stretch has corners where slip begins or ends;
- * in between it is interpolated by Lagrange's polynomial, and cut at the bound. The compliance
- * taken out can then be written as one of the normal force alone. */
+/* The normal force is that of the law. Friction is the normal force times a ratio: mu where all springs slip,
+ * otherwise the row's stretch divided by the indentation. The stretch has corners where slip begins or ends;
+ * between these it is interpolated by Lagrange's polynomial and limited to its bound. With this ratio, the
+ * compliance taken out of the law can be written as one of the normal force alone. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent)
 {
     const double *coupled = contact->compliance;
@@ -91,7 +91,8 @@ void aoi_row_rub(const aoi_contact *contact, const double *of, double place, dou
     *bent = law.compliance * force[0];
 }
 
-/* Forces at a place (0 to 1) of a row of length h: normal and along the tangents, N. */
+/* Sets `force` to the normal and, with friction, both tangential forces at a position (0 to 1) of a row of length
+ * h, N. */
 static void forces_at(const aoi_contact *contact, const double *of, double h, double place, double force[3])
 {
     double slope, bent;
@@ -131,7 +132,7 @@ void aoi_row_forces(const aoi_contact *contact, const double *of, double h, doub
 double aoi_row_slide_work(const aoi_contact *contact, const double *of, double place)
 {
     double force[3][AOI_NODES], normal[AOI_NODES], work = 0.0, slope;
-    /* the law is elastic: the length has no effect */
+    /* the law is elastic, so that the row's length (1) has no effect */
     aoi_row_forces(contact, of, 1.0, place, force);
     aoi_nodes_to_legendre(force[0], normal); /* Legendre coefficients on the part */
     for (size_t k = 0; k < AOI_NODES; k++) {
@@ -157,8 +158,9 @@ double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double
     return stored;
 }
 
-/* Value at a place, interpolated linearly between the values at the nodes, or at the points of an edge, and the
- * values `from` at `low` and `to` at `high`. from = NaN: constant from `low` to the next point. */
+/* Returns the value at a position, interpolated linearly between the values at the nodes, or at the points of an
+ * edge, and the values `from` at `low` and `to` at `high`. from = NaN: the value is constant from `low` to the
+ * next point. */
 static double interpolated(const double *of, int first, double place, double low, double from, double high, double to)
 {
     const double *points = aoi_radau_edge_point[(enum aoi_edge)of[AOI_TRACK_EDGE]];

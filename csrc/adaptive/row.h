@@ -1,4 +1,4 @@
-/* The layout of the rows of a track, which a run writes and its dense output reads. */
+/* Layout of the rows of a track: a run writes them, and dense output reads them. */
 #ifndef AOI_ADAPTIVE_ROW_H
 #define AOI_ADAPTIVE_ROW_H
 
@@ -45,8 +45,8 @@ enum aoi_row_contact {
     AOI_TRACK_CONTACT_SIZE = AOI_TRACK_INDENTATION + AOI_NODES + 1
 };
 
-/* For a contact with friction more follows. Its stretch is the ratio of friction to the normal
- * force, times the indentation of the bodies.
+/* Further values of a contact with friction. The stretch here is the ratio of friction to the normal force, times
+ * the indentation of the bodies.
  *   SLIDE_WORK  work on slides before the row, less the energy of the stretches at the run's start, J
  *   DISSIPATED  dissipated part of this work, J: at the row's start, at the nodes or the points of an edge, and at its end
  *   STUCK       stuck share of the indentation, at the same places
@@ -70,33 +70,35 @@ enum aoi_row_friction {
     AOI_TRACK_FRICTION_SIZE = AOI_TRACK_TANGENTS + 2 * AOI_TRACK_TANGENT_SIZE
 };
 
-/* Number of doubles of a contact in a row. */
+/* Returns the number of doubles that a contact takes in a row. */
 static inline size_t aoi_row_contact_size(const aoi_contact *contact)
 {
     return contact->friction ? AOI_TRACK_FRICTION_SIZE : AOI_TRACK_CONTACT_SIZE;
 }
 
-/* Forces of a contact with friction at a place (0 to 1) of a row, along the normal and the tangents, N. of: the
- * contact's values in the row; bent: the contact's own indentation less that of the bodies, m. */
+/* Sets `force` to the forces of a contact with friction at a position (0 to 1) of a row, along the normal and the
+ * tangents, N. of: the contact's values in the row; bent: set to the contact's own indentation minus that of the
+ * bodies, m. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent);
 
-/* Values of the force's polynomial (with friction, of all three) at the nodes of the part of a row
- * of length h up to `place`. At an edge it is fitted anew on that part, since the row's own
- * polynomial is a fit over the whole row. */
+/* Sets `force` to the values, at the nodes of the part of a row up to `place`, of the polynomial of the contact
+ * force (with friction, of all three forces). h: length of the row, s. At an edge the polynomial is fitted anew on
+ * that part, since the row's own polynomial is a fit over the whole row. */
 void aoi_row_forces(const aoi_contact *contact, const double *of, double h, double place, double force[3][AOI_NODES]);
 
-/* Work of friction up to a place, the work before the row included, J. aoi_row_slide_stored: on the contact's own
- * slide, which is the slide of the bodies plus the compliance taken out times the forces; this work is dissipated or
- * stored in the stretches. aoi_row_slide_work: without the deflection due to friction itself. */
+/* Return the work of friction up to a position in a row, including the work before the row, J.
+ * aoi_row_slide_stored: on the contact's own slide, which is the slide of the bodies plus the compliance taken out
+ * of the law times the forces; this work is dissipated or stored in the stretches. aoi_row_slide_work: without the
+ * deflection caused by friction itself. */
 double aoi_row_slide_work(const aoi_contact *contact, const double *of, double place);
 double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double place);
 
-/* Value at a place, interpolated linearly between the values at the start, at the nodes or the points of an edge,
- * and at the end. first: index of the value at the start. */
+/* Returns the value at a position in a row, interpolated linearly between the values at the row's start, at the
+ * nodes or the points of an edge, and at the row's end. first: index of the value at the start. */
 double aoi_row_between(const double *of, int first, double place);
 
-/* Stuck share of the indentation at a place: 0 while all springs slip, else interpolated linearly, and 0 where all
- * springs begin to slip. */
+/* Returns the stuck share of the indentation at a position in a row: 0 while all springs slip, else interpolated
+ * linearly, to 0 where all springs begin to slip. */
 double aoi_row_stuck(const double *of, double place);
 
 #endif

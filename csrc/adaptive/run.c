@@ -1,6 +1,6 @@
-/* The adaptive run. Contact is integrated by collocation in steps of length base 2^(-level/8), free motion in closed
- * form. This file decides which of the two comes next. The length of the first step follows from closing.c, the
- * lengths of later steps from the errors that step_error.c finds. */
+/* The adaptive run: collocation in steps of length base 2^(-level/8) while a contact is closed, and free motion in
+ * closed form otherwise. This file chooses between the two. The length of the first step follows from closing.c,
+ * the lengths of later steps from the errors that step_error.c finds. */
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "linear/vector.h"
@@ -18,9 +18,9 @@
 #include <math.h>
 #include <string.h>
 
-/* LEAST_RISE: least number of levels by which a step grows. Limits that prevent endless loops: MOST_TRIMS, how often
- * one step is cut short for an event; MOST_IDLE, how often a run loops without a step. Tried: neither limit changes
- * a run. */
+/* LEAST_RISE: least number of levels by which the step length grows. MOST_TRIMS, MOST_IDLE: limits that prevent
+ * endless loops, of how often one step is cut short for an event, and of how often a run loops without a step.
+ * Tried: neither limit changes a run. */
 enum {
     LEAST_RISE = 2,
     MOST_TRIMS = 12,
@@ -34,19 +34,20 @@ static const double STEPS_AHEAD = 64.0;
 /* Least factor on the step length after a rejected step. Measured: from 0.02 to 0.18 work changes by 0.5 %. */
 static const double LEAST_SHRINKAGE = 0.06;
 
-/* Largest factor on the step length after a step was cut short for an event that the shorter step did not confirm.
- * It is also the factor if the step was cut MOST_TRIMS times, or if its event is at its start and changes nothing.
- * Measured: as the largest factor, 0.17 costs 1.1 % more work and 0.83 saves none; as the factor, from 0.13 to 1.2
- * no run changes. */
+/* Largest factor on the step length after a step was cut short for an event that did not occur in the shortened
+ * step. The same factor is taken if the step was cut MOST_TRIMS times, or if its event is at its start and changes
+ * nothing. Measured: as the largest factor, 0.17 costs 1.1 % more work and 0.83 saves none; as the factor, from
+ * 0.13 to 1.2 no run changes. */
 static const double UNCONFIRMED = 0.5;
 
-/* Least admissible growth of a step whose events are used. Below, the error of the step is too large, and its events
- * are ignored. Measured: from 0.03 to 0.3 work changes by 0.3 %. */
+/* Least growth that the error of a step must allow for the events in that step to be used. Below it the error is
+ * too large, and the events are ignored. Measured: from 0.03 to 0.3 work changes by 0.3 %. */
 static const double TRUSTED = 0.1;
 
 /* ------------------------------------------------------------------------------ work space */
 
-/* True if a law depends on the rate, or a contact point has a residual compliance (no mass). */
+/* True if forces may change faster than indentations: a law depends on the rate, or a contact point is massless
+ * (has a residual compliance). */
 static int is_quick(const aoi_system *system)
 {
     for (size_t c = 0; c < system->contact_count; c++) {
@@ -58,7 +59,7 @@ static int is_quick(const aoi_system *system)
     return 0;
 }
 
-/* Number of contacts with friction. */
+/* Returns the number of contacts with friction. */
 static size_t rubbing_of(const aoi_system *system)
 {
     return (aoi_system_forces(system) - system->contact_count) / 2;
@@ -76,7 +77,7 @@ size_t aoi_adaptive_room(const aoi_system *system)
     return room;
 }
 
-/* Size of the work space of the collocation, which the balance of massless contact points also uses. */
+/* Returns the size of the work space of the collocation, which the balance of massless contact points also uses. */
 static size_t work_size(const aoi_adaptive *run, const aoi_system *system)
 {
     const size_t size = run->crowded ? aoi_crowd_size(system) : aoi_collocation_size(aoi_system_forces(system), run->span);
@@ -84,7 +85,7 @@ static size_t work_size(const aoi_adaptive *run, const aoi_system *system)
     return balance > size ? balance : size;
 }
 
-/* The ports of a body that have contacts, ascending. */
+/* Lists the ports of body b that have contacts, in ascending order. */
 static void list_columns(const aoi_system *system, size_t b, aoi_columns *columns)
 {
     const size_t ports = system->body[b].ports;
@@ -104,7 +105,7 @@ static void list_columns(const aoi_system *system, size_t b, aoi_columns *column
     }
 }
 
-/* Lays out a body's tables, which have columns for the ports with contacts only. */
+/* Lays out a body's tables of responses, which have columns only for ports with contacts. */
 static void lay_out_body(const aoi_adaptive *run, const aoi_system *system, size_t b, aoi_memory *memory,
                          aoi_adaptive_body *body)
 {
@@ -128,10 +129,11 @@ static void lay_out_body(const aoi_adaptive *run, const aoi_system *system, size
     }
 }
 
-/* Number of springs of a contact: two arrays for each of its paths and for the trial path. */
+/* Number of springs reserved per contact: two arrays for each of its paths and for the trial path. */
 enum { OF_SLIDING = 2 * (AOI_PATHS + 1) * AOI_SPRINGS };
 
-/* Distributes the memory after the run's own struct; with block NULL it only counts the bytes. */
+/* Lays out the arrays of a run behind its struct, in `block`; if block is NULL, only the bytes are counted.
+ * Returns their number. */
 static size_t lay_out(aoi_adaptive *run, const aoi_system *system, void *block)
 {
     const size_t bodies = system->body_count, contacts = system->contact_count;
@@ -209,7 +211,8 @@ static int start_closed(aoi_adaptive *run, size_t c)
     return AOI_OK;
 }
 
-/* Work done before the start by loads and closed contacts on residual compliances is excluded from the ledger. */
+/* Excludes the work that loads and closed contacts have done on residual compliances before the start from the
+ * recorded work. */
 static void start_ledger(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
@@ -243,7 +246,7 @@ static void set_halt(aoi_adaptive *run)
             modes += (double)system->body[system->contact[c].body[side]].n;
         }
     }
-    const size_t share = (size_t)(AOI_MOST_BENDS / fmax(modes, 1.0)); /* there may be no modes at all */
+    const size_t share = (size_t)(AOI_MOST_BENDS / fmax(modes, 1.0)); /* at least 1, since there may be no modes */
     run->halt = HUGE_VAL;
     for (size_t b = 0; b < system->body_count; b++) {
         const double bend = aoi_load_later_bend(&system->body[b].load, aoi_run_now(run), share);
@@ -251,9 +254,9 @@ static void set_halt(aoi_adaptive *run)
     }
 }
 
-/* FINEST_CURVE: lower bound of the precision of a curve of stretches, which takes 1000 springs; above, the precision
- * is the contact's, or rtol if that is smaller. WITHIN_STEP: factor on the precision within a step. NEWTON_SHARE:
- * ratio of the tolerance of Newton's method to rtol. */
+/* FINEST_CURVE: least precision of a curve of stretches, which takes 1000 springs; otherwise the precision is the
+ * smaller of the contact's own and rtol. WITHIN_STEP: factor on the precision within a step. NEWTON_SHARE: ratio
+ * of the tolerance of Newton's method to rtol. */
 static const double FINEST_CURVE = 4e-6, WITHIN_STEP = 0.01, NEWTON_SHARE = 1e-2;
 
 static void begin_sliding(const aoi_adaptive *run, const aoi_contact *of, aoi_sliding *sliding, aoi_stretch *spring)
@@ -293,7 +296,7 @@ static int begin_contacts(aoi_adaptive *run)
     return status;
 }
 
-/* 1 if a law with friction depends on the rate. */
+/* Returns 1 if the law of a contact with friction depends on the rate. */
 static int is_damped(const aoi_system *system)
 {
     for (size_t c = 0; c < system->contact_count; c++) {
@@ -318,7 +321,7 @@ int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_st
                           .span = aoi_system_span(system), .crowded = aoi_crowd_pays(system)};
     run->row_size = aoi_adaptive_room(system);
     run->grain = modes > 1 && is_quick(system) ? AOI_LEVELS : 1;
-    /* with friction tables cost far less than a step */
+    /* with friction, the tables cost far less than a step */
     run->table_cost = modes > 1 && !aoi_system_rubs(system) ? (double)modes : 0.0;
     (void)lay_out(run, system, run);
     if (!aoi_vector_take(all, start->x, run->x) || !aoi_vector_take(all, start->v, run->v)) {
@@ -346,10 +349,12 @@ aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
 
 /* ---------------------------------------------------------------------------------- free motion */
 
-/* True if a body is rigid: its free motion is a polynomial, so that one search covers it to the end of the run. */
+/* True if a body is rigid. Its free motion is then a polynomial, so that one search for a touch covers the time up
+ * to the run's end. */
 static int is_simple(const aoi_modes *body) { return body->n == 1 && body->omega[0] == 0.0; }
 
-/* Finds when the bodies of a watched contact touch, up to limit; advances copies of their states. */
+/* Finds when the bodies of a watched contact touch, up to the time `limit`. The states of both bodies are copied,
+ * and the copies advanced to that time. */
 static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
 {
     const aoi_system *system = run->system;
@@ -382,7 +387,7 @@ static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
     return status;
 }
 
-/* Sets the states of a contact's two bodies to those that look_ahead computed for the present time. */
+/* Sets the states of a contact's two bodies to the copies that look_ahead has advanced to the present time. */
 static void land(aoi_adaptive *run, size_t c, const double *copy)
 {
     for (int side = 0; side < 2; side++) {
@@ -392,8 +397,8 @@ static void land(aoi_adaptive *run, size_t c, const double *copy)
     }
 }
 
-/* Advances a run without closed contacts to the first touch of any contact, or to the end. Where the search for a
- * touch is long, it advances to the latest time before which no touch is possible. */
+/* Advances a run without closed contacts to the first touch of any contact, or to the run's end. If the search for
+ * a touch takes too long, the run advances to the latest time before which no touch is possible. */
 static int move_freely(aoi_adaptive *run)
 {
     size_t c, landed = run->system->contact_count;
@@ -423,7 +428,7 @@ static int move_freely(aoi_adaptive *run)
             land(run, c, run->free_state[1]);
         }
         if (run->base > 0.0) {
-            run->level = AOI_HIGHEST_LEVEL; /* the estimate for the closing contact refines it */
+            run->level = AOI_HIGHEST_LEVEL; /* a fine level follows from the estimate for the closing contact */
         }
         run->indentation_scale = run->impulse_scale = 0.0;
         aoi_contact_close(run, c);
@@ -431,8 +436,8 @@ static int move_freely(aoi_adaptive *run)
     return AOI_OK;
 }
 
-/* Advances all bodies to the present time. With no contact closed they are written to a row, from
- * which dense output starts. */
+/* Advances all bodies to the present time. If no contact is closed, all bodies are written to a row, from which
+ * dense output starts. */
 static void halt(aoi_adaptive *run)
 {
     for (size_t b = 0; b < run->system->body_count; b++) {
@@ -446,7 +451,7 @@ static void halt(aoi_adaptive *run)
 
 /* ------------------------------------------------------------------------- a step of contact */
 
-/* Closes the contacts of bodies in free motion that touch now, and finds a time before which no other contact
+/* Closes the contacts of bodies in free motion that touch now, and finds a time before which no other such contact
  * closes. */
 static int watch_free_pairs(aoi_adaptive *run)
 {
@@ -472,7 +477,7 @@ static int watch_free_pairs(aoi_adaptive *run)
     return AOI_OK;
 }
 
-/* Lists the contacts and bodies of the next step, and finds its largest length. */
+/* Lists the contacts and bodies of the next step, and sets `limit` to the largest length of the step, s. */
 static int prepare(aoi_adaptive *run, double *limit)
 {
     do {
@@ -483,7 +488,7 @@ static int prepare(aoi_adaptive *run, double *limit)
         }
         if (run->unbalanced) {
             aoi_balance_at_once(run, 0);
-            /* the balance may have raised forces, whose peak may be now */
+            /* the balance may have raised forces, so that their peak may be at the present time */
             for (size_t i = 0; i < run->closed.count; i++) {
                 aoi_contact_note_peak(run, run->closed.at[i], run->contact[run->closed.at[i]].closed.force, 0.0);
             }
@@ -496,14 +501,15 @@ static int prepare(aoi_adaptive *run, double *limit)
         stop = fmin(stop, aoi_modes_next_bend(&run->system->body[run->engaged.at[i]], now));
     }
     if (stop < run->end && stop - now <= 4.0 * DBL_EPSILON * stop) {
-        run->elapsed += 8.0 * DBL_EPSILON * stop; /* the kink of a load is here within rounding */
+        /* a kink of a load is at the present time within rounding: step past it */
+        run->elapsed += 8.0 * DBL_EPSILON * stop;
         return prepare(run, limit);
     }
     *limit = stop - now;
     return AOI_OK;
 }
 
-/* Sets the level of a step of length h or less, at least one level finer than the present one. */
+/* Sets the level to that of a step of length h or less, and at least one level finer than the present one. */
 static void refine(aoi_adaptive *run, double h)
 {
     const int level = aoi_level_from(run, AOI_LEVELS * log2(run->base / h));
@@ -511,8 +517,8 @@ static void refine(aoi_adaptive *run, double h)
     run->saved = 0.0;
 }
 
-/* Takes a coarser level where the error allows it. A step twice as long is taken at once. A smaller increase waits
- * until the number of steps that it would have saved so far equals the cost of new tables. */
+/* Takes a coarser level if the error allows it. A step at least twice as long is taken at once. A smaller increase
+ * waits until the number of steps that it would have saved so far equals the cost of new tables, in steps. */
 static void coarsen(aoi_adaptive *run, double growth)
 {
     const double longer = AOI_LEVELS * log2(fmin(growth, AOI_MOST_GROWTH));
@@ -527,7 +533,8 @@ static void coarsen(aoi_adaptive *run, double growth)
     }
 }
 
-/* Discards the events noted in a step that is tried again, except for the contacts that it has closed. */
+/* Discards the events noted in a step that will be tried again, except the closing of contacts, which has been
+ * carried out. */
 static void forget_events(aoi_adaptive *run)
 {
     for (size_t s = 0; s < run->entry_count; s++) {
@@ -566,7 +573,7 @@ static int go_back(aoi_adaptive *run, const aoi_attempt *attempt, double *trim, 
     return AOI_OK;
 }
 
-/* True if a law written by the caller has returned NaN. */
+/* True if a law written by the caller has returned NaN; the number of its contact is then kept in `failed`. */
 static int law_fails(aoi_adaptive *run)
 {
     for (size_t c = 0; c < run->system->contact_count; c++) {
@@ -579,14 +586,16 @@ static int law_fails(aoi_adaptive *run)
     return 0;
 }
 
-/* The length of the next step, and its level. A step that ends at an event or a limit has no level. */
+/* Returns the length of the next step, s, and sets its level. A step that ends at an event or a limit has no
+ * level. */
 static double step_length(const aoi_adaptive *run, double limit, double trim, int *level)
 {
     const double usual = aoi_run_step(run), stop = fmin(limit, trim);
     const double h = trim < HUGE_VAL ? usual : aoi_release_step(run, usual);
     *level = h < usual ? AOI_NO_LEVEL : run->level;
-    /* Where less than this share of a step would remain before its end point, the step is lengthened to reach it: over so
-     * short a step rates are dominated by rounding. Measured and tried: from 3e-7 to 3e-6 no run changes. */
+    /* If less than this share of a step would remain before its end point, the step is lengthened to reach that
+     * point: in so short a step, rates are dominated by rounding. Measured and tried: from 3e-7 to 3e-6 no run
+     * changes. */
     if (stop <= h * (1.0 + 1e-6)) {
         *level = AOI_NO_LEVEL;
         return stop;
@@ -611,7 +620,7 @@ static int contact_step(aoi_adaptive *run, double *row, size_t *size)
         int level;
         const double h = step_length(run, limit, trim, &level);
         if (!(run->elapsed + h > run->elapsed)) {
-            break; /* h is below the rounding of the time */
+            break; /* h is below the rounding error of the time */
         }
         aoi_attempt attempt;
         aoi_step_try(run, h, level, &attempt);
@@ -646,7 +655,8 @@ static int advance_all_to_end(aoi_adaptive *run)
     return aoi_vector_is_finite(all, run->x) && aoi_vector_is_finite(all, run->v) ? AOI_OK : AOI_ERROR_NOT_FINITE;
 }
 
-/* Advances the run by at most one row. idle: number of successive calls in which the time has not advanced. */
+/* Advances the run by at most one row of its track. idle: number of successive calls in which the time has not
+ * advanced. */
 static int go_on(aoi_adaptive *run, aoi_track *track, int idle, int *paused)
 {
     const double began = run->time, next_halt = run->halt;
@@ -695,7 +705,7 @@ int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track)
     return status;
 }
 
-/* Initial capacity of a track; most runs need less. */
+/* Initial capacity of a track, in values and in rows; most runs need less. */
 enum { FIRST_VALUES = 4096, FIRST_ROWS = 48 };
 
 int aoi_track_grow(aoi_track *track, size_t room, void *(*resize)(void *memory, size_t bytes))

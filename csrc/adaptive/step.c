@@ -14,16 +14,16 @@
 #include <math.h>
 #include <string.h>
 
-/* Largest distance of a separation from the end of a step, as a share of its length, at which the step ends at an
- * edge. Measured: from 0.03 to 0.3 work changes by 0.3 %. */
+/* A step ends at an edge if the predicted separation is closer to its end than this share of its length. Measured:
+ * from 0.03 to 0.3 work changes by 0.3 %. */
 static const double EDGE_WIDTH = 0.1;
 
-/* Least indentation against which Newton's convergence is measured, as a share of the largest indentation. Measured:
- * from 1e-12 to 1e-3 errors and work are the same. */
+/* Least value to which the change of an indentation in Newton's method is relative, as a share of the largest
+ * indentation. Measured: from 1e-12 to 1e-3 errors and work are the same. */
 static const double NEWTON_SHARE = 1e-6;
 
-/* NEWTON_SHARE at residual compliances, which couple contacts: each indentation has the rounding error of the
- * largest. Tried: 12 runs change, by 2e-12. */
+/* The value that replaces NEWTON_SHARE at residual compliances. These couple contacts, so that each indentation
+ * has the rounding error of the largest. Tried: 12 runs change, by 2e-12. */
 static const double MASSLESS_NEWTON_SHARE = 1e-3;
 
 static int are_equal(const double *one, const double *other, size_t count)
@@ -31,7 +31,7 @@ static int are_equal(const double *one, const double *other, size_t count)
     return one == other || (one && other && memcmp(one, other, count * sizeof *one) == 0);
 }
 
-/* True if two bodies have the same response: scenes often use one model several times. */
+/* True if two bodies have the same response, as often in scenes that use one model several times. */
 static int are_alike(const aoi_adaptive *run, size_t first, size_t second)
 {
     const aoi_modes *one = &run->system->body[first], *other = &run->system->body[second];
@@ -42,7 +42,8 @@ static int are_alike(const aoi_adaptive *run, size_t first, size_t second)
            are_equal(one->push, other->push, one->ports * one->n);
 }
 
-/* Provides the tables of a body for this step; new tables replace those unused for the longest time. */
+/* Provides the tables of responses of a body for this step; new tables replace those that were not used for the
+ * longest time. */
 static void make_response(aoi_adaptive *run, size_t b, double h, int level, int with_rates)
 {
     aoi_adaptive_body *body = &run->body[b];
@@ -64,8 +65,8 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
     run->response[b] = body->table[oldest];
 }
 
-/* Sums the contact forces on residual compliances, held constant in a step, on all ports; returns whether there are
- * any. */
+/* Sums, on each port, the contact forces on residual compliances, which are held constant in a step. Returns
+ * whether there are any. */
 static int gather_constant(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
@@ -100,8 +101,8 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
     }
 }
 
-/* Extrapolates a polynomial of the last step to the nodes of a step of length h. rate: its slopes at the nodes, or
- * NULL. */
+/* Sets `values` to the polynomial of the last step, extrapolated to the nodes of a step of length h, s. rate: set
+ * to its slopes at the nodes, per second; or NULL. */
 static void extrapolate(const double *last, double last_length, double h, double *values, double *rate)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {
@@ -113,9 +114,9 @@ static void extrapolate(const double *last, double last_length, double h, double
     }
 }
 
-/* Sets a first guess of an indentation: the last step's polynomial extrapolated, or the motion without contact
- * force, which bounds the indentation from above. A massless contact point would jump to that motion, far from the
- * solution under a stiff law, and other contacts may press on the point: there the guess is linear. */
+/* Sets a first guess of an indentation: the polynomial of the last step, extrapolated, or, if that is smaller, the
+ * motion without contact force, an upper bound. At a massless contact point the guess is linear instead, since
+ * without force the point would jump far from the solution under a stiff law, and other contacts may press on it. */
 static void guess(const aoi_adaptive_contact *contact, double h, double usual, int with_rates, int massless,
                   aoi_contact_step *entry)
 {
@@ -137,8 +138,8 @@ static void guess(const aoi_adaptive_contact *contact, double h, double usual, i
     entry->scale = fmax(largest, (massless ? MASSLESS_NEWTON_SHARE : NEWTON_SHARE) * usual);
 }
 
-/* Sets a first guess of a slide: the last step's polynomial, or the motion without contact forces. Its scale is the
- * largest stretch of a spring, or the slide itself if that is larger. */
+/* Sets a first guess of a slide: the polynomial of the last step, extrapolated, or the motion without contact
+ * forces. The scale of the slide is the larger of the largest possible stretch of a spring and the slide itself. */
 static void guess_slide(const aoi_adaptive_contact *contact, double h, double usual, aoi_contact_step *entry)
 {
     const aoi_friction *friction = &entry->sliding->rub.friction;
@@ -155,22 +156,23 @@ static void guess_slide(const aoi_adaptive_contact *contact, double h, double us
     entry->scale = fmax(fmax(largest, stretch * contact->scales.indentation), NEWTON_SHARE * usual);
 }
 
-/* The edge of a contact at which a step of length h begins or ends, if there is one. */
+/* Returns the edge of a contact in a step of length h: AOI_EDGE_START or AOI_EDGE_END if its force begins or ends
+ * there. */
 static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];
     if (!contact->is_closed || contact->closed.piece == AOI_SLACK || aoi_contact_has_residual(run, c)) {
         return AOI_EDGE_NONE;
     }
-    if (contact->closed.begins) { /* an edge only if the force rises from zero at the touch */
+    if (contact->closed.begins) { /* the start is an edge only if the force rises from zero at the touch */
         return contact->closed.force == 0.0 ? AOI_EDGE_START : AOI_EDGE_NONE;
     }
     const double left = aoi_release_after(run, 2.0 * h);
     return fabs(left - h) <= EDGE_WIDTH * h ? AOI_EDGE_END : AOI_EDGE_NONE;
 }
 
-/* Fills the entry of a closed contact for a step of length h, with a guess of the solution.
- * pressed: as returned by gather_constant. */
+/* Fills the entry of a closed contact for a step of length h, with a guess of the solution. pressed: return value
+ * of gather_constant. */
 static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates, int pressed)
 {
     aoi_contact_step *entry = &run->entry[s];
@@ -223,7 +225,7 @@ static void gather_forces(aoi_adaptive *run, double h)
     }
 }
 
-/* Largest force of several closed contacts: so far, in this step, or expected, N. */
+/* Returns the largest force of the closed contacts, so far, in this step or expected, N; 0 if only one is closed. */
 static double force_scale_of(const aoi_adaptive *run)
 {
     double largest = 0.0;
@@ -235,9 +237,9 @@ static double force_scale_of(const aoi_adaptive *run)
     return largest;
 }
 
-/* True if a step that fails because of its friction contains a corner of friction; the step must then end at the
- * corner. A corner closer than sqrt(rtol) to an end stays inside the step: its error is of second order in that
- * distance. */
+/* True if a step whose friction has too large an error contains a corner of friction, where slip begins or ends;
+ * the step must then end at the corner. A corner closer than sqrt(rtol) to an end of the step is left inside,
+ * since its error is of second order in that distance. */
 static int ends_at_corner(aoi_adaptive *run, size_t s, aoi_attempt *attempt)
 {
     const aoi_contact_step *normal = &run->entry[s - run->entry[s].axis];

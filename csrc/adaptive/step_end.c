@@ -13,9 +13,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Place of the force's largest maximum in the step, taken from the indentation or, for a rate-dependent law, from
- * the polynomial through the law's forces at the nodes; 1: no maximum inside. At an edge the step's own polynomial
- * is a least-squares fit, which may miss the forces at the nodes by a hundredth. */
+/* Returns the position of the largest maximum of the force in the step (0 to 1); 1 if there is none inside. For an
+ * elastic law it is the position of the largest indentation, for a rate-dependent law that of the maximum of the
+ * polynomial through the forces at the nodes. At an edge the step's own force polynomial, a least-squares fit, is
+ * not used: it may differ from the forces at the nodes by 1 %. */
 static double top_of(const aoi_law *law, const aoi_contact_step *entry)
 {
     double place, value, by_force[AOI_NODES];
@@ -32,8 +33,8 @@ static double top_of(const aoi_law *law, const aoi_contact_step *entry)
     return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }
 
-/* Notes the peak of the normal force of a contact with friction, found from its row since friction changes the force
- * a little. */
+/* Updates the peak of the normal force of a contact with friction. The peak is found from its row, since friction
+ * changes the normal force a little. */
 static void note_rubbing_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h, const double *of)
 {
     double place, value, force[3], bent;
@@ -54,7 +55,8 @@ static void note_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h
     }
     const double place = top_of(law, entry);
     if (law->depends_on_rate) {
-        aoi_legendre_fit(entry->start_rate, entry->rate, by_rate); /* the slope of the indentation's series would lose digits */
+        /* its derivative; the slope of the indentation's series would lose digits */
+        aoi_legendre_fit(entry->start_rate, entry->rate, by_rate);
         rate = aoi_legendre_evaluate(AOI_NODES + 1, by_rate, place, &slope);
     }
     if (place < 1.0) {
@@ -67,7 +69,7 @@ static void note_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h
     aoi_contact_note_peak(run, entry->contact, value.force, h);
 }
 
-/* Advances a body under force to the end of the step. */
+/* Advances a body with contact forces to the end of the step. */
 static void move_body(aoi_adaptive *run, size_t b, double h)
 {
     const aoi_modes *body = &run->system->body[b];
@@ -99,7 +101,8 @@ static void move_bodies(aoi_adaptive *run, double h, double later)
     }
 }
 
-/* Largest indentation of the step; if the law has a limit, maxima between the nodes are included. */
+/* Returns the largest indentation at the start and the nodes, m; if the law has a limit, also that between the
+ * nodes. */
 static double deepest(const aoi_law *law, const aoi_contact_step *entry)
 {
     const double at_nodes = aoi_step_indentation(entry);
@@ -109,7 +112,7 @@ static double deepest(const aoi_law *law, const aoi_contact_step *entry)
     return between ? fmax(at_nodes, value) : at_nodes;
 }
 
-/* True if all forces at the nodes are within the range for which the law is defined (aoi_law_stands). */
+/* True if the law is valid at all nodes at which there is a force (aoi_law_stands). */
 static int stands(const aoi_law *law, const aoi_contact_step *entry)
 {
     int all = 1;
@@ -120,8 +123,8 @@ static int stands(const aoi_law *law, const aoi_contact_step *entry)
     return all;
 }
 
-/* Force of a contact at the end of a step, N. At an edge the force's polynomial is a least-squares fit, and is not
- * used. */
+/* Returns the force of a contact at the end of a step, N. At an edge it is the law's, since the force's polynomial
+ * is a least-squares fit. */
 static double force_at_end(const aoi_law *law, const aoi_contact_step *entry)
 {
     aoi_law_value value;
@@ -132,7 +135,8 @@ static double force_at_end(const aoi_law *law, const aoi_contact_step *entry)
     return value.force;
 }
 
-/* Slope of a Legendre series at its end, where the slope of the shifted P_k is k (k + 1). */
+/* Returns the slope of a Legendre series at the end of a step of unit length, where the slope of the shifted P_k
+ * is k (k + 1). */
 static double end_slope(const double *legendre)
 {
     double sum = 0.0;
@@ -149,8 +153,8 @@ static double force_slope(const aoi_contact_step *entry)
     return end_slope(legendre);
 }
 
-/* Updates a contact's peak, impulse, work and scales, and sets its state at the end of the step. of: its values in
- * the row. */
+/* Updates a contact's peak, impulse, work and scales, and sets its state to that at the end of the step. of: its
+ * values in the row. */
 static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double h, int with_rates, const double *of)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -194,7 +198,7 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
     return AOI_OK;
 }
 
-/* Sets the piece of its law on which a closed contact continues, and the force there. */
+/* Sets the piece of its law on which a closed contact continues, and its force on that piece. */
 static void take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising)
 {
     aoi_law_value value;
@@ -221,7 +225,7 @@ static void apply_event(aoi_adaptive *run, size_t c)
         take_piece(law, contact, contact->closed.start, contact->closed.rate > 0.0);
         break;
     case AOI_EVENT_TURN:
-        contact->closed.rate = fmin(contact->closed.rate, 0.0); /* or the same event would repeat */
+        contact->closed.rate = fmin(contact->closed.rate, 0.0); /* without this the same event would occur again */
         take_piece(law, contact, contact->closed.start, 0);
         contact->closed.last_length = 0.0;
         break;
@@ -236,8 +240,8 @@ static void apply_event(aoi_adaptive *run, size_t c)
     }
 }
 
-/* True if an event at the start of a step is only due to the error of the step's polynomial: the contact opens just
- * after it has closed, or leaves its piece at the end from which it moves away. */
+/* True if an event at the start of a step only reflects the error of the step's polynomial: the contact opens just
+ * after it has closed, or leaves its piece at an end from which it moves away. */
 static int goes_back(const aoi_adaptive_contact *contact)
 {
     return (contact->event == AOI_EVENT_OPEN && contact->closed.begins && contact->event_place > 0.0) ||
@@ -254,7 +258,7 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
             continue;
         }
         if (contact->event_place > place) {
-            contact->event = AOI_EVENT_NONE; /* the event comes later */
+            contact->event = AOI_EVENT_NONE; /* the event comes later in the step */
             continue;
         }
         if (goes_back(contact)) {
@@ -266,7 +270,7 @@ int aoi_step_at_start(aoi_adaptive *run, double place)
     return some;
 }
 
-/* Compensated (Kahan) summation of the time: the rounding of many equal steps would add up. */
+/* Advances the time by compensated (Kahan) summation, since the rounding errors of many equal steps would add up. */
 static void pass_time(aoi_adaptive *run, double h)
 {
     const double step = h + run->left_off, elapsed = run->elapsed + step;
@@ -274,8 +278,8 @@ static void pass_time(aoi_adaptive *run, double h)
     run->elapsed = elapsed;
 }
 
-/* The first entry with a pull-off at a massless contact point up to a place of the step: the contact ends under
- * tension, and the point jumps back. closed_count where there is none. */
+/* Returns the index of the first entry with a pull-off up to a position in the step: an adhesive contact at a
+ * massless contact point ends under tension, and the point jumps back. closed_count is returned if there is none. */
 static size_t pull_off_entry(const aoi_adaptive *run, double place)
 {
     size_t s = 0;

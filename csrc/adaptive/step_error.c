@@ -1,11 +1,11 @@
-/* The errors of a step as shares of the tolerance, and the length of the next step.
+/* The errors of a step relative to their tolerances, and the length of the next step.
  *
- * Two errors are kept below rtol in each step. The tail of the indentation's Legendre series measures how well the
- * polynomial follows the motion within the step, hence the peak. The integrated defect of the force between the nodes
- * measures the error at the end of the step, hence impulse, velocities and later times. Radau nodes make the second far
- * smaller than the first, except at the beginning and end of a contact, where the force starts like d^(3/2). Both are
- * samples, and miss modes that oscillate many times within the step. The effect of these on the force is bounded in
- * step_ring.c, and kept below rtol, too. */
+ * Two errors are kept below rtol in each step. The last coefficients of the indentation's Legendre series measure
+ * how well the polynomial follows the motion within the step, hence the peak. The integrated defect of the force
+ * between the nodes measures the error at the end of the step, hence impulse, velocities and later times. With
+ * Radau nodes the second error is far smaller than the first, except at the beginning and end of a contact, where
+ * the force is like d^(3/2). Both errors are found at a few points, and miss modes that oscillate many times
+ * within the step. The effect of these modes on the force is bounded in step_ring.c, and kept below rtol as well. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/vector.h"
@@ -20,34 +20,37 @@
 #include <float.h>
 #include <math.h>
 
-/* TAIL_SHARE, STEP_SHARE: shares of rtol for the polynomial's tail and for the error at the end of one step. Errors
- * add up over some twenty steps of a contact, and grow from one contact to the next. See the table in ../README.md. */
+/* TAIL_SHARE, STEP_SHARE: shares of rtol for the error within a step (last coefficients of the polynomial) and at
+ * the end of one step. The latter errors add up over some twenty steps of a contact, and grow from one contact to
+ * the next. See the table in ../README.md. */
 static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
-/* Factor on STEP_SHARE, and at a residual compliance on TAIL_SHARE, in the first and last step of a
- * contact. The force is not a smooth function of time there, and the quadrature of the force's
- * defect misses part of it. */
+/* Factor on STEP_SHARE, and at a residual compliance also on TAIL_SHARE, in the first and last step of a contact.
+ * There the force is not a smooth function of time, and the quadrature of its defect misses part of the error. */
 static const double END_SHARE = 0.03;
 
-/* Largest ratio of the length of a step tried to the length that the error allows: see ../README.md. */
+/* Largest length of a trial step, as a share of the length that the error allows: see ../README.md. */
 static const double CAUTION = 0.9;
 
-/* Largest growth from a step whose error tells little of the next: one with an edge, or while a contact is slack, where
- * the bodies still overlap, but the law's force is cut at zero: see ../README.md. */
+/* Largest growth of the step length after a step whose error does not predict that of the next: a step with an
+ * edge, or of a slack contact, whose bodies overlap although the law's force is cut at zero. See ../README.md. */
 static const double BLIND_GROWTH = 2.0;
 
-/* Largest ratio of the step length allowed at a contact's end to that of the step in which the contact began.
- * Measured: 1 costs 1.3 % more work, 4.2 costs 0.3 %. */
+/* Upper limit of the length that the error allows the last step of a contact, in units of the length of its first
+ * step. Measured: 1 costs 1.3 % more work, 4.2 costs 0.3 %. */
 static const double EDGE_REACH = 1.4;
 
-/* Order of the error of friction's impulse in the step's length where its rate has a kink. */
+/* Power of the step length to which the error of friction's impulse is proportional if the rate of friction has a
+ * kink. */
 static const double KINK_ORDER = 3.0;
 
-/* Ratio of the forces at the last two nodes: a little above 0.986, which holds where the force grows like t^(1/4)
- * from the start. */
+/* The maximum of a step's force is inside if the force at a node before the last exceeds this share of the force
+ * at the end. The share is a little above 0.986, the ratio of the forces at the last two nodes where the force
+ * grows like t^(1/4) from the start. */
 static const double NEAR_TOP = 0.99;
 
-/* Ratio of the relative errors of force and indentation, divided by 3/2, its value for Hertz's law; at least 1. */
+/* Returns the ratio of the relative errors of force and indentation, divided by 3/2, its value for Hertz's law; at
+ * least 1. */
 static double steepness_of(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
     aoi_law_value value;
@@ -57,9 +60,10 @@ static double steepness_of(const aoi_adaptive *run, const aoi_contact_step *entr
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
 
-/* Size of the last coefficients of the force's polynomial. Under a rate-dependent law light contact masses and stiff
- * oscillators appear in the force long before they appear in the indentation. At a massless contact point the force may
- * change faster than the indentation, within the relaxation time of law and residual compliance. */
+/* Returns the size of the last coefficients of the force's polynomial, N. Under a rate-dependent law, the motion
+ * of light contact masses and stiff oscillators shows in the force long before it shows in the indentation. At a
+ * massless contact point the force may change faster than the indentation, within the relaxation time of law and
+ * residual compliance. */
 static double force_tail(const aoi_contact_step *entry)
 {
     double c[4];
@@ -75,17 +79,17 @@ static double force_scale(const aoi_adaptive *run, const aoi_contact_step *entry
     return aoi_step_force_scale(run, entry, aoi_step_force(entry));
 }
 
-/* Size of the last coefficients of the rate's series. It is fitted to the nodes without the start: where a force sets
- * in or ends, the rate of a massless contact point jumps. */
+/* Returns the size of the last coefficients of the rate's polynomial, m/s. It is fitted to the nodes without the
+ * start, since the rate of a massless contact point jumps where a force begins or ends. */
 static double rate_tail(const aoi_contact_step *entry)
 {
     return fabs(aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[AOI_NODES - 1], entry->rate)) +
            fabs(aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[AOI_NODES - 2], entry->rate));
 }
 
-/* The error of a rate-dependent force whose maximum lies inside a step with an edge, where the series of the force
- * gives no estimate. The rate's Legendre coefficients decay slowly there, like a power of the degree: the sum of the
- * coefficients left out exceeds the last ones. */
+/* Returns an estimate of the error of a rate-dependent force whose maximum lies inside a step with an edge, N; 0
+ * if it does not lie inside. The force's polynomial gives no estimate there. The rate's Legendre coefficients
+ * decay slowly, like a power of the degree, so that the sum of those left out exceeds the last ones. */
 static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry, double tail)
 {
     double largest = 0.0;
@@ -101,20 +105,20 @@ static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry
            fabs(value.damping) * rate_tail(entry) * AOI_NODES / 3.0;
 }
 
-/* True if a load on one of the two bodies has a kink or a jump now. */
+/* True if a load on one of the contact's two bodies has a kink or a jump at the present time. */
 static int load_bent(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     const aoi_contact *of = &run->system->contact[entry->contact];
-    /* Times closer than this multiple of the rounding of the end time count as equal: run.c goes up to 8 beyond a kink.
-     * Tried: no run changes. */
+    /* Times closer than this count as equal: run.c steps beyond a kink by up to 8 times the rounding error of the
+     * time. Tried: no run changes. */
     const double now = aoi_run_now(run), slack = 16.0 * DBL_EPSILON * run->end;
     return aoi_modes_next_bend(&run->system->body[of->body[0]], now - slack) <= now + slack ||
            aoi_modes_next_bend(&run->system->body[of->body[1]], now - slack) <= now + slack;
 }
 
-/* Jump of the step's force polynomial at the start of a step at which the force should be continuous: where a load has
- * a kink there, which the nodes do not resolve. At a massless contact point the force may jump, except at the start of
- * a run from rest, where it is the force at rest. */
+/* Returns the jump of the step's force polynomial from the force at the step's start, N, where the force should be
+ * continuous: the nodes do not resolve a kink of a load there. At a massless contact point the force may jump,
+ * except at the start of a run from rest. Where a jump is allowed, 0 is returned. */
 static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     const int bent = aoi_contact_has_residual(run, entry->contact);
@@ -123,27 +127,28 @@ static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
     return goes_on ? fabs(aoi_nodes_at_start(entry->force) - entry->start_force) : 0.0;
 }
 
-/* True if the contact's largest force may lie inside the step. Otherwise the force's error is measured by its impulse
- * in the step: at a massless contact point a force may begin like t^(1/4), with a relative error that does not decrease
- * with the step length. */
+/* True if the contact's largest force may lie inside the step. Otherwise the error of the force is measured by its
+ * impulse in the step: at a massless contact point a force may begin like t^(1/4), and its relative error then
+ * does not decrease with the step length. */
 static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *entry, double wrong)
 {
     const double largest = aoi_step_force(entry);
     return largest > entry->force[AOI_NODES - 1] && largest + wrong > contact->ledger.peak.force;
 }
 
-/* Errors of a step as shares of their tolerances: within the step (within) and at its end (handed_on). ripple:
- * tolerance of the unresolved oscillation of a force, N. */
+/* Errors of a step relative to their tolerances: within the step (within) and at its end (handed_on). ripple:
+ * tolerance of force oscillations that the nodes do not resolve, N. */
 typedef struct errors {
     double within, handed_on, ripple;
-    double drift; /* error of friction due to paths of straight parts, as a share of its tolerance */
+    double drift; /* error of friction due to the straight parts of its paths, relative to its tolerance */
 } errors;
 
-/* Share of Coulomb's bound below which friction is rounding of the normal force, and no higher accuracy is promised. */
+/* Least friction, as a share of Coulomb's bound, that errors of friction are compared with: smaller friction is
+ * rounding of the normal force, and no higher accuracy is promised. */
 static const double LEAST_FRICTION = 1e-9;
 
-/* Ratio of the largest friction of a contact, so far and in this step, to the scale of its normal force. It scales
- * friction and slides. While a contact sticks, friction is far below Coulomb's bound. */
+/* Returns the ratio of the largest friction of a contact, so far and in this step, to the scale of its normal
+ * force. The ratio scales friction and slides, since friction is far below Coulomb's bound while a contact sticks. */
 static double friction_share(const aoi_adaptive *run, const aoi_contact_step *normal)
 {
     const aoi_sliding *sliding = normal->sliding;
@@ -155,7 +160,7 @@ static double friction_share(const aoi_adaptive *run, const aoi_contact_step *no
     return fmin(fmax(share, LEAST_FRICTION * sliding->rub.friction.mu), sliding->rub.friction.mu);
 }
 
-/* Finds the errors as shares of their tolerances, which are at least a few times the rounding. */
+/* Finds the errors of a step relative to their tolerances, none of which is below a few roundings. */
 static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double h, errors *of)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -190,7 +195,8 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
     }
     of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * share * force_scale(run, normal);
     of->drift = 0.0;
-    if (entry->sliding) { /* the error of the curve of stretches hides a smaller drift */
+    /* the error of the curve of stretches, which hides a smaller drift, is the least tolerance */
+    if (entry->sliding) {
         const double known = fmax(STEP_SHARE * run->rtol, entry->sliding->rub.friction.precision);
         of->drift = entry->sliding->drift[entry->axis] / (known * share * force_scale(run, normal));
     }
@@ -198,7 +204,8 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }
 
-/* Rate scale of a contact: its largest so far, or a small share of the other contacts' scale. */
+/* Returns the rate scale of a contact, m/s: its largest rate so far, or a small share of the other contacts'
+ * scale. */
 static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     double scale = run->contact[entry->contact].scales.rate;
@@ -208,22 +215,23 @@ static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
     return scale;
 }
 
-/* The admissible growth while a contact is slack: the motion is exact, but the rate must be resolved well enough to
- * find where the force rises above zero again. Rounding is left out: shorter steps have more of it. */
+/* Returns the admissible growth of the step while a contact is slack. Its motion is then exact, but the rate must
+ * be resolved well enough to find where the force rises above zero again. Rounding errors of the rate are
+ * subtracted, since they are larger in shorter steps. */
 static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double within)
 {
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
     const double slow = TAIL_SHARE * run->rtol * fmax(rate_scale(run, entry), scale / h);
-    /* Rounding changes slopes at the nodes by up to the rounding of the values, times the number of nodes squared,
-     * divided by the step's length. */
+    /* Rounding errors of the values change slopes at the nodes by up to these errors times the number of nodes
+     * squared, divided by the step's length. */
     const double rounding = AOI_NODES * AOI_NODES * AOI_COLLOCATION_ROUNDING * entry->scale / h;
     const double unresolved = fmax(within, fmax(rate_tail(entry) - rounding, 0.0) / fmax(slow, DBL_MIN));
     const double growth = CAUTION * pow(unresolved, -1.0 / AOI_NODES);
     return unresolved > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), BLIND_GROWTH);
 }
 
-/* Growth allowed by friction, where slip may begin or end in the step. The drift and the error of the impulse have
- * about the order of a kink of the rate; the latter counts only if it is too large. */
+/* Returns the growth that friction allows in a step where slip may begin or end. The drift and the error of the
+ * impulse are of about the order that a kink of the rate gives; the latter counts only if it is too large. */
 static double sliding_growth(const errors *of)
 {
     const double worst = fmax(of->drift, of->handed_on > 1.0 ? of->handed_on : 0.0);
@@ -231,14 +239,14 @@ static double sliding_growth(const errors *of)
     return worst > 1.0 ? growth : fmax(growth, 1.0);
 }
 
-/* Growth of the step length that the errors allow. At an edge, errors grow like the powers of time that a polynomial
- * cannot represent: a force like d^(3/2) gives t^(7/2) in the motion and t^(5/2) in the impulse. */
+/* Returns the growth of the step length that the errors allow. At an edge, errors grow like the powers of time
+ * that a polynomial cannot represent: a force like d^(3/2) gives t^(7/2) in the motion and t^(5/2) in the impulse. */
 static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *entry, double h, const errors *of)
 {
     const int at_edge = entry->edge != AOI_EDGE_NONE;
     const double by_tail = at_edge ? 3.5 : AOI_NODES + 1, by_impulse = at_edge ? 2.5 : 2 * AOI_NODES;
     double growth = CAUTION * pow(of->within, -1.0 / by_tail);
-    /* else the tail allows the smaller growth */
+    /* otherwise the error within the step allows the smaller growth */
     if (of->within > 1.0 || of->handed_on > of->within * of->within) {
         growth = fmin(growth, CAUTION * pow(of->handed_on, -1.0 / by_impulse));
     }

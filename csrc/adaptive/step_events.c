@@ -11,12 +11,14 @@
 #include <float.h>
 #include <math.h>
 
-/* Largest indentation, as a share of the tolerance of a touch, at which a contact with a negligible force is opened.
- * The contact then gets half that tolerance as slack, so that it does not close at once. Tried: no run changes. */
+/* A contact with a negligible force is opened only if its indentation is at most this share of the tolerance of a
+ * touch. The contact then stays open up to half that tolerance, so that it does not close at once. Tried: no run
+ * changes. */
 static const double SKIP_SHARE = 0.1;
 
-/* True if a function of time falls below zero in the step; finds the place. If it ends within the tolerance below zero, and
- * was not lower before, the place is the end. Otherwise it is where the function is half the tolerance below zero. */
+/* True if a function of time falls below zero in the step; sets `place` to the position (0 to 1). If the function
+ * is within the tolerance below zero at the end and never lower, the position is the end. Otherwise the position
+ * is where the function is half the tolerance below zero. */
 static int falls_below(const double *values, double tolerance, double *place)
 {
     double coefficient[AOI_NODES + 1];
@@ -35,7 +37,7 @@ static int falls_below(const double *values, double tolerance, double *place)
     return 1;
 }
 
-/* Notes an event where a function of time falls below zero. */
+/* Notes an event of the given kind where a function of time, given at the start and the nodes, falls below zero. */
 static void falls(const double *values, double tolerance, int kind, aoi_adaptive_contact *contact,
                   aoi_attempt *attempt)
 {
@@ -45,8 +47,8 @@ static void falls(const double *values, double tolerance, int kind, aoi_adaptive
     }
 }
 
-/* True if a minimum beside a node may lie below -depth: the node is a local minimum, and the rise to a neighbour
- * exceeds the distance of its value from -depth. */
+/* True if the function may have a minimum below -depth beside a node: the node is a local minimum, and the rise to
+ * a neighbour exceeds the height of the node's value above -depth. */
 static int may_dip(const double *values, double depth)
 {
     for (size_t i = 1; i <= AOI_NODES; i++) {
@@ -59,8 +61,8 @@ static int may_dip(const double *values, double depth)
     return 0;
 }
 
-/* Notes an event where a function of time falls below zero, also if it does so only between two nodes. The latter is
- * looked for only in a step whose error is within the tolerance. */
+/* Notes an event where a function of time falls below zero, also if it does so only between two nodes. The space
+ * between nodes is searched only in a step whose error is within the tolerance. */
 static void leaves(const double *values, double tolerance, int kind, aoi_adaptive_contact *contact,
                    aoi_attempt *attempt)
 {
@@ -107,8 +109,9 @@ static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_a
         line_up(fmax(entry->start_force, 0.0), force, 1.0, 0.0, values);
     }
     if (aoi_contact_has_residual(run, entry->contact)) {
-        /* The rate may jump at the start, and the force with it. The force may have fallen to zero there, within the
-         * error of the last step. Otherwise its value at the start is extrapolated from the nodes. */
+        /* The rate, and with it the force, may jump at the start. If the force has fallen to zero there, within
+         * the error of the last step, the event is at the start. Otherwise the force at the start is extrapolated
+         * from the nodes. */
         if (values[1] < -tolerance && values[0] <= run->rtol * fmax(run->force_scale, largest)) {
             aoi_step_note_event(0.0, kind, contact, attempt);
             return;
@@ -118,8 +121,8 @@ static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_a
     leaves(values, tolerance, kind, contact, attempt);
 }
 
-/* Applies the turn of an indentation at the start of a step if the indentation would grow by less than the tolerance
- * before it: in shorter steps, rates would be dominated by rounding. */
+/* Moves the turn of an indentation to the start of a step if the indentation would grow by less than the tolerance
+ * before it: in shorter steps, rates are dominated by rounding. */
 static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adaptive_contact *contact,
                      aoi_attempt *attempt)
 {
@@ -129,8 +132,8 @@ static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adapti
     }
 }
 
-/* True if a contact at a massless contact point has separated within rounding: in steps as short as the remaining
- * contact, rates would be dominated by rounding. */
+/* True if a contact at a massless contact point has separated within rounding: a step as short as the rest of the
+ * contact would have rates dominated by rounding. */
 static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, double rest, double tolerance)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -140,14 +143,15 @@ static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, doubl
            fmax(fabs(entry->start_force), aoi_step_force(entry)) <= least;
 }
 
-/* True if a contact that has just touched at a massless contact point opens at once, since other contacts move that
- * point away. Only the shortest steps decide this. reach: the approach in the step, m. */
+/* True if a contact that has just touched at a massless contact point opens at once because other contacts move
+ * that point away. Only very short steps decide this. reach: approach in the step, m; scale: largest indentation,
+ * m. */
 static int is_none(const aoi_adaptive *run, const aoi_contact_step *entry, double reach, double scale)
 {
     return run->contact[entry->contact].closed.begins && aoi_contact_has_residual(run, entry->contact) &&
            entry->indentation[0] < entry->start && entry->indentation[AOI_NODES - 1] < entry->start &&
-           /* Approach in a step, as a share of the largest indentation, below which a contact that does not press at
-            * once counts as open. Measured and tried: from 0.003 to 0.03 no run changes. */
+           /* Largest approach in a step, as a share of the largest indentation, for which a contact without
+            * initial force counts as open. Measured and tried: from 0.003 to 0.03 no run changes. */
            entry->start_force <= 0.0 && reach <= 1e-2 * scale;
 }
 
@@ -155,7 +159,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
 {
     const aoi_law *law = aoi_step_law(run, entry);
     aoi_adaptive_contact *contact = &run->contact[entry->contact];
-    /* a contact that begins may start below rest, within the tolerance */
+    /* a contact that begins may start below rest by up to the tolerance */
     const double touch = aoi_law_rest(law, entry->memory);
     const double rest = contact->closed.begins ? fmin(touch, entry->start) : touch;
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
@@ -163,7 +167,7 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
     double values[AOI_NODES + 1];
     line_up(entry->start, entry->indentation, 1.0, -rest, values);
     if (is_over(run, entry, rest, tolerance)) {
-        contact->flight.slack = tolerance; /* or it would touch again where it is */
+        contact->flight.slack = tolerance; /* without this the contact would touch again at once */
         aoi_step_note_event(0.0, AOI_EVENT_OPEN, contact, attempt);
         return;
     }
@@ -192,9 +196,9 @@ void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, ao
     }
 }
 
-/* After a wave has passed, bodies move on side by side, with overlaps and velocities at rounding. A contact whose force
- * would not change the last digit of its impulse if it lasted to the end of the run is opened: otherwise every contact
- * that the wave has passed would be solved for in every step. */
+/* After a wave has passed, bodies move on side by side, with overlaps and velocities at rounding. A contact is
+ * opened if its force, lasting to the end of the run, would not change the last digit of its impulse. Otherwise
+ * every contact that the wave has passed would have to be solved in every step. */
 void aoi_step_skip(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];

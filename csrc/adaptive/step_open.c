@@ -1,6 +1,6 @@
-/* Open contacts of bodies under force: whether they touch within a step. The displacement by the contact forces is
- * split into a polynomial and free oscillations, so that the search of free.c, which misses no touch, covers all of
- * it. */
+/* Open contacts of bodies under force, and whether they touch within a step. The displacement due to contact
+ * forces is split into a polynomial and free oscillations. The search for a touch in free.c, which misses none,
+ * then covers all of the motion. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
@@ -13,12 +13,12 @@
 
 #include <math.h>
 
-/* Factor on the step length where the search for a touch took more than AOI_LOOKS_IN_STEP evaluations.
+/* Factor on the length of the next trial if the search for a touch took more than AOI_LOOKS_IN_STEP evaluations.
  * Measured: from 0.2 to 0.8 one of 267 runs changes, its error and work do not. */
 static const double SHORTER = 0.5;
 
-/* Subtracts the oscillations that the forces excite in fast modes from a displacement at the start and the nodes, and
- * adds them to the modes' free motion x, v. */
+/* Moves the oscillations that the contact forces excite in fast modes from a displacement, given at the start and
+ * the nodes, to the modes' free motion x, v. */
 static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sign, double h, double *x,
                       double *v, double *values)
 {
@@ -44,7 +44,7 @@ static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sig
     }
 }
 
-/* Adds the displacement of a port at the nodes under the forces of the step. */
+/* Adds the displacement of a port under the contact forces of the step, at the nodes, to an indentation. */
 static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double sign, double *indentation)
 {
     const aoi_modes *body = &run->system->body[b];
@@ -72,8 +72,8 @@ static void add_forced(const aoi_adaptive *run, size_t b, size_t port, double si
     }
 }
 
-/* Copies the states of both bodies, and fits a polynomial over the step to the indentation due to contact forces.
- * forced: memory for the polynomial. */
+/* Sets `pair` to copies of both bodies' states, with a polynomial fitted over the step to the indentation due to
+ * contact forces. forced: memory for the polynomial. */
 static void take_pair(aoi_adaptive *run, size_t c, double h, aoi_free_pair *pair, aoi_forced *forced)
 {
     const aoi_contact *of = &run->system->contact[c];
@@ -119,8 +119,8 @@ void aoi_step_open_events(aoi_adaptive *run, aoi_contact_step *entry, aoi_attemp
         return;
     }
     const double after = pair.time - now, left = attempt->h - after;
-    /* Bodies side by side touch at the start, whichever sign rounding gives their rate; else a touch would be found
-     * once they overlap by the tolerance. */
+    /* Bodies side by side touch at the start, whichever sign rounding gives their rate; otherwise their touch
+     * would be found only when they overlap by the tolerance. */
     if (aoi_is_at_start(run, after, attempt->h) ||
         (start[1] * attempt->h >= -tolerance && start[0] + slack >= -2.0 * tolerance &&
          !aoi_contact_has_residual(run, entry->contact))) {

@@ -1,4 +1,5 @@
-/* The contacts and bodies that take part in a step. Each body is first advanced to the time of the run. */
+/* Selection of the contacts and bodies that take part in a step. Each of these bodies is first advanced to the
+ * time of the run. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "model/modes.h"
@@ -22,7 +23,7 @@ void aoi_step_release(aoi_adaptive *run)
     run->engaged.count = run->closed_count = run->entry_count = 0;
 }
 
-/* Adds the open contacts of a body under force to the step: their searches for a touch assumed free motion. */
+/* Adds the open contacts of a body under force to the step: the searches for their touches assumed free motion. */
 static void bring_along(aoi_adaptive *run, size_t b)
 {
     const aoi_system *system = run->system;
@@ -56,7 +57,7 @@ void aoi_step_prepare(aoi_adaptive *run)
         aoi_body_engage(run, run->system->contact[c].body[1], AOI_UNDER_FORCE);
     }
     run->entry_count = run->closed_count;
-    const size_t count = run->engaged.count; /* only the bodies of closed contacts: bring_along adds others */
+    const size_t count = run->engaged.count; /* only the bodies of closed contacts, since bring_along adds others */
     for (size_t i = 0; i < count; i++) {
         if (run->body[run->engaged.at[i]].engaged == AOI_UNDER_FORCE) {
             bring_along(run, run->engaged.at[i]);

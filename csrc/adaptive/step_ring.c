@@ -1,6 +1,6 @@
-/* Modes that oscillate many times within a step. The motion of such a mode is a polynomial, driven by the step's
- * forces, and a free oscillation about it from the state at the start. Both are known in closed form, so that the
- * effect of the oscillation on a contact's force between the nodes is bounded without sampling. */
+/* Modes that oscillate many times within a step. The motion of such a mode is the sum of a polynomial, driven by
+ * the step's forces, and a free oscillation from the state at the start. Both are known in closed form, and give a
+ * bound of the oscillation's effect on a contact's force between the nodes, without sampling. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "law/law.h"
@@ -13,9 +13,9 @@
 
 #include <math.h>
 
-/* Phase advance of a mode in a step, rad, above which the nodes do not resolve the mode. Below, the last
- * coefficients of the series through start and nodes are as large as those left out: 3 |j_7(6)| against 19 |j_9(6)|,
- * spherical Bessel functions of half the angle. Measured: 4 costs 6 % more work. */
+/* Phase advance of a mode in a step, rad, above which the nodes do not resolve the mode. Below it, the last
+ * coefficients of the series through start and nodes are as large as those left out: 3 |j_7(6)| against 19
+ * |j_9(6)|, spherical Bessel functions of half the angle. Measured: 4 costs 6 % more work. */
 static const double UNRESOLVED = 12.0;
 
 static double decay_of(const aoi_modes *body, size_t j) { return body->decay ? body->decay[j] : 0.0; }
@@ -53,7 +53,8 @@ int aoi_step_path(const aoi_adaptive *run, size_t b, size_t j, double h, int loa
     return moved;
 }
 
-/* The amplitude of a mode's free oscillation at a port at the step's start: damping only reduces it. */
+/* Returns the amplitude of a mode's free oscillation at a port, m, at the step's start; damping only reduces it
+ * later. */
 static double amplitude_of(const aoi_adaptive *run, size_t b, size_t port, size_t j, double h)
 {
     const aoi_modes *body = &run->system->body[b];
@@ -69,8 +70,9 @@ static double amplitude_of(const aoi_adaptive *run, size_t b, size_t port, size_
     return share * sqrt(x * x + v * v);
 }
 
-/* Response of a contact's force to a small oscillation of its indentation. stiffness, damping: slopes of the law at
- * the deepest node; compliance: compliance of the fast modes of both bodies, which reduces the response. */
+/* Terms of the response of a contact's force to a small oscillation of its indentation. stiffness, damping: slopes
+ * of the law at the deepest node; compliance: that of the fast modes of both bodies, which reduces the response,
+ * m/N. */
 typedef struct reaction {
     double stiffness, damping, compliance;
 } reaction;
@@ -94,7 +96,8 @@ static reaction reaction_of(const aoi_adaptive *run, const aoi_contact_step *ent
     return of;
 }
 
-/* Force due to an oscillation of the indentation with the given amplitude, m, and angular frequency, rad/s. */
+/* Returns the amplitude of the force due to an oscillation of the indentation with the given amplitude, m, and
+ * angular frequency, rad/s. */
 static double force_of(const reaction *of, double amplitude, double omega)
 {
     const double viscous = of->damping * omega, lossy = viscous * of->compliance;

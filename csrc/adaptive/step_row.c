@@ -1,4 +1,4 @@
-/* A step's row of the track. */
+/* Writing of a step's row of the track. */
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "law/law.h"
@@ -33,7 +33,7 @@ static void write_contact(const aoi_adaptive_contact *contact, const aoi_contact
     memcpy(of + AOI_TRACK_INDENTATION, entry->legendre, sizeof entry->legendre);
 }
 
-/* Writes the values of friction behind those of a contact, from its three entries at the step's end. */
+/* Writes the friction values of a contact behind its other values, from its three entries at the step's end. */
 static void write_friction(aoi_sliding *sliding, const aoi_contact *contact, const aoi_contact_step *entry, double *of)
 {
     const int edge = entry->edge != AOI_EDGE_NONE;

@@ -1,10 +1,12 @@
-/* Open contacts between bodies in free motion, in two heaps by time: those that do not touch before their time, and
- * those that touch at it. Only the first of each heap is read. */
+/* Watched contacts: open ones between bodies in free motion, in two heaps ordered by the time flight.until. One
+ * heap has the contacts that touch at that time, the other those that do not touch before it. Only the first
+ * contact of each heap is read. */
 #include "adaptive/run.h"
 
 static const size_t NOWHERE = (size_t)-1;
 
-/* True if one contact precedes another in a heap; at equal times the lower number does. */
+/* True if the first of two contacts comes before the other in a heap: its time is earlier, or equal and its index
+ * lower. */
 static int comes_first(const aoi_adaptive *run, size_t one, size_t other)
 {
     const double time = run->contact[one].flight.until, its = run->contact[other].flight.until;
@@ -17,7 +19,7 @@ static void put(aoi_adaptive *run, size_t *heap, size_t place, size_t c)
     run->contact[c].flight.place = place;
 }
 
-/* Moves a contact up from a place until the heap is in order. */
+/* Moves the contact at a position of a heap up until the heap is in order. */
 static void rise(aoi_adaptive *run, size_t *heap, size_t place)
 {
     const size_t c = heap[place];
@@ -28,7 +30,7 @@ static void rise(aoi_adaptive *run, size_t *heap, size_t place)
     put(run, heap, place, c);
 }
 
-/* Moves a contact down from a place until the heap is in order. */
+/* Moves the contact at a position of a heap down until the heap is in order. */
 static void sink(aoi_adaptive *run, size_t *heap, size_t count, size_t place)
 {
     const size_t c = heap[place];

@@ -1,4 +1,4 @@
-/* Contact forces of one step, of all contacts, by collocation. */
+/* Contact forces of all contacts in one step of an adaptive run, by collocation. */
 #ifndef AOI_COLLOCATION_COLLOCATION_H
 #define AOI_COLLOCATION_COLLOCATION_H
 
@@ -7,27 +7,28 @@
 #include "motion/radau.h"
 #include "motion/response.h"
 
-/* Change of an indentation, as a share of its scale, that counts as rounding. */
+/* Changes of an indentation below this, relative to its scale, count as rounding. */
 #define AOI_COLLOCATION_ROUNDING 1e-12
 
-/* Piece of a slack contact: its bodies overlap, but the law's force is cut at zero. */
+/* Piece number of a slack contact: its bodies overlap, but the law's force is cut at zero. */
 enum { AOI_SLACK = -1 };
 
-/* Edge: the end of a step at which a contact's force begins or ends, like t^(3/2). A polynomial through the force at
- * the nodes would miss part of its impulse, the polynomial of least squares does not. */
+/* An edge is an end of a step at which a contact's force begins or ends, like t^(3/2). The polynomial through the
+ * force at the nodes would miss part of the impulse there; the least-squares polynomial does not. */
 enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
 
 typedef struct aoi_sliding aoi_sliding; /* sliding.h */
 
-/* State of a contact in a step. A contact with friction has three successive entries, for its normal and two tangents;
- * the `indentation` of a tangent is the slide of the bodies since the touch. The caller sets the first block:
- *   memory, piece                   of the law
- *   edge                            of the contact that the step has
+/* State of a contact in a step. A contact with friction has three successive entries, for its normal and two
+ * tangents; the `indentation` of a tangent is the slide of the bodies since the touch. The caller sets the first
+ * block:
+ *   memory, piece                   memory of the law, and the piece that applies
+ *   edge                            edge at which the step begins or ends, if any
  *   start, start_rate, start_force  indentation, rate and force at the start of the step
- *   scale                           of the indentation
- *   constant                        a constant force; at a massless contact point the force at the
- *                                   start: rates then follow from changes of forces within the step
- *                                   without loss of digits, however short it is
+ *   scale                           indentation to which errors are relative, m
+ *   constant                        part of the force that is constant in the step, N: at a massless
+ *                                   contact point the force at the start, else 0. Rates then follow from
+ *                                   changes of forces within the step, without loss of digits in a short step
  *   homogeneous, homogeneous_rate   motion under the constant forces of all contacts
  *   indentation, rate               a guess; in the end the solution */
 typedef struct aoi_contact_step {
@@ -45,55 +46,57 @@ typedef struct aoi_contact_step {
     double legendre[AOI_NODES + 1]; /* Legendre coefficients of the indentation */
 } aoi_contact_step;
 
-/* Number of doubles of work space of aoi_collocation_solve for count entries of which those that
- * share a body are at most span places apart. */
+/* Returns the size of the work space of aoi_collocation_solve, in doubles, for count entries. span: largest
+ * distance in the list between two entries of one body. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
-/* True if steps of a system's contacts cost less with the modes of its bodies (crowd.c) and influences AOI_BY_MODES.
- * With all contacts closed, the multiplications of the elimination are compared with those of the largest number of
- * iterations. aoi_crowd_size: size of the work space of crowd.c, instead of aoi_collocation_size. */
+/* aoi_crowd_pays: true if a step costs less with forces on the modes of the bodies (crowd.c), and with the
+ * influences AOI_BY_MODES that these need. It compares, with all contacts closed, the multiplications of the
+ * elimination with those of the largest number of iterations. aoi_crowd_size: size of the work space for crowd.c,
+ * in doubles. */
 int aoi_crowd_pays(const aoi_system *system);
 size_t aoi_crowd_size(const aoi_system *system);
 
-/* The displacements of the modes of all bodies that are in contact at the nodes, [first[body] + mode][node], under the
- * contact forces of a step that aoi_collocation_solve has solved, with their signs changed. */
+/* Returns the displacements of the modes of all bodies in contact, [first[body] + mode][node], under the contact
+ * forces of a step that aoi_collocation_solve has solved. Their signs are changed. */
 const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *work);
 
-/* True if rates are needed: a law of these contacts depends on the rate, or on changes of its sign. */
+/* True if rates must be computed: the law of one of these contacts depends on the rate, or on its sign. */
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 
-/* Solves F = law(indentation, rate), and friction, for all contacts together by Newton's method, to rounding
- * relative to the scale of each contact. F is the law's force at all nodes, or, at an edge (of bodies without
- * residual compliance), the polynomial nearest to the law's force. indentation, rate: a guess in, the solution out.
- * response: one for each body. AOI_ERROR_NO_CONVERGENCE where the guess is too far from the solution: take a shorter
- * step. */
+/* Solves F = law(indentation, rate), and the equations of friction, for all contacts together by Newton's method,
+ * to rounding relative to the scale of each contact. F is the law's force at all nodes or, at an edge (only for
+ * bodies without residual compliance), the least-squares polynomial for the law's force. indentation, rate: a
+ * guess on entry, the solution on return. response: one for each body. Returns AOI_ERROR_NO_CONVERGENCE if the
+ * guess is too far from the solution: a shorter step is then needed. */
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work);
 
-/* Errors of the solution. The law's force minus the polynomial's between the nodes gives the leading error of the
- * impulse and of the indentation at the end of the step; tail is the size of the last Legendre coefficients of the
- * indentation. With friction, aoi_sliding_check must be called first. Fills entry->legendre. */
+/* Estimated errors of a step's solution. impulse, indentation: their errors at the end of the step, to leading
+ * order, from the difference between the law's force and the force polynomial between the nodes. tail: size of the
+ * last Legendre coefficients of the indentation, m. aoi_collocation_estimate also fills entry->legendre; for a
+ * contact with friction, aoi_sliding_check must be called before. */
 typedef struct aoi_collocation_error {
     double impulse, indentation, tail;
 } aoi_collocation_error;
 void aoi_collocation_estimate(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry, aoi_collocation_error *error);
 
-/* Number of points of a step where the law's force is compared with the polynomial's. */
+/* Returns the number of check points of a step, at which the law's force is compared with the force polynomial. */
 static inline size_t aoi_edge_checks(enum aoi_edge edge)
 {
     return edge == AOI_EDGE_NONE ? AOI_NODES : AOI_EDGE_CHECKS;
 }
 
-/* Sets `nodes` to the values at the nodes of the least-squares polynomial for the values `points` at the quadrature
- * points of an edge. Both may be the same array. */
+/* Sets `nodes` to the nodal values of the least-squares polynomial for `points`, values at the quadrature points
+ * of an edge. Both may be the same array. */
 static inline void aoi_edge_project(enum aoi_edge edge, const double *points, double *nodes)
 {
     aoi_nodes_multiply(&aoi_radau_edge_projection[edge][0][0], points, nodes);
 }
 
-/* aoi_collocation_impulse: int F dt over the step, N s. aoi_collocation_work: int F d(indentation) over the part of
- * the step up to a place, J; force: F at the nodes of this part. */
+/* aoi_collocation_impulse: returns int F dt over the step, N s. aoi_collocation_work: returns int F d(indentation)
+ * over the part of the step up to `place` (0 to 1), J; force: F at the nodes of this part. */
 double aoi_collocation_impulse(const aoi_contact_step *entry, double h);
 double aoi_collocation_work(const double *legendre, const double *force, double place);
 

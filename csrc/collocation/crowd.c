@@ -1,10 +1,11 @@
-/* A step of very many contacts, coupled by the forces on the modes of their bodies. For N contacts of a body with m
- * modes the influence of all forces is A = S G P. P maps contact forces to forces on the modes, G, with a matrix
- * over the nodes for each mode, maps these to the motion of the modes, and S maps the motion to indentations. A
- * product with A costs some 16 N m multiplications, the elimination of A (8 N)^3 / 3. Newton's equations (1 +
- * stiffness A + damping B) F = f are solved by GMRES (Saad and Schultz 1986), preconditioned by the inverses of the
- * blocks of each force. The preconditioned matrix couples forces by double integrals in time, whose spectrum
- * clusters at zero: the iteration converges faster than geometrically. Residual compliances couple forces directly. */
+/* A step of very many contacts, coupled by the forces on the modes of their bodies. For N contacts of a body with
+ * m modes the influence of all contact forces is A = S G P. P maps contact forces to forces on the modes, G maps
+ * these to the motion of the modes (with a matrix over the nodes for each mode), and S maps the motion to
+ * indentations. A product with A costs some 16 N m multiplications, the elimination of A (8 N)^3 / 3. Newton's
+ * equations (1 + stiffness A + damping B) F = f, with B the influence on rates, are solved by GMRES (Saad and
+ * Schultz 1986). The preconditioner is the inverse of the diagonal block of each force. The preconditioned matrix
+ * couples forces by double integrals in time, whose spectrum clusters at zero: the iteration converges faster than
+ * geometrically. Residual compliances couple forces directly. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
 #include "collocation/sliding.h"
@@ -19,25 +20,26 @@
 
 enum { SQUARE = AOI_NODES * AOI_NODES };
 
-/* Largest number of GMRES vectors: enough for eight modes that contacts make stiff, at each node. */
+/* Largest number of GMRES vectors: enough for eight modes that contacts make stiff, with AOI_NODES vectors each. */
 enum { VECTORS = 8 * AOI_NODES };
 
-/* Equations of a step. Arrays with [2] are for indentations (0) and, where they are needed, for rates (1). */
+/* Equations of a step. Arrays with [2] are for indentations (index 0) and, where they are needed, for rates (1). */
 typedef struct crowd {
     const aoi_system *system;
     const aoi_response *response;
     double h;
     size_t count, kinds;
     aoi_contact_step *entry;
-    int bends;                           /* 1: add the effect of residual compliances                               */
-    /* pushed: forces on the modes of all bodies at the nodes; used: 1 for a body that has some;
-     * moved: motion of the modes under them */
+    int bends;                           /* 1: residual compliances have an effect                                  */
+    /* pushed: forces on the modes of all bodies at the nodes; used: 1 for a body on which such forces act; moved:
+     * motion of the modes under these forces */
     double *pushed, *used, *moved[2];
-    /* own: influence of each force on its own contact; inverse: inverses of the diagonal blocks */
+    /* own: influence of each force on its own contact; inverse: inverses of the diagonal blocks of Newton's matrix */
     double *own[2], *inverse;
     double *stiffness, *damping;         /* slopes of the laws, of all entries at the nodes                        */
-    double *effect[2], *right;           /* decrease by the forces; right-hand side, then solution                 */
-    double *basis, *triangle;            /* vectors of GMRES; its triangle, by columns                             */
+    /* reduction of indentations or rates due to the forces; right-hand side, then solution */
+    double *effect[2], *right;
+    double *basis, *triangle;            /* vectors of GMRES; its triangular matrix, by columns                    */
 } crowd;
 
 static crowd lay_out(const aoi_system *system, size_t count, double *work, size_t *size)
@@ -83,7 +85,7 @@ const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *w
     return lay_out(system, count, work, &size).moved[0];
 }
 
-/* The body on one side of an entry, with the shape and push vectors of its port. */
+/* The body on one side of a contact, with the shape and push vectors of the contact's port. */
 typedef struct touched {
     size_t body, n, first; /* index of the body; number of its modes; index of the first one */
     const double *shape, *push;
@@ -124,7 +126,7 @@ static void find_own(const crowd *of)
     }
 }
 
-/* Finds the motion of a body's modes under the forces on them. */
+/* Finds the motion of all modes of a body under the forces on these modes. */
 static void move(const crowd *of, const touched *at)
 {
     for (size_t j = 0; j < at->n; j++) {
@@ -136,7 +138,7 @@ static void move(const crowd *of, const touched *at)
     of->used[at->body] = 0.0;
 }
 
-/* Sums the contact forces on the modes of all bodies. */
+/* Finds the forces on the modes of all bodies due to the contact forces. */
 static void push(const crowd *of, const double *force)
 {
     for (size_t i = 0; i < 2 * of->count; i++) {
@@ -152,7 +154,8 @@ static void push(const crowd *of, const double *force)
     }
 }
 
-/* Adds the decrease of all indentations and rates due to forces on residual compliances. */
+/* Adds the reduction of all indentations and rates due to the deflection of residual compliances under the contact
+ * forces. */
 static void bend(const crowd *of, const double *force)
 {
     for (size_t t = 0; t < of->count; t++) {
@@ -166,7 +169,7 @@ static void bend(const crowd *of, const double *force)
     }
 }
 
-/* Finds by how much forces lower all indentations and rates. */
+/* Finds the reduction of all indentations and rates due to the contact forces. */
 static void find_effect(const crowd *of, const double *force)
 {
     push(of, force);
@@ -212,8 +215,8 @@ static void multiply(const crowd *of, const double *x, double *y)
     }
 }
 
-/* Reduces column k of the Hessenberg matrix, whose last element is `below`, to the triangle by
- * Givens rotations, and rotates the right-hand side likewise. Returns the size of the residual. */
+/* Reduces column k of the Hessenberg matrix to triangular form by Givens rotations, and rotates the right-hand
+ * side likewise. below: last element of the column. Returns the size of the residual. */
 static double rotate(size_t k, double *column, double below, double (*turn)[2], double *right)
 {
     for (size_t i = 0; i < k; i++) {
@@ -230,8 +233,8 @@ static double rotate(size_t k, double *column, double below, double (*turn)[2], 
     return fabs(right[k + 1]);
 }
 
-/* GMRES: replaces the right-hand side by the solution. Ends when the residual is below `share` of the right-hand
- * side, or after VECTORS iterations. */
+/* Replaces the right-hand side by the solution, by GMRES. The iteration ends when the residual is below `share`
+ * times the right-hand side, or after VECTORS iterations. */
 static void iterate(const crowd *of, double share)
 {
     const size_t rows = of->count * AOI_NODES;
@@ -264,8 +267,8 @@ static void iterate(const crowd *of, double share)
     }
 }
 
-/* Sets the right-hand sides, the slopes of the laws and the inverses of the blocks. Returns 0 where
- * friction finds no forces. */
+/* Sets the right-hand sides, the slopes of the laws and the inverses of the diagonal blocks. Returns 1, or 0 if
+ * the equations of friction have no solution. */
 static int set_equations(const crowd *of, const aoi_newton *newton)
 {
     for (size_t s = 0; s < of->count; s++) {
@@ -295,7 +298,7 @@ int aoi_crowd_solve(const aoi_system *system, const aoi_response *response, doub
     of.kinds = aoi_collocation_wants_rates(system, count, entry) ? 2 : 1;
     of.entry = entry;
     of.bends = aoi_system_bends(system);
-    for (size_t i = 0; i < 2 * count; i++) { /* no body has forces yet */
+    for (size_t i = 0; i < 2 * count; i++) { /* no forces act on any body so far */
         of.used[touched_by(&of, i / 2, i % 2).body] = 0.0;
     }
     find_own(&of);
@@ -307,8 +310,8 @@ int aoi_crowd_solve(const aoi_system *system, const aoi_response *response, doub
         if (!set_equations(&of, &newton)) {
             return AOI_ERROR_NO_CONVERGENCE;
         }
-        /* The error after this Newton step is the square of the change before: the equations need not be solved more
-         * accurately. */
+        /* The relative error after this Newton step is the square of the last change: a smaller residual is not
+         * needed. */
         iterate(&of, fmin(newton.before, AOI_NEWTON_KEPT));
         find_effect(&of, of.right);
         change = 0.0;

@@ -1,5 +1,5 @@
-/* One step of contact: the forces as polynomials through the Radau nodes, their effect on the bodies
- * exact, Newton on their values, all contacts of the step together. */
+/* One step of contact. The forces are polynomials through the Radau nodes, whose effect on the bodies is exact.
+ * Their nodal values are found by Newton's method, for all contacts of the step together. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
 #include "collocation/sliding.h"
@@ -23,8 +23,8 @@ size_t aoi_collocation_size(size_t count, size_t span)
     return aoi_plus(aoi_times(aoi_times(count, 2 * span + 1), 2 * SQUARE), aoi_times(rows, width));
 }
 
-/* Adds, with a minus sign, the influence of the force of entry `other` on the indentation and rate of entry `one`
- * through the bodies that both share. */
+/* Adds the influence of the force of entry `other` on the indentation and rate of entry `one`, through the bodies
+ * that both share. Its sign is that of a reduction. */
 static void add_coupling(const aoi_system *system, const aoi_response *response, double h,
                          const aoi_contact_step *one, const aoi_contact_step *other, double *displacement, double *rate)
 {
@@ -50,7 +50,8 @@ static void add_coupling(const aoi_system *system, const aoi_response *response,
     }
 }
 
-/* Couplings of all entries: block (s, t), stored by columns, has the index s * blocks + t + span - s. */
+/* Influences of all forces on all entries. Block (s, t), stored by columns, is the influence of force t on entry s
+ * and has the index s * blocks + t + span - s. */
 typedef struct couplings {
     size_t count, span, blocks;
     double *displacement, *rate;
@@ -85,7 +86,7 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
     }
 }
 
-/* Adds a block whose columns are multiplied by a derivative of the law. */
+/* Adds to a matrix a block whose columns are multiplied by a slope of the law (by). */
 static void add_block(enum aoi_edge edge, const double *by, const double *block, size_t stride,
                       double *matrix)
 {
@@ -99,24 +100,24 @@ static void add_block(enum aoi_edge edge, const double *by, const double *block,
 }
 
 /* Newton's equations for the forces, (1 + stiffness A + damping B) F = f + stiffness (delta_h - delta) + damping
- * (rate_h - rate), all without the constant forces. Later iterations solve for the changes of the forces, with the
- * same matrix and the right-hand side f - F. The influences are nearly Volterra operators: pivots are near or above
- * one. */
+ * (rate_h - rate), where F and f do not contain the constant forces, and h marks the homogeneous motion. Later
+ * iterations solve for the changes of the forces, with the same matrix and the right-hand side f - F. The
+ * influences A and B are nearly Volterra operators: pivots are near or above one. */
 typedef struct equations {
     size_t n, half, stride;
     double *band, *matrix; /* element (i, j) is matrix[i * stride + j] */
     double *right;         /* right-hand side, then solution           */
 } equations;
 
-/* Lays out the equations in the work space behind the couplings. */
+/* Lays out the equations in the work space, behind the influences. */
 static equations lay_out(size_t count, size_t span, double *work)
 {
     const size_t n = count * AOI_NODES, half = AOI_NODES * (span + 1) - 1;
     return (equations){n, half, 2 * half, work, work + half, work + n * (2 * half + 1)};
 }
 
-/* Sets the matrix rows of a contact, or of one of the three entries of a contact with friction, whose force depends
- * on the indentation and both slides. */
+/* Sets the matrix rows of one entry. With friction, its force depends on the indentation and both slides of the
+ * contact. */
 static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t s, const aoi_law_values *law,
                      const equations *to)
 {
@@ -138,8 +139,8 @@ static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t 
     }
 }
 
-/* Sets the right-hand sides, and the matrix if it is to be renewed. Returns 0 where friction finds
- * no forces. */
+/* Sets the right-hand sides, and the matrix if it is to be renewed. Returns 1, or 0 if the equations of friction
+ * have no solution. */
 static int set_equations(const aoi_system *system, const couplings *of, const aoi_contact_step *entry,
                           const aoi_newton *newton, const equations *to)
 {
@@ -161,7 +162,8 @@ static int set_equations(const aoi_system *system, const couplings *of, const ao
     return 1;
 }
 
-/* Effect of the forces of all contacts on contact s at the nodes; values: the influences. */
+/* Sets `answer` to the effect of all contact forces on entry s at the nodes. values: influences on indentations,
+ * or on rates. */
 static void effect_of(const couplings *of, const double *values, size_t s, const double *force,
                       double *answer)
 {
@@ -173,8 +175,8 @@ static void effect_of(const couplings *of, const double *values, size_t s, const
     }
 }
 
-/* Applies changes of the forces (first = 1: from the constant forces) to indentations and rates. Returns the largest
- * change of an indentation relative to its scale. */
+/* Updates the forces by their changes `by`, and indentations and rates accordingly. first = 1: forces are the
+ * constant forces plus `by`. Returns the largest change of an indentation relative to its scale. */
 static double update(const couplings *of, const double *by, int first, aoi_contact_step *entry)
 {
     double largest = 0.0, answer[AOI_NODES], rate_answer[AOI_NODES];
@@ -194,7 +196,7 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
     if (count > 0 && response[system->contact[entry->contact].body[0]].columns.count == AOI_BY_MODES) {
         return aoi_crowd_solve(system, response, h, count, entry, work);
     }
-    if (count == 1) { /* without friction, which has three entries */
+    if (count == 1) { /* without friction, since a contact with friction has three entries */
         return aoi_collocation_solve_one(system, response, h, entry);
     }
     const size_t blocks = 2 * span + 1, size = count * blocks * SQUARE;
@@ -220,7 +222,8 @@ int aoi_collocation_solve(const aoi_system *system, const aoi_response *response
     return AOI_ERROR_NO_CONVERGENCE;
 }
 
-/* Relative displacement of both bodies of a contact at the nodes, after a unit impulse at the start. */
+/* Sets `answer` to the displacement at the nodes of one body of a contact relative to the other, after a unit
+ * impulse at the start, m/(N s). */
 static void impulse_responses(const aoi_response *response, const aoi_contact *contact, size_t axis, double *answer)
 {
     const size_t port[2] = {contact->port[0] + axis, contact->port[1] + axis};
@@ -231,7 +234,7 @@ static void impulse_responses(const aoi_response *response, const aoi_contact *c
     }
 }
 
-/* The law's force minus the polynomial's at the points where they are compared. */
+/* Sets `beyond` to the law's force minus the value of the force polynomial at the check points, N. */
 static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, double *beyond)
 {
     const size_t checks = aoi_edge_checks(entry->edge);
@@ -252,9 +255,9 @@ static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, doubl
 }
 
 /* Adds the errors at the end of a step due to `beyond`, the differences of the force at the check points. The time
- * left in the step at check point k is as long as that from its start to node k, or, at an edge, to check point k of
- * the opposite edge. `answer`, the response to a unit impulse, is given at the nodes, and interpolated to the check
- * points of an edge. */
+ * left in the step at check point k equals the time from its start to node k or, at an edge, to check point k of
+ * the opposite edge. answer: response to a unit impulse at the nodes, which is interpolated to the check points of
+ * an edge. */
 static void add_errors(const aoi_contact_step *entry, double h, const double *beyond, const double *answer,
                        aoi_collocation_error *error)
 {
@@ -288,10 +291,10 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
         add_errors(entry, h, beyond, answer, error);
     }
     const double *c = entry->legendre;
-    /* A coefficient may vanish due to symmetry: a fifth of its neighbour is added. */
+    /* A fifth of the coefficient before is added, since a coefficient may vanish due to symmetry. */
     const double last = fabs(c[AOI_NODES]) + 0.2 * fabs(c[AOI_NODES - 1]);
     const double before = fabs(c[AOI_NODES - 2]) + 0.2 * fabs(c[AOI_NODES - 3]);
-    /* The terms left out are assumed to decrease at the rate of the last ones. */
+    /* The coefficients left out are assumed to decrease at the rate of the last ones. */
     error->tail = last < before ? last * sqrt(last / before) : last;
 }
 

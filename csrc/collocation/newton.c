@@ -1,5 +1,5 @@
-/* Newton's method for the forces of a step, as far as it is the same for one contact and for several: evaluation of
- * the law, right-hand side, and end of the iteration. */
+/* Newton's method for the forces of a step: those parts that are the same for one contact and for several, namely
+ * the evaluation of the law, the right-hand side and the end of the iteration. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
 #include "collocation/sliding.h"
@@ -12,12 +12,12 @@
 
 enum { MOST_ITERATIONS = 25 };
 
-/* Relative change of an iteration up to which the difference between the forces of friction's two paths is kept from
- * an earlier one: the difference is small, and changes little. */
+/* Friction is found on two paths. Up to this relative change of an iteration, the difference between the forces of
+ * the two paths is kept from an earlier iteration, since it is small and changes little. */
 static const double FAR_OFF = 1e-2;
 
-/* Predicted next change, relative to the indentation's scale, at which the iteration ends: half a rounding. With the
- * matrix of the change before, the error falls by twice the ratio of the last two changes. Measured: a third costs
+/* Predicted next change, relative to the indentation's scale, at which the iteration ends: half a rounding error.
+ * With an unchanged matrix, the error falls by twice the ratio of the last two changes. Measured: a third costs
  * 1.1 % more work, three times as much 0.4 %. */
 static const double NEXT_CHANGE = 5e-17;
 
@@ -32,13 +32,14 @@ int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const ao
     return 0;
 }
 
-/* Interpolates nodal values to the edge's quadrature points. The output may alias the input. */
+/* Interpolates values at the start and the nodes to the quadrature points of an edge. points may be the same array
+ * as nodes. */
 static void reach(enum aoi_edge edge, double start, const double *nodes, double *points)
 {
     aoi_nodes_multiply_from(start, &aoi_radau_indentation_at_edge[edge][0][0], nodes, points);
 }
 
-/* Evaluates the law at the nodes, or at the points of an edge. */
+/* Evaluates the law at the nodes, or at the quadrature points of an edge. */
 static void evaluate(const aoi_law *law, const aoi_contact_step *entry, int with_rates, aoi_law_values *of)
 {
     double at_points[AOI_NODES], rates_there[AOI_NODES];
@@ -99,11 +100,11 @@ void aoi_newton_invert(enum aoi_edge edge, const double *stiffness, const double
         }
         inverse[at + q] += 1.0;
     }
-    /* pivots are near or above 1, as in many.c; the inverse is by columns, too */
+    /* pivots are near or above 1, as in many.c; the inverse is stored by columns as well */
     aoi_nodes_invert(inverse);
 }
 
-/* Adds factor times (aim - values), interpolated to the points where the law is evaluated. */
+/* Adds factor times (aim - values), interpolated to the points where the law is evaluated, to `to`. */
 static void add_lack(const aoi_contact_step *entry, const double *aim, const double *values,
                      const double *factor, double *to)
 {
@@ -119,10 +120,11 @@ static void add_lack(const aoi_contact_step *entry, const double *aim, const dou
     }
 }
 
-/* Replaces the law's force by the right-hand side of the first iteration, or of a later one. */
+/* Replaces the law's force by the right-hand side of Newton's equations, for the first or a later iteration. */
 static void aim(const aoi_contact_step *entry, int first, int with_rates, aoi_law_values *law)
 {
-    for (size_t r = 0, axes = entry->sliding ? 3 : 1; first && r < axes; r++) { /* friction depends on slides, too */
+    /* friction also depends on the slides */
+    for (size_t r = 0, axes = entry->sliding ? 3 : 1; first && r < axes; r++) {
         const aoi_contact_step *of = entry - entry->axis + r;
         const double *by = entry->sliding ? entry->sliding->by[entry->axis][r] : law->stiffness;
         add_lack(of, of->homogeneous, of->indentation, by, law->force);
@@ -138,8 +140,8 @@ static void aim(const aoi_contact_step *entry, int first, int with_rates, aoi_la
     }
 }
 
-/* 1 if the difference between the forces of friction's two paths is to be computed: in iteration 1, and in later
- * ones after a large change. */
+/* Returns 1 if both paths of friction are to be followed, for the difference between their forces: in iteration 1,
+ * and in later iterations after a large change. */
 static int nears(const aoi_newton *newton)
 {
     return newton->iteration == 1 || (newton->iteration > 1 && newton->before > FAR_OFF);

@@ -1,4 +1,5 @@
-/* A step with one contact, the most common case: the equations of many.c, of constant size, and by columns. */
+/* A step with one contact, the most common case: the equations of many.c with matrices of constant size, stored by
+ * columns. */
 #include "collocation/collocation.h"
 #include "collocation/newton.h"
 #include "law/law.h"
@@ -10,8 +11,8 @@
 
 enum { SQUARE = AOI_NODES * AOI_NODES };
 
-/* Matrices of the contact; element (i, q) has the index q * AOI_NODES + i: influences of the force at node q on
- * indentation and rate at node i, and the inverse of Newton's matrix. */
+/* Matrices of the contact: influences of the force at node q on indentation and rate at node i, and the inverse of
+ * Newton's matrix. Element (i, q) has the index q * AOI_NODES + i. */
 typedef struct single {
     int with_rates;
     double displacement[SQUARE], rate[SQUARE], inverse[SQUARE];

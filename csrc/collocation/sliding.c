@@ -7,25 +7,26 @@
 #include <math.h>
 #include <string.h>
 
-/* SHORT_WAY: half of the distance over which slipping springs are tested for sticking, as a share of a step.
- * CHANGE_WIDTH: tolerance of the place where slip begins or ends, as a share of a step. */
+/* SHORT_WAY: half the interval over which slipping springs are tested for sticking, as a share of a step.
+ * CHANGE_WIDTH: tolerance of the position at which slip begins or ends, as a share of a step. */
 static const double SHORT_WAY = 1e-5, CHANGE_WIDTH = 1e-9;
 
-/* Stops of paths. place: ascending places of a step; at: number of the point there, below AOI_NODES where forces are
- * found, from AOI_NODES on where forces are compared, else NO_POINT. */
+/* Stops: the positions in a step (0 to 1, ascending) between which a path is straight. at: number of the point at
+ * a stop; below AOI_NODES if forces are found there, from AOI_NODES on if the force is compared with its
+ * polynomial, NO_POINT if neither. */
 enum { MOST_POINTS = AOI_NODES + AOI_EDGE_CHECKS, NO_POINT = MOST_POINTS, MOST_STOPS = MOST_POINTS + 4 };
 typedef struct stops {
     size_t count, at[MOST_STOPS];
     double place[MOST_STOPS];
 } stops;
 
-/* Results at the stops, indexed by the numbers of their points. */
+/* Results at the stops, indexed by the number of the point at each. */
 typedef struct finds {
     aoi_oblique_solution at[MOST_POINTS + 1];
-    double stretched[MOST_POINTS + 1]; /* energy of the springs, J; only where it is asked for */
+    double stretched[MOST_POINTS + 1]; /* energy of the springs, J; set only on request        */
 } finds;
 
-/* The motion of the bodies in a step: an indentation and two slides since the touch, as Legendre series. */
+/* Motion of the bodies in a step: the indentation and two slides since the touch, as Legendre series. */
 typedef struct motion {
     double series[3][AOI_NODES + 1];
 } motion;
@@ -50,7 +51,7 @@ static void add_stop(stops *of, double place, size_t number)
     of->at[i] = number;
 }
 
-/* Direction of friction at the start of a step, or, if the step begins with a touch, of the slide. */
+/* Sets n to the direction of friction at the start of a step or, if there is no friction, of the slide. */
 static void direction_of(const aoi_sliding *of, const motion *along, double n[2])
 {
     const double *force = of->path[1].force;
@@ -63,9 +64,9 @@ static void direction_of(const aoi_sliding *of, const motion *along, double n[2]
     n[1] /= size > 0.0 ? size : 1.0;
 }
 
-/* Returns the stops of a step: the nodes, or the points of an edge, and the places where springs begin or cease to
- * slip. All springs do so at once where the slide in the direction of friction, plus or minus mu/ratio times the
- * indentation, has an extremum. */
+/* Returns the stops of a step: the nodes, or the points of an edge, and the positions at which springs begin or
+ * cease to slip. All springs do so at once where the slide in the direction of friction, plus or minus mu/ratio
+ * times the indentation, has an extremum. */
 static stops stops_of(const aoi_sliding *of, enum aoi_edge edge, const motion *along)
 {
     stops made = {.count = 0};
@@ -97,7 +98,8 @@ static void copy_path(const aoi_slide_path *from, aoi_slide_path *to)
     to->springs.spare = spare;
 }
 
-/* Finds the forces after a straight path to a place of the bodies, without moving the path. */
+/* Finds the forces after straight motion from a path's end to an indentation and slides of the bodies (place). The
+ * path stays unchanged. */
 static int look(const aoi_sliding *of, const double place[3], const aoi_slide_path *path, aoi_oblique_solution *found)
 {
     aoi_oblique_equation equation = {.rate_free = 0.0}; /* the law is elastic */
@@ -108,7 +110,7 @@ static int look(const aoi_sliding *of, const double place[3], const aoi_slide_pa
     return aoi_rub_solve(&of->rub, &path->springs, &equation, found);
 }
 
-/* Moves a path to a place of the bodies, and finds the forces there. */
+/* Moves a path straight to an indentation and slides of the bodies (place), and finds the forces there. */
 static int go(const aoi_sliding *of, const double place[3], aoi_slide_path *path, aoi_oblique_solution *found)
 {
     int status = look(of, place, path, found);
@@ -127,7 +129,7 @@ static int go(const aoi_sliding *of, const double place[3], aoi_slide_path *path
     return AOI_OK;
 }
 
-/* Sets `place` to the indentation and slides of the bodies at a place of the step. */
+/* Sets `place` to the indentation and slides of the bodies at a position of the step (at). */
 static void bodies_at(const motion *along, double at, double place[3])
 {
     for (size_t k = 0; k < 3; k++) {
@@ -136,9 +138,10 @@ static void bodies_at(const motion *along, double at, double place[3])
     }
 }
 
-/* 1 if all springs slip at a place of the step, when a path goes there from `from`, of which only the spare springs
- * are overwritten. Sticking springs are recognised by their stretch. Slipping springs all stick at once if the slide
- * does not keep up with the bound, as tested over a short distance about the place. */
+/* Returns 1 if all springs slip at a position of the step (at) after a straight path from `from`, whose spare
+ * springs are overwritten. Springs that stick begin to slip when their stretch reaches its bound. Springs that
+ * slip all stick at once if the slide does not keep up with the bound, which is tested over a short interval about
+ * the position. */
 static int slips_at(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double at, int slipped)
 {
     aoi_slide_path path = *from;
@@ -154,7 +157,8 @@ static int slips_at(const aoi_sliding *of, const motion *along, const aoi_slide_
     return status == AOI_OK ? !(found.stuck > 0.0) : slipped;
 }
 
-/* Finds the place between `low` and `high` at which all springs begin or cease to slip. from: the path at `low`. */
+/* Returns the position between `low` and `high` at which all springs begin or cease to slip, within `width`. from:
+ * the path at `low`. */
 static double change_between(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double low,
                              double high, int slipped, double width)
 {
@@ -169,7 +173,7 @@ static double change_between(const aoi_sliding *of, const motion *along, const a
     return 0.5 * (low + high);
 }
 
-/* Moves a path straight to a place of the step; notes where all springs begin, or cease, to slip. */
+/* Moves a path straight to a position of the step (at), and records where all springs begin or cease to slip. */
 static int go_on(aoi_sliding *of, const motion *along, double before, double at, const double place[3],
                  aoi_slide_path *path, aoi_oblique_solution *found)
 {
@@ -178,7 +182,7 @@ static int go_on(aoi_sliding *of, const motion *along, double before, double at,
     if (status != AOI_OK || slips == of->slips) {
         return status;
     }
-    copy_path(&from, &of->trial); /* its springs are in the spare array now */
+    copy_path(&from, &of->trial); /* copied, since its springs are in the spare array now */
     if (of->changes == AOI_SLIP_CHANGES) {
         return AOI_OK;
     }
@@ -196,8 +200,8 @@ static int go_on(aoi_sliding *of, const motion *along, double before, double at,
     return AOI_OK;
 }
 
-/* Moves a path along the motion, in `parts` straight parts from stop to stop. energies: 1: also finds the energies
- * of the springs. noted: receives the changes of slip, or NULL. */
+/* Moves a path along the motion of a step, in `parts` straight parts from one stop to the next. energies = 1: also
+ * finds the energies of the springs. noted: receives the changes of slip; or NULL. */
 static int follow(const aoi_sliding *of, const motion *along, const stops *to, size_t parts, int energies,
                   aoi_sliding *noted, aoi_slide_path *path, finds *found)
 {
@@ -223,7 +227,8 @@ static int follow(const aoi_sliding *of, const motion *along, const stops *to, s
     return AOI_OK;
 }
 
-/* Force extrapolated to parts of zero length, from the forces of both paths, whose errors have the ratio 4 to 1. */
+/* Returns the force extrapolated to parts of zero length, from the forces on both paths, whose errors have the
+ * ratio 4 to 1. */
 static double extrapolated(double whole, double half)
 {
     return half + (half - whole) / 3.0;
@@ -276,7 +281,8 @@ void aoi_sliding_prepare(aoi_sliding *of, const aoi_contact_step *entry)
             const double depth = entry[0].indentation[ahead[i]] + path->bent[0];
             const double slide[2] = {entry[1].indentation[ahead[i]] + path->bent[1] - path->own[0],
                                      entry[2].indentation[ahead[i]] + path->bent[2] - path->own[1]};
-            (void)aoi_friction_refine(&of->rub.friction, &path->springs, depth, 1.0, slide); /* as far as there is room */
+            /* springs are added only while there is room */
+            (void)aoi_friction_refine(&of->rub.friction, &path->springs, depth, 1.0, slide);
         }
     }
 }
@@ -323,7 +329,7 @@ int aoi_sliding_check(aoi_sliding *of, const aoi_contact_step *entry)
             add_stop(&to, aoi_radau_check_point[edge][k], AOI_NODES + k);
         }
     }
-    /* The last node is mirrored to the start, where the force is known: */
+    /* The check point that mirrors the last node is the start, where the force is known. */
     memcpy(found.at[2 * AOI_NODES - 1].force, of->trial.force, sizeof of->trial.force);
     const int status = follow(of, &along, &to, 1, 0, NULL, &of->trial, &found);
     for (size_t i = 0; i < 3 && status == AOI_OK; i++) {
@@ -343,7 +349,7 @@ int aoi_sliding_check(aoi_sliding *of, const aoi_contact_step *entry)
     return status;
 }
 
-/* 1 if all springs slip at the start of a step, or, at a touch, a short distance behind it. */
+/* Returns 1 if all springs slip at the start of a step or, if the step begins with a touch, a short time after it. */
 static int slips_first(const aoi_sliding *of, const motion *along)
 {
     return of->path[1].springs.count > 0 ? of->slips : slips_at(of, along, &of->path[1], SHORT_WAY, 0);
@@ -375,8 +381,9 @@ double aoi_sliding_corner(aoi_sliding *of, const aoi_contact_step *entry, double
     return 2.0;
 }
 
-/* Finds the ratio of friction to the normal force at the nodes of a step with an edge. Beyond the contact's end, the
- * ratio at a node equals the ratio at the node before: where the indentation falls to zero all springs slip. */
+/* Finds the ratio of friction to the normal force at the nodes of a step with an edge. After the contact has
+ * ended, the ratio at a node is that at the node before, since all springs slip when the indentation falls to
+ * zero. */
 static void find_shares(aoi_sliding *of, const finds *found)
 {
     for (size_t i = 0; i < 2; i++) {

@@ -1,9 +1,10 @@
 /* Friction of a contact in an adaptive run: its forces along the motion of a step.
  *
- * The springs of friction remember how the contact moved. Here they follow the polynomials of a step on two paths: along
- * straight parts between the points where forces are found, and along the halves of these. The error of the force is
- * proportional to the square of a part's length, so that the forces of both paths are extrapolated (Richardson), and
- * their difference shows the error. Each path has springs of its own, which go on from step to step. */
+ * The springs of friction remember how the contact has moved. In a step they follow its polynomials on two paths.
+ * The first path has straight parts between the points where forces are found, the second has parts of half that
+ * length. The error of the force is proportional to the square of a part's length: the forces of both paths are
+ * extrapolated (Richardson), and their difference gives the error. Each path has springs of its own, which are
+ * kept from step to step. */
 #ifndef AOI_COLLOCATION_SLIDING_H
 #define AOI_COLLOCATION_SLIDING_H
 
@@ -11,82 +12,87 @@
 #include "law/oblique.h"
 #include "motion/radau.h"
 
-/* AOI_PATHS, AOI_SPRINGS: numbers of paths, and of springs of each path. A trial step uses at most
- * AOI_TRIED_SPRINGS, since accepting the step adds springs at up to 2 MOST_STOPS places; a step that needs more is
- * shortened. */
+/* AOI_PATHS: number of paths; AOI_SPRINGS: largest number of springs of each path. A trial step uses at most
+ * AOI_TRIED_SPRINGS, since accepting the step adds springs at up to 2 MOST_STOPS positions; a step that needs more
+ * is shortened. */
 enum { AOI_PATHS = 2, AOI_SPRINGS = 2048, AOI_TRIED_SPRINGS = AOI_SPRINGS - 256 };
 
-/* Largest number of changes recorded in a step, at which all springs of a contact begin or cease to slip; further
- * changes are ignored. */
+/* Largest number of changes recorded in a step. At a change, all springs of a contact begin or cease to slip;
+ * further changes are ignored. */
 enum { AOI_SLIP_CHANGES = 4 };
 
-/* State of a path. own: the contact's own slides since the touch, m; bent: the contact's own indentation and slides
- * less those of the bodies, m; force: normal force and friction along the tangents, N. */
+/* State of a path. own: the contact's own slides since the touch, m; bent: the contact's own indentation and
+ * slides minus those of the bodies, m; force: normal force and friction along both tangents, N. */
 typedef struct aoi_slide_path {
     aoi_friction_state springs;
     double own[2], bent[3], force[3];
 } aoi_slide_path;
 
-/* The friction of one contact. The caller sets the first block; the springs of path and trial have room.
- *   enough  change of a place relative to its scale at which Newton's method ends */
+/* Friction of one contact. The caller sets the first block; the springs of all paths, trial included, must have
+ * room.
+ *   rub, exact  the contact's friction, and the same with the precision for paths within a step
+ *   enough      change of an indentation or slide, relative to its scale, at which Newton's method ends */
 struct aoi_sliding {
     aoi_rub rub;
     aoi_friction exact;
     double enough;
 
     aoi_slide_path path[AOI_PATHS], trial;
-    /* forces at the nodes or the points of an edge, and d force/d place */
+    /* forces at the nodes or the points of an edge, and their derivatives with respect to indentation and slides */
     double force[3][AOI_NODES], by[3][3][AOI_NODES];
-    /* forces of the second path less the first's */
+    /* forces of the second path minus those of the first, N */
     double apart[3][AOI_NODES];
     /* growth of the error of the forces in the step, N */
     double drift[3];
-    double beyond[3][AOI_EDGE_CHECKS];               /* forces of the law less the polynomial's                  */
+    double beyond[3][AOI_EDGE_CHECKS];               /* forces of the law minus those of the polynomial, N       */
 
     /* slides of the bodies since the touch, at the start of a step */
     double slide[2];
-    /* slides in the last step, as Legendre series, to guess the next */
+    /* slides of the last step as Legendre series, to guess those of the next */
     double last[2][AOI_NODES + 1];
-    double largest;                     /* largest friction so far */
-    /* work: on the slides so far, J; lost: dissipated part of it, J; stuck: stuck share of the indentation */
-    double work, lost, stuck;
-    /* in the last step: ratio of friction to normal force, energy of the stretches (J), stuck share of the
+    double largest;                     /* largest friction so far, N */
+    /* work: work on the slides so far, J; lost: dissipated part of this work, J; stuck: stuck share of the
      * indentation */
+    double work, lost, stuck;
+    /* share: ratio of friction to normal force at the nodes of the last step, if it had an edge; stretched_at,
+     * stuck_at: energy of the stretches (J) and stuck share of the indentation, at the nodes or the points of an
+     * edge, and at the end */
     double share[2][AOI_NODES], stretched_at[AOI_NODES + 1], stuck_at[AOI_NODES + 1];
     /* 1 if all springs slip: at the start of the last step (slipped), at its end (slips) */
     int slipped, slips;
-    size_t changes;                        /* number of changes of slip in it */
-    /* places in the last step where slip begins or ends, and the stretches at these places */
+    size_t changes;                        /* number of changes of slip in the last step */
+    /* positions in the last step at which slip begins or ends, and the stretches there */
     double change_at[AOI_SLIP_CHANGES], change_stretch[2][AOI_SLIP_CHANGES];
 };
 
-/* Sets a contact to the state at a touch, where the springs are not stretched. */
+/* Sets a contact to its state at a touch: its springs are not stretched. */
 void aoi_sliding_touch(aoi_sliding *sliding);
 
-/* Sets a contact to the state at a touch, and moves it straight to the place of the bodies: an indentation and two
- * slides, m. Errors as aoi_oblique_solve. */
+/* Sets a contact to its state at a touch, and then moves it straight to an indentation and two slides of the
+ * bodies (place), m. Errors as for aoi_oblique_solve. */
 int aoi_sliding_begin(aoi_sliding *sliding, const double place[3]);
 
-/* Force of a contact at the end of the last step, along the normal (axis 0) or a tangent. */
+/* Returns the force of a contact at the end of the last step, along the normal (axis 0) or a tangent (1, 2), N. */
 double aoi_sliding_force(const aoi_sliding *sliding, size_t axis);
 
-/* Adds springs where the step will turn neighbouring springs by different angles, according to the guess in the
- * three entries. To be called before the forces of a step are found. */
+/* Adds springs where the step will turn neighbouring springs by different angles, as the guess in the three
+ * entries shows. Must be called before the forces of a step are found. */
 void aoi_sliding_prepare(aoi_sliding *sliding, const aoi_contact_step *entry);
 
 /* Sets `force` and `by` for the indentation and slides in the three entries of a contact. both = 1: follows both
- * paths and sets `drift`; 0: follows only the first path, and keeps `apart`, the difference of the second. Errors as
- * aoi_oblique_solve. */
+ * paths, and sets `apart` and `drift`. both = 0: follows only the first path, and takes the second's difference
+ * from `apart`. Errors as for aoi_oblique_solve. */
 int aoi_sliding_evaluate(aoi_sliding *sliding, const aoi_contact_step *entry, int both);
 
-/* Sets `beyond` for a step that has been solved. Errors as aoi_oblique_solve. */
+/* Sets `beyond`, the force of the law minus that of its polynomial, for a step that has been solved. Errors as for
+ * aoi_oblique_solve. */
 int aoi_sliding_check(aoi_sliding *sliding, const aoi_contact_step *entry);
 
-/* First place after `beyond`, in a step that has been solved, at which all of the contact begins to
- * slip, or ceases to: friction has a corner there. 2: none. */
+/* Returns the first position after `beyond`, in a step that has been solved, at which all springs of the contact
+ * begin or cease to slip, so that friction has a corner; 2 if there is none. */
 double aoi_sliding_corner(aoi_sliding *sliding, const aoi_contact_step *entry, double beyond);
 
-/* Moves both paths to the end of the step. */
+/* Moves both paths to the end of the step, and records the results along it. Errors as for aoi_oblique_solve. */
 int aoi_sliding_advance(aoi_sliding *sliding, const aoi_contact_step *entry);
 
 #endif
