@@ -2,14 +2,14 @@
 
     python benchmarks/adaptive.py [--scene rigid] [--scene pair] [--scene beam]
 
-The settings of each method are tightened until the error of the quantity asked for stays under the
-limit. Of the settings from there on the fastest is reported, so that none is right by chance.
+The settings of each method are tightened until the error of the quantity asked for is below the
+limit with all tighter settings: none is right by chance. The fastest of these settings is reported.
 CVODE is driven by cvode_pair.c, which is built here if there are a C compiler and Debian's
 libsundials-dev; Exudyn by exudyn_pair.py if that package is installed. Takes two or three minutes.
 
 "call" is the time that a user waits for: ao.simulate with the curves of its result. "core" is the
 run in C alone, without the curves. CVODE and Exudyn are timed without Python and without curves. A
-curve of 400 even times of the beam, with its energies, takes 0.9 of the run at rtol 1e-6.
+curve of the beam at 400 even times, with energies, takes 0.9 of the time of its run at rtol 1e-6.
 """
 
 from __future__ import annotations
@@ -190,7 +190,7 @@ def ratio_text(ratio: float) -> str:
 
 
 def print_fixed_cost() -> None:
-    """Print the time of a call beyond that of its integration."""
+    """Print the time of a call minus that of its integration."""
     scene, solver = rigid_pair(), ao.Adaptive(rtol=1e-6)
     plan = plan_of(scene)
     whole = best_time(lambda: ao.simulate(**scene, solver=solver).peak_force)

@@ -124,7 +124,7 @@ def deck(mesh: meshio.Mesh) -> str:
 
 
 def by_calculix(mesh: meshio.Mesh, folder: Path) -> tuple[float, float]:
-    """Return the peak force, N, and the processor time, s."""
+    """Return the peak force, N, and the processor time, s, of CalculiX."""
     folder.joinpath("ball.inp").write_text(deck(mesh))
     two = os.environ | {"OMP_NUM_THREADS": "2"}
     began = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -18,7 +18,7 @@ from aoimpact.integrate import rigid_contact_time
 
 @dataclass(frozen=True)
 class Run:
-    """Run of one setting of a method; `error`: the largest of the quantities asked for."""
+    """Time, s, and error of one setting of a method: the largest of the quantities asked for."""
 
     setting: str
     seconds: float
@@ -27,9 +27,9 @@ class Run:
 
 @dataclass(frozen=True)
 class Case:
-    """A scene, the quantities asked for, the error limits, and the speed-ups aimed at.
+    """A scene, the quantities asked for, the error limits, and the desired speed-ups.
 
-    `aims` has the wanted ratio of a peer's time to ours, by peer and error limit.
+    `aims` maps peer and error limit to the desired ratio of the peer's time to aoimpact's.
     """
 
     title: str
@@ -44,7 +44,7 @@ class Case:
 
     @property
     def length(self) -> float:
-        """Size of the displacements, m."""
+        """Scale of displacements, m: velocity times the contact time of rigid bodies."""
         inverse = sum(1.0 / star.static_mass for star in self.stars)
         velocity = self.scene["velocity"]
         return velocity * rigid_contact_time(self.scene["law"], 1.0 / inverse, velocity)
@@ -110,7 +110,7 @@ CASES = {
 
 
 def best_time(call: Callable[[], object], most: int = 1000, enough: float = 0.2) -> float:
-    """Return the shortest time, s, of as many calls as fit into `enough` s, and at most `most`."""
+    """Return the shortest time of a call, s; calls are repeated for `enough` s, at most `most`."""
     best, spent, done = math.inf, 0.0, 0
     while done == 0 or (done < most and spent < enough):
         start = time.perf_counter()
@@ -121,13 +121,16 @@ def best_time(call: Callable[[], object], most: int = 1000, enough: float = 0.2)
 
 
 def error_of(case: Case, exact: Outcome, found: Any) -> float:
-    """Return the largest relative error of the quantities asked for; velocities by the initial."""
+    """Return the largest relative error of the quantities asked for.
+
+    Errors of velocities are relative to the initial velocity.
+    """
     scale = {"peak_force": exact.peak_force, "rebound_velocity": case.scene["velocity"]}
     return max(abs(getattr(found, n) - getattr(exact, n)) / abs(scale[n]) for n in case.asked)
 
 
 def tighten(runs: Iterable[Run | None], least: float) -> list[Run]:
-    """Run until two settings in a row are below the least error."""
+    """Run tighter and tighter settings until the errors of two in a row are at most `least`."""
     done: list[Run] = []
     for run in runs:
         if run is not None:
@@ -138,7 +141,7 @@ def tighten(runs: Iterable[Run | None], least: float) -> list[Run]:
 
 
 def fastest(sweeps: list[list[Run]], limit: float) -> Run | None:
-    """Return the fastest setting that meets the limit, as do all tighter settings; or None."""
+    """Return the fastest run within the limit of which all tighter runs are too; else None."""
     good = []
     for sweep in sweeps:
         for run in reversed(sweep):

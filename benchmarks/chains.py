@@ -2,10 +2,10 @@
 
     python benchmarks/chains.py
 
-The wave passes each ball once, and each contact acts once: in a longer row a contact may cost at
-most twice as much. The time is that of the whole call, and of reading the final velocities and all
-peak forces. It is processor time: with wall time other load would slow the long calls, and spare
-the shortest of the short ones. Takes half a minute.
+The wave passes each ball once, and each contact acts once. In a longer row a contact may take at
+most twice as long as in a shorter one. The time includes the whole call and the reading of the
+final velocities and all peak forces. It is processor time, since other load of the machine adds to
+the wall time of long calls more than to the shortest of many short calls. Takes half a minute.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def pass_on(scene: ao.Scene, count: int, rtol: float) -> int:
     duration = FROM_BALL_TO_BALL * count + 1e-4
     run = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=rtol), energies=False)
     end = run.at([duration])
-    assert math.isclose(sum(body.velocity[-1] for body in end.bodies), 1.0)  # momentum over mass
+    assert math.isclose(sum(body.velocity[-1] for body in end.bodies), 1.0)  # momentum / mass
     return sum(contact.peak_force > 0.0 for contact in end.contacts)
 
 

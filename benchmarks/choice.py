@@ -1,4 +1,4 @@
-"""Time of an impact to a tolerance, over that of building models of the order that it returns.
+"""Time of an impact to a tolerance, relative to building models of the order that it returns.
 
     python benchmarks/choice.py [--size 1.0] [--rtol 1e-1 1e-2 1e-3] [--quantity force]
     python benchmarks/choice.py beam plate --size 2 --full
@@ -49,7 +49,8 @@ REFERENCE, TIMES_AS_MANY = 150, 3
 # Distance from the contact at which stress is asked for, m, and number of times.
 FROM_CONTACT, TIMES = 0.02, 400
 
-# Estimated time over that of the quickest linear solver, up to which a solver is timed.
+# A linear solver is timed if its estimated time is at most this multiple of that of the quickest
+# solver.
 SLOWER = 2.0
 
 
@@ -238,7 +239,7 @@ def timed(call: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def fresh(case: str, size: float) -> tuple[Any, ...]:
-    """Return the case anew, with nothing computed of its bodies but their rigid motions."""
+    """Return newly made bodies of a case, of which only the rigid motions are computed."""
     *bodies, law, duration = CASES[case](size)
     for body in bodies:
         if isinstance(body, ao.ContactPoint):
@@ -247,7 +248,7 @@ def fresh(case: str, size: float) -> tuple[Any, ...]:
 
 
 def building(case: str, size: float, solver: str, orders: list[int], contact_time: float) -> float:
-    """Return the time to build Krylov models of such orders with a linear solver, s."""
+    """Return the time, s, to build Krylov models of 2 n + 8 oscillators for n in `orders`."""
     seconds = 0.0
     for body, n in zip(fresh(case, size)[:2], orders, strict=True):
         if isinstance(body, ao.ContactPoint):
@@ -269,9 +270,9 @@ def stress_history(hit: ao.Result, tip: ao.ContactPoint) -> np.ndarray:
 
 
 def difference(one: ao.Result, exact: ao.Result, quantity: str, tip: ao.ContactPoint) -> float:
-    """Return the largest difference of a quantity, relative to the exact result's."""
+    """Return the largest difference of a quantity between two results, as a relative error."""
     if quantity != "stress":
-        return QUANTITIES[quantity].difference(exact, one)  # at the times of the latter
+        return QUANTITIES[quantity].difference(exact, one)  # at the times of `one`
     right = stress_history(exact, tip)
     return float(np.abs(stress_history(one, tip) - right).max() / right.max())
 
@@ -317,7 +318,7 @@ def simulated(case: str, size: float, quantity: str, rtol: float) -> tuple[float
 
 
 def full_run(case: str, size: float, quantity: str, error: float, exact: ao.Result) -> float:
-    """Return the time, s, of Newmark's rule on the full models with at most that error."""
+    """Return the time, s, of Newmark's rule on the full models with an error of at most `error`."""
     dt = exact.contact_duration / 25
     while True:
         *bodies, law, duration = fresh(case, size)

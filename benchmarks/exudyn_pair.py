@@ -119,7 +119,7 @@ def no_output(made: Any) -> None:
 
 
 def peak(t: np.ndarray, depth: np.ndarray, rate: np.ndarray) -> float:
-    """Return the largest depth, by cubics through depth and rate between samples about a peak."""
+    """Return the peak depth, from cubics through the depth and rate of adjacent samples."""
     best = float(depth.max())
     for i in np.flatnonzero((rate[:-1] > 0.0) & (rate[1:] <= 0.0)):
         h, slope = t[i + 1] - t[i], (depth[i + 1] - depth[i]) / (t[i + 1] - t[i])

@@ -1,4 +1,4 @@
-"""Time of the fields of a struck plate, over that of building its model.
+"""Time to compute fields of a struck plate, relative to the time to build its model.
 
     python benchmarks/fields.py [--across 36]
 
@@ -37,7 +37,7 @@ def struck(across: int) -> tuple[ao.Result, float]:
 
 
 def seconds_of(hit: ao.Result, times: object, **place: object) -> float:
-    """Return the processor time of motion and stress of a place, s."""
+    """Return the processor time, s, to compute motion and stress at a place."""
     start = time.process_time()
     _ = hit.target.probe(**place, times=times).stress.von_mises
     return time.process_time() - start

@@ -28,8 +28,8 @@ def beam_star(n: int = 28) -> AOModel:
     """Return `n` anti-oscillators of the paper's beam, simply supported, seen from midspan.
 
     By Euler-Bernoulli theory the anti-oscillators are modes of half the beam, clamped at midspan
-    and pinned at its end: tan x = tanh x, m_i = 4 M coth²x / x²; static mass 17/35 M and
-    k0 = 48 E I / L³.
+    and pinned at its end. Their wavenumbers 2 x / L satisfy tan x = tanh x, and their masses are
+    m_i = 4 M coth²x / x². The static mass is 17/35 M, and k0 = 48 E I / L³.
     """
     modulus, density, length, width = 70e9, 2400.0, 1.0, 0.02
     mass, bending = density * length * width**2, modulus * width**4 / 12.0

@@ -35,7 +35,7 @@ KINDS = (
 
 
 class Test(NamedTuple):
-    """A true law, the start of its contact, s, and the arguments of `fit_law`."""
+    """A law to be recovered, the start of its contact, s, and the arguments of `fit_law`."""
 
     law: Any
     begin: float
@@ -43,7 +43,7 @@ class Test(NamedTuple):
 
 
 def true_law(kind: str, rng: np.random.Generator, mass: float, speed: float) -> Any:
-    """Return a law of random parameters that the impact makes visible in the measurement."""
+    """Return a law whose random parameters all affect the measurement noticeably."""
     k = 10.0 ** rng.uniform(8.5, 10.0)
     depth = ao.Hertz(k).stroke(0.5 * mass * speed**2)
     peak = k * depth**1.5
@@ -68,7 +68,10 @@ def true_law(kind: str, rng: np.random.Generator, mass: float, speed: float) -> 
 
 
 def start_of(law: Any, free: list[str], rng: np.random.Generator) -> dict[str, Any]:
-    """Return the fit's initial law: a class, or a plastic law with wrong parameters."""
+    """Return the arguments of `fit_law` that give the initial law.
+
+    It is a class or, of plastic laws, an object with wrong values of the parameters to fit.
+    """
     if not isinstance(law, ao.ElasticPlastic):
         return {"law": type(law)}
     off = {name: getattr(law, name) * rng.uniform(1.0, 1.2) for name in free}
@@ -77,7 +80,7 @@ def start_of(law: Any, free: list[str], rng: np.random.Generator) -> dict[str, A
 
 
 def test_of(kind: str, rng: np.random.Generator) -> Test:
-    """Return a noisy measurement of a law of that kind."""
+    """Return a simulated noisy measurement of a random law of the given kind."""
     mass, speed = 10.0 ** rng.uniform(-2.0, 0.0), 10.0 ** rng.uniform(-0.3, 0.7)
     law, noise = true_law(kind, rng, mass, speed), 10.0 ** rng.uniform(-2.3, -1.0)
     if kind.startswith("curve"):
@@ -107,7 +110,7 @@ def test_of(kind: str, rng: np.random.Generator) -> Test:
 
 
 def fitted(number: int) -> list[tuple[str, str, float]]:
-    """Return kind, parameter and error over standard error of a fit; NaN if it failed."""
+    """Return kind, parameter and error/standard error of each fitted parameter; NaN: fit failed."""
     rng, kind = np.random.default_rng([7, number]), KINDS[number % len(KINDS)]
     test = test_of(kind, rng)
     with warnings.catch_warnings():
@@ -127,7 +130,7 @@ def fitted(number: int) -> list[tuple[str, str, float]]:
 
 
 def table(scores: dict[tuple[str, str], list[float]]) -> Iterator[tuple[Any, ...]]:
-    """Return rows of kind, parameter, fits, percent within one, two and three standard errors."""
+    """Return rows: kind, parameter, fits, percent of fits within 1, 2 and 3 standard errors."""
     every = [z for of in scores.values() for z in of]
     for (kind, name), of in [*sorted(scores.items()), (("all", ""), every)]:
         away = np.abs(of)

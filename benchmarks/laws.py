@@ -1,4 +1,4 @@
-"""Time of the solvers with each contact law, over that with Hertz's law in the same scene.
+"""Time of the solvers with each contact law, relative to Hertz's law in the same scene.
 
     python benchmarks/laws.py
 
@@ -90,7 +90,7 @@ def run(law: ao.ContactLaw, solver: Any) -> Callable[[], object]:
 
 
 def compare(title: str, laws: dict[str, ao.ContactLaw], yardstick: str, solver: Any) -> None:
-    """Print the time of every law as a multiple of that of the yardstick."""
+    """Print the time with each law, and its ratio to the time with the law `yardstick`."""
     calls = [run(law, solver) for law in laws.values()]
     times = dict(zip(laws, best_times(*calls, enough=5.0), strict=True))
     lines = [Line(yardstick, times[yardstick])]
@@ -103,7 +103,7 @@ def compare(title: str, laws: dict[str, ao.ContactLaw], yardstick: str, solver: 
 
 
 def main() -> None:
-    warnings.simplefilter("ignore", ao.AOImpactWarning)  # the record is meant to end in contact
+    warnings.simplefilter("ignore", ao.AOImpactWarning)  # "ends in contact" is intended
     hertz = ao.Hertz(K)
     everything = {"Hertz": hertz} | library()
     compare(f"Newmark, {STEPS} steps in contact", everything, "Hertz", NEWMARK)

@@ -28,12 +28,13 @@ from aoimpact.linalg.multigrid import Multigrid
 
 STEEL = ao.Material(E=210e9, nu=0.3, rho=7800)
 
-# Shift s² that suits models of few oscillators for a blow of some 70 µs, (rad/s)²; and relative
-# residual of solutions.
+# `SHIFT`: s² for models of few oscillators and a contact time of some 70 µs, (rad/s)². `TOLERANCE`:
+# relative residual of solutions.
 SHIFT = 1.5e5**2
 TOLERANCE = 1e-8
 
-# Edge of the elements on a sphere of 10 mm, m; elements along and across a bar of 1 m x 50 mm.
+# Meshes by number of dofs. `SPHERES`: edge of elements on a sphere of 10 mm, m. `BARS`: numbers of
+# elements along and across a bar of 1 m x 50 mm.
 SPHERES = {2e4: 3e-3, 4.5e4: 2e-3, 2.3e5: 1e-3, 1.14e6: 0.55e-3}
 BARS = {2.2e4: (60, 3), 4e4: (80, 4), 2.8e5: (160, 8), 1.14e6: (260, 13)}
 
@@ -92,7 +93,7 @@ BODIES = {
 
 
 def direct() -> None:
-    """Print entries and times of factors beside their estimates, and times by minimum degree."""
+    """Print entries and times of factors with their estimates, and times with minimum degree."""
     methods = [METHODS[name] for name in ("superlu", "pardiso") if METHODS[name].is_installed()]
     print(f"{'':16}{'dofs':>8}  entries/foretold  seconds of the processor (foretold)")
     for name, mesh in BODIES.items():

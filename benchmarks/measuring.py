@@ -40,7 +40,7 @@ class Line:
 
 
 def print_table(title: str, lines: list[Line]) -> None:
-    """Print measurements, each as a multiple of its yardstick."""
+    """Print times, each with its ratio to the time that it is compared with."""
     print(f"\n{title}")
     width = max(len(line.what) for line in lines)
     for line in lines:

@@ -1,12 +1,12 @@
-"""Newmark's rule in the C core: time of a step, over other times measured in the same run.
+"""Newmark's rule in the C core: time of a step, relative to other times of the same run.
 
     python benchmarks/newmark.py
 
-A star (an AO model) is compared with a plain C loop (newmark_star.c, built here if there is a C
-compiler) and with a copy of the record; the full model of the paper's beam with its own
-back-substitution and product with K, and with a plain loop on SciPy; assembly with sorting; two
-threads with one. Takes about half a minute. Only the ratios are meaningful: machines differ and are
-shared.
+A step of an AO model is compared with a plain C loop (newmark_star.c, built here if there is a C
+compiler) and with a copy of the record. A step of the full model of the paper's beam is compared
+with its back-substitution and product with K, and with a plain loop on SciPy. Assembly is compared
+with sorting, and two threads with one. Takes about half a minute. Only the ratios are meaningful:
+machines differ and are shared.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ ROWS = 4 + 2 * 8  # rows of the record of a contact and two bodies with a port e
 
 
 def core_run(target: Any, steps: int, energies: bool) -> Callable[[], np.ndarray]:
-    """Return a run of the core alone, from the same start each time: a rigid sphere on `target`."""
+    """Return a function that runs a rigid sphere against `target` in the C core alone."""
     bodies = stepped(ao.rigid(mass=MASS), VELOCITY), stepped(target)
     described = tuple(body.for_core(DT, 0.25, 0.5) for body in bodies)
     x, v = (np.concatenate(parts) for parts in zip(*((b.x, b.v) for b in bodies), strict=True))
@@ -59,7 +59,7 @@ def core_run(target: Any, steps: int, energies: bool) -> Callable[[], np.ndarray
 
 
 def plain_c_run(star: ao.AOModel, folder: str) -> Callable[[], np.ndarray] | None:
-    """Return newmark_star.c's run, or None where there is no C compiler."""
+    """Return a function that runs newmark_star.c, or None if there is no C compiler."""
     library = Path(folder, "newmark_star.so")
     source = Path(__file__).with_name("newmark_star.c")
     compiler = os.environ.get("CC", "cc")
@@ -84,7 +84,7 @@ def plain_c_run(star: ao.AOModel, folder: str) -> Callable[[], np.ndarray] | Non
 
 
 def call_run(star: ao.AOModel) -> Callable[[], ao.Result]:
-    """Return the same run by `simulate`, without the second run that estimates the error."""
+    """Return a function that runs the impact by `simulate`, without its error estimate."""
     solver = ao.Newmark(dt=DT, estimate=False)
     scene = {"projectile": ao.rigid(mass=MASS), "target": star, "law": ao.Hertz(k=HERTZ)}
     scene |= {"velocity": VELOCITY, "duration": STEPS * DT, "solver": solver}
@@ -146,7 +146,7 @@ def scipy_loop(model: ao.FEModel, b: np.ndarray, steps: int) -> float:
 
 
 def contact_force(free: float, compliance: float) -> float:
-    """Solve F = k (free - compliance F)^1.5 by Newton on the indentation."""
+    """Return F = k (free - compliance F)^1.5, N, by Newton's method for the indentation."""
     if free <= 0.0:
         return 0.0
     depth = free
@@ -172,7 +172,7 @@ def measure_full() -> list[Line]:
 
     def parts() -> None:
         for _ in range(steps):
-            x[:] = u  # reset, since repeated solves would make it underflow
+            x[:] = u  # repeated solves of one vector would underflow
             _core.factors_solve(factors, work, x)
             model.K @ u
 

@@ -31,7 +31,7 @@ def scipy_runs(case: Case, exact: Outcome, method: str) -> Iterator[Run | None]:
 
 
 class Peer:
-    """Another program that reads a scene and then settings, and answers each with a line."""
+    """Another program: it reads a scene and then settings, and prints a line for each setting."""
 
     def __init__(self, command: list[str], scene: str) -> None:
         pipe = subprocess.PIPE
@@ -136,7 +136,7 @@ def exudyn_runs(case: Case, exact: Outcome, name: str) -> Iterator[Run | None]:
 
 
 def exudyn_settings(case: Case, name: str) -> list[tuple[int, float]]:
-    """Return pairs of number of steps and tolerance, which is 0 for methods of fixed steps."""
+    """Return pairs (number of steps, tolerance); the tolerance is 0 for fixed steps."""
     if name == "DOPRI5":
         return [(1000, rtol) for rtol in tolerances(1e-3, 1e-12)]
     most = 5e5 if case.scene["duration"] < 1e-3 else 2e5

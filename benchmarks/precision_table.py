@@ -40,7 +40,7 @@ class Measurement:
     peak_force, contact_duration, rebound_velocity : float
         Relative errors; that of the velocity is relative to the initial velocity.
     failure : str
-        Reason for a failure, with which the numbers are NaN; else empty.
+        Reason if the run failed and the numbers are NaN; else empty.
     """
 
     method: str
@@ -127,7 +127,7 @@ class WorkPrecision:
         return min(good, key=lambda row: row.seconds, default=None)
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the worst error over time, both logarithmic; keywords go to ``Axes.plot``.
+        """Draw the largest error against time, both logarithmic; keywords go to ``Axes.plot``.
 
         The reference's own uncertainty is shaded. Returns the axes.
         """
@@ -160,7 +160,7 @@ class WorkPrecision:
         return "\n".join([self.scene, str(self.reference), *rows, *self._comparisons()])
 
     def _comparisons(self) -> list[str]:
-        """Return a line for each of some errors, with the fastest run of each method and ratios."""
+        """Return a line per error limit: the fastest run of each method, and ratios of times."""
         lines = []
         for error in (1e-3, 1e-6, 1e-9):
             best = [run for name in self.methods if (run := self.fastest(name, error))]

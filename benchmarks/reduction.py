@@ -1,4 +1,4 @@
-"""Time of building scene-fitted anti-oscillators, over that of the alternatives.
+"""Time to build scene-fitted anti-oscillators, relative to the alternatives.
 
     python benchmarks/reduction.py [--size 2.5]
     python benchmarks/reduction.py --constrained
@@ -41,7 +41,8 @@ from aoimpact.results import QUANTITIES
 
 CONTACT_TIME = 80e-6
 
-# Oscillators of the model that errors are relative to, and maximum number of constraint modes.
+# `REFERENCE`: oscillators of the model to which errors are relative. `MOST`: maximum number of
+# constraint modes.
 REFERENCE, MOST = 80, 48
 
 
@@ -121,7 +122,7 @@ def constrained_against_solutions() -> None:
 
 
 class Factors:
-    """A solver that factorises each matrix once for all callers, and measures the time of that."""
+    """A solver that factorises each matrix once for all callers, and adds up the time, s."""
 
     def __init__(self) -> None:
         self.seconds = 0.0
@@ -161,8 +162,8 @@ def force_errors(stars: list[ao.AOModel], exact: ao.AOModel, projectile: Any) ->
 
 def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
     start = time.perf_counter()
-    # Factors for scene-fitted models are of K + s²M, for a slender body also of K; ARPACK's are
-    # of K, or of K shifted.
+    # Scene-fitted models factorise K + s²M and, for a slender body, K. ARPACK factorises K or a
+    # shifted K.
     mine, theirs = Factors(), Factors()
     krylov = partial(ao.antioscillators, tip, method="krylov", contact_time=CONTACT_TIME)
     eigen = partial(ao.antioscillators, tip, order="frequency")
@@ -200,7 +201,7 @@ def against_arpack(name: str, tip: ao.ContactPoint, projectile: Any) -> None:
 
 
 def patch_against_node() -> None:
-    """Time the heaviest constraint modes of a patch and a node on a beam clamped at both ends."""
+    """Time the constraint modes of largest mass for a patch and for a node on a clamped beam."""
     mesh = ao.box_mesh((1.0, 0.05, 0.05), (40, 4, 4), kind="hexahedron20")
     beam = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
     node, patch = (beam.contact(point=(0.37, 0.02, 0.05), radius=r) for r in (0.0, 0.014))
@@ -217,7 +218,7 @@ def patch_against_node() -> None:
 
 
 def few_against_all() -> None:
-    """Time a few anti-oscillators, which must take less than all of them."""
+    """Compare the times of a few anti-oscillators and of all, which must be longer."""
     for cells in ((10, 5, 2), (16, 8, 2)):
         mesh = ao.box_mesh((0.2, 0.1, 0.01), cells, kind="hexahedron20")
         plate = ao.FEModel.from_mesh(mesh, ALUMINIUM, fixed=[("xmin", "xyz")])

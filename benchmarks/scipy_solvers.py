@@ -28,7 +28,7 @@ METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 # Methods that use no Jacobian.
 _EXPLICIT = ("RK23", "RK45", "DOP853")
 
-# Maximum number of contacts: a ball that comes to rest on a floor would touch it endlessly often.
+# Maximum number of contacts: a ball that comes to rest on a floor has infinitely many.
 _MOST_CONTACTS = 100_000
 
 
@@ -43,7 +43,7 @@ class Outcome:
 
 @dataclass(frozen=True, eq=False)
 class _Half:
-    """AO model M u'' + K u = -contact F; its contact displacement is contact·u - compliance F."""
+    """AO model M u'' + K u = -contact F, with contact displacement contact·u - compliance F."""
 
     mass: FloatArray
     stiffness: FloatArray
@@ -69,7 +69,7 @@ def _half(star: AOModel) -> _Half:
         stiffness[0, 1:] = stiffness[1:, 0] = -star.k
         contact = np.eye(star.n + 1)[0]
         return _Half(np.concatenate([[star.m0], star.m]), stiffness, contact, 0.0, weights)
-    # A massless contact is in balance with its springs: u0 = (Σ k_i u_i - F) / (k0 + Σ k_i).
+    # Equilibrium of a contact without mass: u0 = (Σ k_i u_i - F) / (k0 + Σ k_i).
     contact = star.k / sum_k
     stiffness = np.diag(star.k) - np.outer(star.k, contact)
     centre = weights[1:] + weights[0] * contact
@@ -108,12 +108,12 @@ class OdeScene:
         return float(self.depth @ y) - self.gap
 
     def contact_force(self, free: float) -> tuple[float, float]:
-        """Return F and dF/d(free) at the indentation `free` - c F."""
+        """Return the force F at the indentation `free` - c F, N, and dF/d(free), N/m."""
         force, stiffness = self.force(free)
         if self.compliance == 0.0:
             return force, stiffness
         delta = free
-        for _ in range(200):  # Newton from below on a concave function, or above on a convex one
+        for _ in range(200):  # monotone: Newton's method, convex or concave
             step = (delta - free + self.compliance * force) / (1.0 + self.compliance * stiffness)
             delta -= step
             force, stiffness = self.force(delta)
@@ -131,7 +131,7 @@ class OdeScene:
         """
         deadline = time.perf_counter() + longest
         t, y = 0.0, self.start
-        # Without force, the rates of the displacements are the velocities.
+        # The bodies touch if the gap is 0 and they approach each other.
         touching = bool(self.gap == 0.0 and self.depth @ self.matrix @ y > 0.0)
         peak, begin, first, rebound = 0.0, 0.0, math.nan, math.nan
         for _ in range(2 * _MOST_CONTACTS):
@@ -261,7 +261,7 @@ def ode_scene(
     contact = np.concatenate([halves[0].contact, -halves[1].contact])
     compliance, force = halves[0].compliance + halves[1].compliance, _force(own_law(law))
     if isinstance(law, PatchLaw):
-        # F = law(δ + c F): removing the patches' compliance puts -c in series.
+        # F = law(δ + c F): removing the patches' compliance c from the law puts -c in series.
         compliance -= law.compliance
         if math.isfinite(law.limit):
             force = _straight_beyond(force, law.limit + law.compliance * law.force(law.limit))

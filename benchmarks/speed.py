@@ -1,12 +1,12 @@
-"""Time of calls, compared with factorisations: medians of runs, each in a process of its own.
+"""Times of calls and of factorisations: medians of runs, each in a process of its own.
 
     python benchmarks/speed.py [ROW ...] [--runs 5]
 
-Times are processor times with one thread, for meshed bodies from the mesh to the summary, with the
-peak memory. The same process times, on the same matrices K + s²M with s of the contact, analysis
-and factorisation by pypardiso, if that is installed, and for small bodies by SuperLU, and `eigsh`
-for 18 modes. "plate", "block" and "sphere", which are run only if they are named, have 10⁶ dofs,
-and compute the peak force to 1 %.
+Times are processor times with one thread; for meshed bodies they include all from the mesh to the
+summary, and the peak memory is given. In the same process, the same matrices K + s²M, with s = 2
+divided by the contact time, are analysed and factorised by pypardiso, if that is installed, and for
+small bodies by SuperLU, and `eigsh` computes 18 modes. "plate", "block" and "sphere", which are run
+only if they are named, have 10⁶ dofs, and compute the peak force to 1 %.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def ball(size: float = 0.003) -> ao.ContactPoint:
 def struck(
     target: Callable[[], Any], projectile: Callable[[], Any] = lambda: BALL, **how: Any
 ) -> Found:
-    """Return the time of a call, the times of the peers on its matrices, and its memory."""
+    """Return the time of a call, s, its memory, KiB, and peers' times on its matrices, s."""
     bodies: list[Any] = []
     hits: list[ao.Result] = []
 
@@ -108,7 +108,7 @@ def first_impact() -> Found:
 
 
 def rigid_pair() -> Found:
-    """Time an impact of a rigid pair, one of many, and SciPy's DOP853 to the same tolerance."""
+    """Time one of 4000 impacts of a rigid pair, and SciPy's DOP853 at the same tolerance."""
     case, rule = CASES["rigid"], ao.Adaptive(rtol=1e-6)
     speeds = np.linspace(0.5, 1.5, 4000).tolist()
     cases = [case.scene | {"velocity": speed, "solver": rule} for speed in speeds]
@@ -118,7 +118,7 @@ def rigid_pair() -> Found:
 
 
 def monte_carlo(spread: float, count: int = 300) -> Found:
-    """Time an impact with its errors, one of many with spread radii and speeds, and the first."""
+    """Time one of many impacts with error estimates, of random radii and speeds, and the first."""
     draws, tip = np.random.default_rng(1).uniform(-1.0, 1.0, (count, 2)), plate(20, 16, 3)
     cases = [
         {"projectile": ao.ball(0.01 * spread**r, STEEL), "target": tip, "velocity": spread**v}
@@ -133,7 +133,7 @@ def monte_carlo(spread: float, count: int = 300) -> Found:
 
 
 def oblique(target: Any, count: int = 10) -> Found:
-    """Time an impact with friction on the model that a first call has made."""
+    """Time an impact with friction on a model made before."""
     body = ao.simulate(BALL, target, DOWN, friction=0.2).models[1]
 
     def calls() -> None:

@@ -45,21 +45,23 @@ _STEPS = {
     "beam": (2e-6, 1e-6, 3e-7, 1e-7, 3e-8),
 }
 
-# Default tolerances: by factors of ten down to rounding, for SciPy fewer, as runs take seconds.
+# Default tolerances, from coarse to rounding. SciPy's are fewer, since its runs take seconds.
 _ADAPTIVE = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 _SCIPY = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
-# Number of repeats beyond which they are taken for a mistake.
+# Largest accepted value of `repeats`; a larger one is probably a mistake.
 _MOST_REPEATS = 10_000
 
-# Default steps of Newmark's rule over the contact time, and maximum number of steps of a run.
+# `_NEWMARK`: default ratios of Newmark's step to the contact time. `_MOST_STEPS`: maximum number of
+# steps of a run.
 _NEWMARK, _MOST_STEPS = (1e-2, 1e-3, 1e-4, 1e-5), 1e6
 
-# Minimum total time of repeats of a short run, maximum total time of those of a long run, and time
-# after which a run of SciPy is stopped, s.
+# Times, s. `_AT_LEAST`: minimum total time of a short run's repeats. `_ENOUGH`: maximum total time
+# of a long run's repeats. `_LONGEST`: time after which a run of SciPy is stopped.
 _AT_LEAST, _ENOUGH, _LONGEST = 0.02, 3.0, 60.0
 
-# Method of the independent run, and its tightest tolerance: rounding adds up to some 1e-12.
+# SciPy's method and tolerance for the independent reference; rounding errors accumulate to some
+# 1e-12.
 _INDEPENDENT = "DOP853", 3e-14
 
 
@@ -155,7 +157,7 @@ def work_precision(
 
 
 class _Run(NamedTuple):
-    """Names of a method and its setting in the table, and the function that runs it."""
+    """Names of a method and of its setting in the table, and the function that runs both."""
 
     method: str
     setting: str
@@ -202,7 +204,8 @@ def _scipy_run(
     ode: OdeScene | None, projectile: AOModel, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
-    # A body struck off its centre keeps a part of its velocity that its AO model does not contain.
+    # An AO model of a body struck off its centre lacks a part of the rigid motion, whose velocity
+    # stays the same.
     kept = 0.0 if projectile.constrained else velocity * (1.0 - centre_weights(projectile).sum())
 
     def run() -> Outcome:
@@ -240,7 +243,7 @@ def _given(reference: Result | Reference) -> Reference:
 def _with_independent(
     reference: Reference, ode: OdeScene, projectile: AOModel, velocity: float
 ) -> Reference:
-    """Return the reference with its difference from SciPy, unless that takes too long."""
+    """Return the reference with its difference from a run by SciPy; unchanged if this fails."""
     try:
         second = _scipy_run(ode, projectile, velocity, *_INDEPENDENT).run()
     except AOImpactError:
@@ -268,7 +271,7 @@ def _measure(timed: _Run, exact: Outcome, velocity: float, repeats: int) -> Meas
     method, setting, run = timed
     best, spent, done = math.inf, 0.0, 0
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", AOImpactWarning)  # a bad setting shows by its error
+        warnings.simplefilter("ignore", AOImpactWarning)  # the table shows the error
         while (repeats > 1 and spent < _AT_LEAST) or (done < repeats and spent < _ENOUGH):
             start = time.perf_counter()
             try:

@@ -14,7 +14,8 @@ from ..base import FloatArray, aligned, record, sp, with_unit
 from ..mesh import motions_at
 from .labels import axes_of
 
-# Range of a body's mass divided by its bounding box's volume, kg/m³: foam and rings to tungsten.
+# Plausible ratios of a body's mass to its bounding box's volume, kg/m³: from foam and thin rings to
+# tungsten.
 _DENSITIES = 10.0, 25e3
 
 # Range of longitudinal wave speeds in solids, m/s: from cork (500) to diamond (18 000), "Speed of
@@ -25,7 +26,8 @@ _SPEEDS = 500.0, 20e3
 # Typical wave speed, m/s; the ratio of a body's speed to it suggests which units were mixed up.
 _TYPICAL_SPEED = 5e3
 
-# Likely cause of a wave speed up to each multiple of the typical one. Coordinates in millimetres
+# Likely causes of an implausible wave speed. Each key is the largest ratio of the speed to the
+# typical speed for which its cause holds. Coordinates in millimetres
 # read as metres raise the speed a thousandfold; the opposite mistake lowers it a thousandfold.
 _SOFT = "of foam, soft rubber or much added mass; else, K in N/mm beside M in kg?"
 _CAUSES = {
@@ -36,17 +38,19 @@ _CAUSES = {
     1e4: "coordinates in millimetres? Give length=1e-3 (with N and tonnes, mass=1e3)",
 }
 
-# Smallest ratio of a bounding box's thickness to its largest edge: nodes may lie in one plane.
+# Smallest thickness of the bounding box, relative to its largest edge, in an estimate of density:
+# the box of nodes in one plane has no volume.
 _THINNEST = 1e-3
 
-# Limits of ‖K r‖ / ‖|K| |r|‖ of a rigid motion r. Below _FREE, a result of rounding or of few
-# printed digits, the motion is free. Above _RESISTED it meets elastic force.
+# Limits of the relative elastic force ‖K r‖ / ‖|K| |r|‖ of a rigid motion r. Below `_FREE` r is
+# free: the force is due to rounding or few printed digits. Above `_RESISTED` supports resist r.
 _FREE, _RESISTED = 1e-6, 1e-4
 
 # Number of nodes whose nearest neighbours are checked.
 _SAMPLE = 2000
 
-# Largest share of missing couplings if rows and nodes are in the same order.
+# Largest share of couplings that may be missing in K or M; above it, rows or nodes are probably in
+# different orders.
 _MOST_MISSING = 0.5
 
 
@@ -149,7 +153,8 @@ def audited(body: Any, *, frequencies: int = 8) -> Audit:
             # If the mass is unknown, constrained nodes are taken as heavy as the free ones.
             whole = float(moved.mean()) * 3 * n_nodes / len(node) if mass is None else mass
             density = whole / box
-        # Uniform strain d = x - x₀ along an axis; x₀: centre of constrained nodes, else of all.
+        # Displacement d = x - x₀ of a uniform strain along an axis. x₀: mean of the constrained
+        # nodes or, without any, of all nodes.
         constrained = shares < 3
         origin = nodes[constrained if constrained.any() else slice(None)].mean(axis=0)
         strain = (nodes[node] - origin) * axes
@@ -200,7 +205,7 @@ def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
 
 
 def _missing(matrix: Any, other: Any) -> float:
-    """Return the share of off-diagonal entries of `matrix` at positions empty in `other`."""
+    """Return the share of off-diagonal nonzeros of `matrix` that are zero in `other`."""
     off = sp.triu(matrix, 1).tocsr()
     missing = off.nnz - off.multiply(other).count_nonzero()
     return float(missing / off.nnz) if off.nnz else 0.0

@@ -29,7 +29,8 @@ from ..mesh import unit
 from .laminate import FAR_OFF, direction_or_none
 from .material import Material
 
-# Numbers of Gauss points along an element: moments are linear and displacements cubic in x.
+# Gauss points along an element. `_IN_STIFFNESS`: for the square of moments, which are linear in x.
+# `_IN_MASS`: for the square of displacements, which are cubic in x.
 _IN_STIFFNESS, _IN_MASS = 2, 4
 
 # Smallest sine of the angle between a beam and its orientation; below it, rounding determines the
@@ -148,8 +149,9 @@ class RectangularSection:
         return 0.5 * np.hstack(ways).T * (self.width, self.height)
 
     def shear(self, points: FloatArray, nu: float) -> FloatArray:
-        """Return τxy and τxz at points (n, 2) per Gθ' and shear force along y and z, (n, 2, 3).
+        """Return the shear stresses τxy and τxz at points (y, z), as an array (n, 2, 3).
 
+        Last axis: stress due to Gθ' = 1, to a unit shear force along y, and to one along z.
         Torsion: Saint-Venant's series (S. P. Timoshenko and J. N. Goodier, Theory of Elasticity,
         section 109). Shear forces: Zhuravskii's parabolic distribution.
 
@@ -160,7 +162,7 @@ class RectangularSection:
         found = np.zeros((len(points), 2, 3))
         if b <= h:
             found[:, 0, 0], found[:, 1, 0] = _rectangle_twisted(y, z, b, h)
-        else:  # the series takes the short side along y
+        else:  # the series is for a short side along y
             along_z, along_y = _rectangle_twisted(z, -y, h, b)
             found[:, 0, 0], found[:, 1, 0] = -along_y, along_z
         found[:, 0, 1] = 1.5 * (1.0 - (2.0 * y / b) ** 2) / (b * h)
@@ -232,9 +234,10 @@ class TubularSection:
         return np.concatenate([sides, inside], axis=-2)
 
     def shear(self, points: FloatArray, nu: float) -> FloatArray:
-        """Return τxy and τxz at points (..., 2) per Gθ' and shear force along y, z, (..., 2, 3).
+        """Return the shear stresses τxy and τxz at points (y, z), as an array (..., 2, 3).
 
-        Exact flexure of a hollow circle by Saint-Venant (A. E. H. Love, Mathematical Theory of
+        Last axis: stress due to Gθ' = 1, to a unit shear force along y, and to one along z. Exact
+        flexure of a hollow circle by Saint-Venant (A. E. H. Love, Mathematical Theory of
         Elasticity, section 231). In the bore: zero torsion, and the section's mean shear stress.
 
         :meta private:
@@ -402,9 +405,9 @@ class Beam:
         return float(np.linalg.norm(np.add(self.numbers.points, self.offset), axis=1).max())
 
     def side(self, name: str) -> tuple[float, float]:
-        """Return the point (y, z) of a side, m.
+        """Return the outermost point (y, z) on an axis of the section, m, at a named side.
 
-        "top" and "bottom" lie along z, "left" and "right" along y; other names give the centroid.
+        "top" and "bottom" lie on z, "left" and "right" on y; other names give the centroid.
 
         :meta private:
         """
@@ -495,23 +498,24 @@ def beam_matrices(ends: FloatArray, beam: Beam) -> list[FloatArray]:
 
 
 def beam_rows(ends: FloatArray, beam: Beam, places: FloatArray) -> FloatArray:
-    """Return the strains at places, 0 to 1 along elements, per (u, v, w, θx, θy, θz) of both nodes.
+    """Return the matrices from nodal (u, v, w, θx, θy, θz) to strains at places, 0 to 1 along x.
 
     Returns
     -------
     ndarray, shape (n, n_places, 6, 12)
-        Rows for ε, the curvatures θy' and θz', the twist θx', and the shear strains γxy and γxz.
+        Rows: ε, the curvatures θy' and θz', the twist θx', and the shear strains γxy and γxz.
     """
     return _rows(*beam_frames(ends, beam), beam, places)[1]
 
 
 def beam_motion(ends: FloatArray, beam: Beam, place: float) -> FloatArray:
-    """Return the displacement of the axis at a place, 0 to 1 along an element.
+    """Return the displacement of the axis at a place, 0 to 1 along an element, per nodal dof.
 
     Returns
     -------
     ndarray, shape (3, 2, 2, 3)
-        Components x, y, z, per node, displacement or rotation of the node, and its component.
+        Axes: component of the displacement; node; displacement (0) or rotation (1) of the node;
+        component of the latter.
     """
     frames, length = beam_frames(ends, beam)
     rows = _rows(frames, length, beam, np.array([place]))[0][0, 0, :3]
@@ -519,18 +523,20 @@ def beam_motion(ends: FloatArray, beam: Beam, place: float) -> FloatArray:
 
 
 def _finite(stiffness: FloatArray) -> FloatArray:
-    """Return stiffness with 0 for infinity: the strain is 0 there and does no work."""
+    """Return the stiffness, 0 where it is infinite: strain is 0 there, and stores no energy."""
     return np.where(np.isinf(stiffness), 0.0, stiffness)
 
 
-# Values (v, θ L) at both ends of an element rigid in shear, per coefficient of the cubic v(x/L).
+# Matrix from the coefficients of the cubic deflection v(x/L) to (v, θ L) at both ends of an element
+# that is rigid in shear.
 _AT_ENDS = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, 1, 1, 1], [0, 1, 2, 3]], dtype=np.float64)
 
 
 def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray) -> ArrayPair:
-    """Return motions (u, θ) and strains at places per nodal dof, each (n, n_places, 6, 12).
+    """Return the matrices from nodal dofs to motions (u, θ) and to strains, (n, n_places, 6, 12).
 
-    Motions and strains are in the element's axes, nodal dofs in the global axes.
+    Motions and strains are in the element's axes, nodal dofs in the global axes. Places run from 0
+    to 1 along an element.
     """
     moved, strain = (np.zeros((len(length), len(places), 6, 12)) for _ in range(2))
     for end, share, slope in ((0, 1.0 - places, -1.0 / length), (6, places, 1.0 / length)):
@@ -541,7 +547,8 @@ def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray
     powers = places[:, None] ** np.arange(4)
     first, second = powers[:, [0, 0, 1, 2]] * [0, 1, 2, 3], powers[:, [0, 0, 0, 1]] * [0, 0, 2, 6]
     _, bent_y, bent_z, _, shear_y, shear_z = beam.stiffness
-    # Bending along y with θz, then along z with -θy: v' = θ + γ, from v and θ at both ends.
+    # Deflection along y with θz, then along z with -θy. A cubic with v' = θ + γ interpolates v
+    # and θ of both ends.
     for v, rotation, sign, bent, shear in (
         (1, 5, 1.0, bent_z, shear_y),
         (2, 4, -1.0, bent_y, shear_z),
@@ -564,7 +571,7 @@ def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray
 
 
 def _global(rows: FloatArray, frames: FloatArray, beam: Beam) -> FloatArray:
-    """Return rows per nodal dof in global axes for rows per motion of the centroid in beam axes."""
+    """Transform rows for centroid motions in beam axes to rows for nodal dofs in global axes."""
     turned = rows.reshape(*rows.shape[:3], 2, 2, 3) @ frames[:, None, None, None]
     if any(beam.offset):  # displacement of the centroid: u + θ × d
         d = np.einsum("i,nij->nj", beam.offset, frames[:, 1:])
@@ -573,7 +580,7 @@ def _global(rows: FloatArray, frames: FloatArray, beam: Beam) -> FloatArray:
 
 
 def _rectangle_twisted(y: FloatArray, z: FloatArray, short: float, long: float) -> ArrayPair:
-    """Return τxy, τxz divided by Gθ' at points (y, z) of a rectangle with short side along y, m."""
+    """Return τxy/Gθ' and τxz/Gθ', m, at points (y, z) of a rectangle, the short side along y."""
     n, half = _TERMS * np.pi / short, 0.5 * long
     alternating = 4.0 * short * 2.0 / np.pi**2 / _TERMS**2 * np.sin(0.5 * np.pi * _TERMS)
     above, below = (np.exp(n * (sign * z[:, None] - half)) for sign in (1.0, -1.0))

@@ -25,7 +25,7 @@ from .material import Solid
 
 OneMaterial = Solid | Layers | Beam
 
-# Materials that thin elements of each kind may have, in words and as types; others are solids.
+# Materials, in words and as types, allowed for thin elements of each kind. Other kinds are solids.
 _FITTING: dict[str, tuple[str, Any]] = {
     "quad": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),
     "triangle": ("ao.Shell(thickness, material) or an ao.Laminate", Layers),
@@ -123,7 +123,7 @@ def thin_groups(given: Any) -> tuple[str, ...]:
 
 
 def each_of(material: AnyMaterial) -> tuple[OneMaterial, ...]:
-    """Return the distinct materials."""
+    """Return the distinct materials of a body."""
     return material.materials if isinstance(material, Materials) else (material,)
 
 
@@ -180,7 +180,7 @@ class Piece:
         return self.block.cells[self.rows]
 
     def signed(self, values: FloatArray) -> FloatArray:
-        """Return values per shape function, (n, nodes per element, ...), times `block.signs`."""
+        """Return values per shape function, (n, nodes per element, ...), times signs 1, -1 or 0."""
         if self.block.signs is None:
             return values
         signs = self.block.signs[self.rows]
@@ -238,12 +238,12 @@ class Layout:
     cells: IntArray
 
     def of(self, piece: Piece) -> IntArray:
-        """Return the pairs of a piece's elements, without shape functions that are no nodes."""
+        """Return the pairs at the nodes of a piece's elements; added shape functions have none."""
         return self.cells[piece.numbers, : piece.element.own.n_nodes]
 
 
 def layout(mesh: Mesh, material: AnyMaterial) -> Layout:
-    """Return the pairs of node and material of a mesh, each with one value of stress."""
+    """Return the pairs of node and material of a mesh; stress has one value for each pair."""
     index = material.index[:, None] if isinstance(material, Materials) else 0
     keys = index * mesh.n_nodes + mesh.cells
     key, cells = np.unique(keys, return_inverse=True)

@@ -18,7 +18,8 @@ from .material import Material
 # with quadratic elements 4 %.
 _NEARLY_INCOMPRESSIBLE = 0.45
 
-# Largest relative difference of mass between the area at the nodes and that of the middle surface.
+# Largest accepted relative difference between the masses of a shell that follow from the area at
+# the nodes and from the area of the middle surface.
 _CURVED = 0.01
 
 
@@ -61,7 +62,7 @@ def check_joints(mesh: Mesh, material: AnyMaterial) -> None:
 
 
 def warn_of_curved_offsets(mesh: Mesh, material: AnyMaterial) -> None:
-    """Warn if the middle surface of shells with an offset has another area than at the nodes.
+    """Warn if an offset makes the middle surface's area differ from the area at the nodes.
 
     The middle surface is found by moving each node along the mean normal of its elements.
     """

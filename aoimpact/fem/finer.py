@@ -1,11 +1,11 @@
-"""The finer body, from which the error of a body's mesh is estimated.
+"""The finer body: a body with a refined mesh, for estimating the discretisation error.
 
 Solid elements get additional shape functions of the next degree (hierarchical refinement). The
-finer body's dofs are those of the body, followed by the amplitudes of the added functions, which
-vanish at the body's nodes. So zeros appended to a motion of the body give the same motion of the
-finer body, and the body's K and M are leading blocks of the finer matrices.
+finer body's dofs are those of the original body, followed by the amplitudes of the added functions,
+which vanish at the original nodes. So zeros appended to a motion of the original body give the same
+motion of the finer body, and the original K and M are leading blocks of the finer K and M.
 
-Shells are cut into four and beams into two instead, as their elements have no next degree.
+Shell elements are cut into four and beam elements into two, as they have no next degree.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from .model import FEModel, summed
 
 
 class _Finer(FEModel):
-    """A body refined from `given`; K and M are assembled at their first use."""
+    """A body refined from the body `given`; K and M are assembled at their first use."""
 
-    mean: Any  # matrix that interpolates values at the nodes of `given` to all functions' nodes
+    mean: Any  # matrix from values at the nodes of `given` to values per shape function
 
     def __reduce__(self) -> Any:
         """Pickle the body `given` only."""
@@ -43,7 +43,7 @@ class _Finer(FEModel):
 
 
 class FinerBody(_Finer):
-    """A body with additional shape functions; `mesh` holds the nodes and elements alone."""
+    """A body with additional shape functions, which its `mesh` does not contain."""
 
     def _matrices(self) -> dict[str, Any]:
         found, body = super()._matrices(), self.given
@@ -67,8 +67,8 @@ class FinerBody(_Finer):
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
     ) -> LinearSolver:
         if (found := self._living.get((s2, solver))) is None:
-            # One solution takes about 8 solutions of `given`: 5 to 20 iterations, several loads
-            # at once.
+            # One solution needs about 8 with `given`: 5 to 20 iterations, shared by several
+            # loads.
             coarse = self.given.inverse(s2, solver=solver, solutions=8 * solutions)
             found = self._living[s2, solver] = two_level(self._pencil.at(s2), coarse)
         return found
@@ -81,7 +81,7 @@ class FinerBody(_Finer):
 
 
 class HalvedBody(_Finer):
-    """A body of shells and beams with each element cut; the original nodes come first."""
+    """A body of shells and beams with each element cut into smaller ones; new nodes come last."""
 
     def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
         n = self.n_dofs
@@ -89,7 +89,7 @@ class HalvedBody(_Finer):
 
 
 def finer_body(body: FEModel) -> FEModel | None:
-    """Return the finer body; None if no element can be refined."""
+    """Return the body with a refined mesh; None if no element can be refined."""
     if body.mesh is None or body.material is None or body.free is None:
         return None
     if all(block.element.thin for block in body.mesh.blocks):
@@ -111,9 +111,10 @@ def finer_body(body: FEModel) -> FEModel | None:
 
 
 def _halved(body: Any) -> FEModel:
-    """Return the body with each element cut.
+    """Return the body of shells and beams with each element cut into smaller ones.
 
-    Masses and springs stay on their nodes. Supports also hold the new nodes between held ones.
+    Added masses and springs stay on their nodes. A new node between constrained nodes is
+    constrained too.
     """
     mesh = body.mesh
     free = body.free
@@ -145,12 +146,12 @@ def _made_of(
 
 
 def _placed(dofs: Any, n: int, added: int) -> Any:
-    """Renumber dofs of a body of n nodes for n + added nodes: rotations follow displacements."""
+    """Renumber dofs for `added` nodes after n: rotations are numbered after all displacements."""
     return dofs + np.where(dofs < 3 * n, 0, 3 * added)
 
 
 def _masses(masses: Any, mesh: Any, n_nodes: int) -> Any:
-    """Return the added masses of a body with `mesh` over all dofs of its finer body."""
+    """Return a body's matrix of added masses, enlarged to all dofs of its finer body."""
     of = masses.tocoo()
     size = n_nodes * (6 if mesh.thin else 3)
     at = tuple(_placed(index, mesh.n_nodes, n_nodes - mesh.n_nodes) for index in of.coords)
@@ -158,7 +159,7 @@ def _masses(masses: Any, mesh: Any, n_nodes: int) -> Any:
 
 
 def _with(matrix: Any, block: Any) -> Any:
-    """Return the matrix with its leading block replaced by `block`."""
+    """Return a matrix with its leading block replaced by `block`."""
     n = block.shape[0]
     change = (block - matrix[:n, :n]).tocsr()
     change.resize(matrix.shape)

@@ -57,7 +57,8 @@ if TYPE_CHECKING:
 KINDS = {"receptance": "m/N", "mobility": "m/(s N)", "accelerance": "m/(s² N)"}
 
 # `_BEYOND`: least ratio of the highest modal frequency to the highest requested frequency.
-# `_BEYOND_DAMPED`: the same with modal damping; the error is 2ζ/10 of the static residual.
+# `_BEYOND_DAMPED`: this ratio with modal damping ζ, whose neglect in the series causes an error of
+# 2ζ/10 of the static residual.
 _BEYOND, _BEYOND_DAMPED = 2.0, 10.0
 
 # Number of dofs up to which all modes are computed.
@@ -192,7 +193,7 @@ def _without_damping(
 
 
 def _modes(body: FEModel, highest: float, most: int) -> tuple[FloatArray, FloatArray, float] | None:
-    """Return the modes up to well above `highest`, √|μ| in rad/s, so that the series converges.
+    """Return the modes up to well above √|μ| = `highest`, rad/s, where the series converges.
 
     The result consists of angular frequencies, rad/s, mode shapes, and a lower bound of the angular
     frequencies of all other modes, rad/s. It is None if more than `most` modes would be needed.
@@ -219,12 +220,12 @@ def _by_modes(
     c: FloatArray,
     omega: FloatArray,
 ) -> tuple[ComplexArray, FloatArray]:
-    """Return the receptance and its bound, m/N, each of shape (n,)."""
+    """Return the receptance by modes and series, and a bound of its error, m/N, each (n,)."""
     (natural, shapes, above), damping = modes, body.damping
     moved = body.M @ shapes
 
     def static(load: FloatArray) -> FloatArray:
-        """Return K⁻¹ times a load, without the part of the computed modes, shape (n_dofs,)."""
+        """Return K⁻¹ times a load minus the computed modes' share of it, shape (n_dofs,)."""
         rest = load - moved @ (shapes.T @ load)
         if not np.abs(rest).max(initial=0.0) > 1e-12 * np.abs(load).max(initial=0.0):
             return np.zeros_like(load)
@@ -238,7 +239,7 @@ def _by_modes(
     rounding = math.sqrt(row) * eps * np.einsum("ij,ij->j", sizes, abs(body.K) @ sizes)
     rounding[natural == 0.0] = 0.0
     of_force, of_response = shapes.T @ b, shapes.T @ c
-    seen = of_force * of_response != 0.0  # others contribute 0, even at an undamped resonance
+    seen = of_force * of_response != 0.0  # other modes contribute nothing, even at resonance
     own, weight = natural[seen], (of_force * of_response)[seen]
     decay = np.zeros_like(own) if damping is None else damping.decay(own)
     squares = np.stack(

@@ -41,7 +41,7 @@ def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
 
 
 def axes_of(free: IntArray | None, labels: IntArray | None, n_nodes: int) -> FloatArray | None:
-    """Return the unit translations along x, y, z, shape (n_dofs, 3); None if not known."""
+    """Return unit translations along x, y, z, (n_dofs, 3); None without `free` and labels."""
     if free is not None:
         return np.where(free[:, None] < 3 * n_nodes, np.eye(3)[free % 3], 0.0)
     if labels is None:
@@ -109,7 +109,7 @@ def labelled_rows(labels: IntArray, node: int) -> IntArray:
 
 
 def node_numbers(nodes: FloatArray, which: IntArray, of_mesh: FloatArray, size: float) -> IntArray:
-    """Return the node of a mesh at the place of each node `which`, up to a tolerance.
+    """Return the index of the mesh node at the place of each node `which` of a body.
 
     Raises
     ------

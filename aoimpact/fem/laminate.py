@@ -26,7 +26,7 @@ _AXES = Orthotropic.axes
 # Indices of (xx, yy, xy) and (xz, yz) in the order xx, yy, zz, xy, yz, xz.
 _PLANE, _SHEAR = [0, 1, 3], [5, 4]
 
-# Range of thicknesses, m, that is neither absurd nor leads to overflow of the stiffness.
+# Accepted range of thicknesses, m: no stiffness overflows.
 _thickness = partial(within, low=1e-9, high=1e3)
 
 # Largest plausible ratio of offset to thickness; an offset in millimetres gives about a thousand.
@@ -166,9 +166,9 @@ class Layers:
 
     @cached_property
     def stiffness(self) -> FloatArray:
-        """Stiffness of N, M, Q per generalised strain, shape (8, 8).
+        """Matrix from generalised strains to N, M and Q, shape (8, 8).
 
-        A, B and D in N/m, N and N m, followed by the transverse shear stiffness, N/m.
+        It consists of A, B and D, in N/m, N and N m, and of the transverse shear stiffness, N/m.
         """
         matrix = np.zeros((8, 8))
         matrix[:6, :6] = self._plane
@@ -215,12 +215,12 @@ class Layers:
 
     @cached_property
     def _slopes(self) -> FloatArray:
-        """Slopes of ε and κ: along x per Qx = Mxx,x, and along y per Qy = Myy,y; shape (2, 6)."""
+        """∂(ε, κ)/∂x due to Qx = Mxx,x = 1, and ∂(ε, κ)/∂y due to Qy = Myy,y = 1; shape (2, 6)."""
         return np.asarray(np.linalg.inv(self._plane)[:, 3:5].T, dtype=np.float64)
 
     @cached_property
     def _below(self) -> FloatArray:
-        """τxz and τyz at the bottom of each ply per (Qx, Qy), 1/m, shape (n_plies, 2, 2)."""
+        """τxz, τyz at each ply's bottom due to unit Qx and Qy, 1/m, shape (n_plies, 2, 2)."""
         steps = [
             self._change(number, low, high)
             for number, (low, high) in enumerate(pairwise(self.interfaces.tolist()))
@@ -228,17 +228,18 @@ class Layers:
         return np.cumsum([np.zeros((2, 2)), *steps[:-1]], axis=0)
 
     def _change(self, number: int, low: float, high: float) -> FloatArray:
-        """Return the increase of τxz, τyz from low to high in a ply per (Qx, Qy), from equilibrium.
+        """Return the increase of τxz, τyz from z = low to high in a ply, due to unit Qx and Qy.
 
-        τxz = -∫ (σxx,x + τxy,y) dz and τyz = -∫ (τxy,x + σyy,y) dz; shape (2, 2), 1/m.
+        τxz = -∫ (σxx,x + τxy,y) dz and τyz = -∫ (τxy,x + σyy,y) dz by equilibrium; shape (2, 2),
+        1/m.
         """
         first, second = high - low, 0.5 * (high**2 - low**2)
         sums = self._slopes[:, :3] * first + self._slopes[:, 3:] * second
-        along_x, along_y = sums @ self._moduli[number]  # slopes of xx, yy, xy
+        along_x, along_y = sums @ self._moduli[number]  # slopes of σ
         return -np.array([[along_x[0], along_y[2]], [along_x[2], along_y[1]]])
 
     def _shear_stress(self, number: int, z: float) -> FloatArray:
-        """Return τxz and τyz at z in a ply per (Qx, Qy), 1/m, shape (2, 2)."""
+        """Return τxz and τyz at z in a ply due to unit Qx and Qy, 1/m, shape (2, 2)."""
         return np.asarray(self._below[number] + self._change(number, self.interfaces[number], z))
 
     def stress_at(self, strains: FloatArray, number: int, z: float) -> FloatArray:

@@ -31,8 +31,9 @@ PLACES = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 SIX = tuple(np.transpose(PAIRS))
 
 
-# Unit and plausible range of each property: from the softest rubbers to diamond, and from foams to
-# osmium. Last, likely units of smaller numbers: upper limit of the number, name, SI factor.
+# Unit, lower and upper limit of each property: from the softest rubbers to diamond, density from
+# foams to osmium. Last, likely units of a number below the range: largest number to which the unit
+# applies, name of the unit, and its value in SI units.
 _SOLIDS = {
     "E": ("Pa", 1e6, 1.22e12, ((1.22e3, "GPa", 1e9), (1e6, "MPa", 1e6))),
     "G": ("Pa", 3e5, 6e11, ((600.0, "GPa", 1e9), (3e5, "MPa", 1e6))),
@@ -55,14 +56,17 @@ _AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 # Largest cosine between axes given as perpendicular, which allows for rounded digits.
 _SQUARE = 1e-4
 
-# Mean deflection of a half-space. `_TURNS`: number of surface directions θ. `_ANGLES`: angles of
-# the integral. Both integrands are periodic, so that sums are exact up to E1/E3 of some hundreds.
+# Quadrature of a half-space's mean deflection. `_TURNS`: surface directions θ. `_ANGLES`: angles in
+# the Barnett-Lothe integral. Both integrands are periodic, so that their sums are exact to rounding
+# for E1/E3 up to some hundreds.
 _TURNS, _ANGLES = 48, 96
 
-# Least ratio of the smallest eigenvalue of the compliance to the largest; a lower one is rounding.
+# Least accepted ratio of the smallest to the largest eigenvalue of the compliance; below it, the
+# smallest may be negative and rounded to positive.
 _ROUNDED = 8.0 * np.finfo(np.float64).eps
 
-# Range of ν of the isotropic material equivalent to an orthotropic half-space.
+# Limits to which Poisson's ratio of the isotropic equivalent of an orthotropic half-space is
+# clipped.
 _NU_LOW, _NU_HIGH = -0.99, 0.499
 
 Triple = tuple[float, float, float]

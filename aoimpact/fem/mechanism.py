@@ -21,9 +21,9 @@ from ..mesh import Surface, motions_at
 _MOVED = 1e-10
 
 # Motions of parts count as free if the square of their normalised misfit at joints and supports is
-# below this: nodes off a line by less than 1e-4 of a part's size count as on the line, since mesh
-# files are rounded to about six digits. Such an offset resists only as a spring with 1e-8 of the
-# body's stiffness would.
+# below this. So nodes off a hinge line by less than 1e-4 of a part's size count as on it, since
+# mesh files are rounded to about six digits. The resistance due to such an offset is about 1e-8 of
+# the body's stiffness.
 _UNRESISTED = 1e-8
 
 
@@ -34,13 +34,14 @@ class Mechanism:
     Attributes
     ----------
     motions : ndarray, shape (n_dofs, m)
-        Basis, M-orthonormal and M-orthogonal to the rigid motions. Without a mesh: one combination
-        of all such motions.
+        Basis, M-orthonormal and M-orthogonal to the rigid motions. Without a mesh: a single
+        combination of these motions.
     """
 
     motions: FloatArray
-    # With a mesh: its nodes; the part of each element; the links, (3, n_links), each a shared node
-    # and two of its parts; the rotation of each part in each motion, (n_parts, 3, m).
+    # With a mesh: coordinates of its nodes, m; the part of each element; the links, (3, n_links),
+    # each a shared node and two parts that it joins; each part's rotation in each motion,
+    # (n_parts, 3, m).
     _known: tuple[FloatArray, IntArray, IntArray, FloatArray] | None = None
 
     def moved_by(self, b: FloatArray) -> bool:
@@ -86,7 +87,7 @@ def mechanism_of(
         return None
     mesh, part, parts = surface.mesh, surface.part, int(surface.part.max()) + 1
     node, of = np.divmod(np.unique(mesh.cells * parts + part[:, None]), parts)
-    link = np.flatnonzero(node[1:] == node[:-1])  # consecutive parts of a shared node
+    link = np.flatnonzero(node[1:] == node[:-1])  # two parts that share a node
     if not len(link):
         return None
     members, corners, centre = np.bincount(part), mesh.nodes[mesh.cells], np.zeros((parts, 3))
@@ -94,7 +95,7 @@ def mechanism_of(
     centre /= members[:, None]
     spread = ((corners - centre[part][:, None]) ** 2).mean(axis=1).sum(axis=1)
     size = np.sqrt(np.bincount(part, spread) / members)
-    # Displacement of each part's nodes per translation of the part and rotation about its centre.
+    # Displacement of each part's nodes due to its unit translations and rotations about its centre.
     blocks = motions_at((mesh.nodes[node] - centre[of]) / size[of][:, None])
     shape = 3 * len(node), 6 * parts
     moved = sp.bsr_array((blocks, of, np.arange(len(node) + 1)), shape=shape).tocsr()
@@ -120,7 +121,7 @@ def mechanism_of(
 
 
 def mechanism_in(motion: FloatArray, K: Any, M: Any, rigid: FloatArray) -> Mechanism | None:
-    """Return the part of a motion without elastic force that is not rigid; None if there is none.
+    """Return the mechanism in a motion without elastic force; None if the motion is rigid.
 
     Parameters
     ----------

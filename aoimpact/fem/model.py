@@ -77,17 +77,17 @@ if TYPE_CHECKING:
 # m. `_COARSE`: edge of an element, m.
 _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 
-# Largest ratio of the elastic force of a free body's translation to the largest entry of K, if K
-# was printed with few digits.
+# Largest elastic force under a unit translation, relative to the largest entry of K, with which a
+# body counts as free: K may be printed with few digits.
 _FEW_DIGITS = 1e-6
 
-# Cache of models of a body. `_BYTES`: memory. `_VECTORS`: assumed vectors of length n_dofs per
-# model. `_MOST`, `_LEAST`: limits of the number of entries; the smaller holds two models with
-# patches.
+# Cache of a body's contact patches and reduced models. `_BYTES`: memory. `_VECTORS`: assumed number
+# of vectors of length n_dofs in an entry. `_MOST`, `_LEAST`: limits of the number of entries.
+# `_LEAST` is enough for two models and their patches.
 _BYTES, _VECTORS, _MOST, _LEAST = 2**30, 64, 32, 4
 
-# `_BODIES`: bodies of this process by their marks. `_RECEIVED`: last bodies received from another
-# process, whose tasks send a body repeatedly and then share its cached results.
+# `_BODIES`: this process's bodies by their `mark`. `_RECEIVED`: the last bodies received from a
+# process that sends a body with each task, kept so that its tasks share the cached results.
 _BODIES: WeakValueDictionary[str, FEModel] = WeakValueDictionary()
 _RECEIVED: deque[FEModel] = deque(maxlen=2)
 
@@ -179,7 +179,7 @@ class FEModel(Frozen):
         soft = False
         if (
             along is not None and nodes is None and along.any(axis=0).all()
-        ):  # a free body: translations meet no force apart from rounding
+        ):  # in a free body, translations cause no elastic force apart from rounding
             force = np.abs(K @ along).max(initial=0.0)
             soft = bool(force <= _FEW_DIGITS * np.abs(K.data).max(initial=0.0))
         if along is not None and (whole or soft):
@@ -462,7 +462,7 @@ class FEModel(Frozen):
 
     @property
     def _n_places(self) -> int:
-        """Number of nodes, without the entries of `nodes` for added shape functions."""
+        """Number of nodes, not counting those of added shape functions in `nodes`."""
         if self.shapes is None:
             return 0 if self.nodes is None else len(self.nodes)
         return int(self.shapes.cells.max()) + 1
@@ -554,10 +554,10 @@ class FEModel(Frozen):
     def mechanism(self) -> Mechanism | None:
         """Motions without elastic force that are not rigid-body motions; None if there are none.
 
-        Such motions are sought for bodies with a mesh and, to 10 000 dofs, for bodies with nodes.
-        Without nodes they are part of `rigid_modes`.
+        They are searched for if the body has a mesh, or has nodes and at most 10 000 dofs. Without
+        nodes they are part of `rigid_modes`.
         """
-        if self.surface is None or self._pencil.rotates:  # joints of shells and beams are rigid
+        if self.surface is None or self._pencil.rotates:  # shells and beams have rigid joints
             if self._soft is None:
                 return None
             return mechanism_in(self._soft, self.K, self.M, self.rigid_modes)
@@ -645,7 +645,7 @@ class FEModel(Frozen):
 
     @cached_property
     def shapes(self) -> Any:
-        """The mesh with all shape functions of the body; for most bodies this is `mesh`.
+        """The mesh of all shape functions of the body; it differs from `mesh` for a `FinerBody`.
 
         :meta private:
         """
@@ -653,28 +653,28 @@ class FEModel(Frozen):
 
     @property
     def given(self) -> FEModel:
-        """The body itself; for a finer body, the body that it was made from.
+        """The body itself; for a finer body, the body that was refined.
 
         :meta private:
         """
         return self.coarse or self
 
     def appended(self, x: FloatArray) -> FloatArray:
-        """Return motions of `given`, (n, ...), on the dofs of the body, (n_dofs, ...).
+        """Return motions on the dofs of `given`, (n, ...), as motions of this body, (n_dofs, ...).
 
         :meta private:
         """
         return x
 
     def restricted(self, x: FloatArray) -> FloatArray:
-        """Return motions of the body, (n_dofs, ...), on the dofs of `given`.
+        """Return motions of this body, (n_dofs, ...), restricted to the dofs of `given`.
 
         :meta private:
         """
         return x[self.own]
 
     def functional(self, x: FloatArray) -> FloatArray:
-        """Return a linear functional of the dofs of `given`, (n,), on the dofs of the body.
+        """Return a linear functional of the dofs of `given`, (n,), as one of this body's dofs.
 
         :meta private:
         """
@@ -683,7 +683,7 @@ class FEModel(Frozen):
         return found
 
     def carried(self, values: FloatArray) -> FloatArray:
-        """Return values at the nodes of `given`, (n, ...), per shape function of the body.
+        """Return nodal values of `given`, (n, ...), interpolated to this body's shape functions.
 
         :meta private:
         """
@@ -698,7 +698,7 @@ class FEModel(Frozen):
         return np.arange(0 if self.shapes is None else self.shapes.n_cells)
 
     def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
-        """Return motions of the body or of `given`, (n, k) each, on common dofs, and their K.
+        """Return motions of this body or of `given`, each (n, k), on one set of dofs, and its K.
 
         :meta private:
         """
@@ -706,7 +706,7 @@ class FEModel(Frozen):
 
     @cached_property
     def finer(self) -> FEModel | None:
-        """The body with finer elements; None if it cannot be refined.
+        """The body with a refined mesh, for estimating the mesh error; None if impossible.
 
         :meta private:
         """

@@ -36,14 +36,16 @@ _DRILLING = 1e-4
 # Smallest cosine between normals of elements of one surface; below it (35°) they meet at a fold.
 FOLD = 0.82
 
-# Largest rigid share of an element next to a junction, so that elements shorter than the width of
-# the junction keep an elastic part.
+# Largest rigid share of an element next to a junction: elements shorter than the width of the
+# junction keep an elastic part.
 _ENDS = 0.8
 
-# Corners of a strip along an element's edge: 1 on the element, 0 on the line of the junction.
+# Weights of the rigid link at the four corners of a strip between an element's edge and the line of
+# the junction: 1 at the element, 0 on the line.
 _ON_ELEMENT = np.array([0.0, 0.0, 1.0, 1.0])[:, None]
 
-# Smallest sine of the angle between a fibre axis and the normal; below it no direction is defined.
+# Smallest sine of the angle between a fibre axis and the normal; below it, the axis defines no
+# direction on the surface.
 _ACROSS = 1e-6
 
 _GAUSS = 1.0 / np.sqrt(3.0)
@@ -58,8 +60,8 @@ _OUTER, _INNER = 0.091576213509770743, 0.445948490915964886
 _SHARES = np.repeat([0.109951743655321868, 0.223381589678011466], 3)
 _AREAS = np.array([np.roll([1.0 - 2.0 * a, a, a], i) for a in (_OUTER, _INNER) for i in range(3)])
 
-# Felippa's natural strains at each corner times 3 l²/(2 A), with the edge's length l and the
-# triangle's area A; shape (corner, edge, rotation).
+# Felippa's natural strains due to unit corner rotations, times 3 l²/(2 A), with the edge's length l
+# and the triangle's area A; shape (corner of the strain, edge, rotated corner).
 _NATURAL = np.array(
     [
         [(1, 2, 1), (0, 1, -1), (-1, -1, -2)],
@@ -72,7 +74,7 @@ _NATURAL = np.array(
 
 @record
 class Strains:
-    """Generalised strains of elements at quadrature points per nodal dof.
+    """Generalised strains of shell elements at quadrature points as functions of nodal dofs.
 
     Attributes
     ----------
@@ -263,14 +265,14 @@ def rigid_ends(
 
 
 def linked(corners: FloatArray, normals: FloatArray, shape: FloatArray) -> FloatArray:
-    """Return the displacements of points in an element per rotation of its nodes.
+    """Return the displacements of points in an element due to unit rotations of its nodes.
 
     If the ends of an edge e rotate by θ_i and θ_j, the edge deflects along the interpolated normal
     by the parabola (θ_i·(e × n_i) - θ_j·(e × n_j)) λ(1 - λ)/2 (linked interpolation: O. C.
     Zienkiewicz et al., Int. J. Num. Meth. Eng. 36, 3043, 1993). Displacements in bending waves are
-    then accurate to fourth order, by the shape functions alone only to second order. With the
-    facet's normal instead of the n_i, nodal couples would have a component about the n_i, which
-    only the weak drilling stiffness resists.
+    then accurate to fourth order; without this deflection, to second order. With the facet's normal
+    instead of the n_i, nodal moments would have a component about the n_i, which only the weak
+    drilling stiffness resists.
 
     Parameters
     ----------
@@ -284,7 +286,7 @@ def linked(corners: FloatArray, normals: FloatArray, shape: FloatArray) -> Float
     Returns
     -------
     ndarray, shape (p, 3, 3 or 4, 3)
-        Displacement of each point per nodal rotation, m: point, component, node, rotation.
+        Displacement, m. Axes: point, component, node, axis of the node's rotation.
     """
     after = np.roll(shape, -1, axis=1)
     # λ(1 - λ) on the edge, decaying linearly to 0 at the opposite side.
@@ -303,7 +305,7 @@ def strain_rows(
     *,
     constant: bool = False,
 ) -> Strains:
-    """Return the strains of elements; for the parameters see `element_stiffness`."""
+    """Return the strain matrices of elements; for the parameters see `element_stiffness`."""
     corners = corners if ends is None else corners + ends
     frames, local = element_frames(corners, layers)
     stiffness = _stiffness(layers)
@@ -331,11 +333,11 @@ def strain_rows(
 
 
 def _flatness(local: FloatArray, normals: FloatArray | None, stiffness: FloatArray) -> FloatArray:
-    """Return the factor of a triangle's strains due to drilling rotations, 1/(1 + (h δ/t)²).
+    """Return the factor 1/(1 + (h δ/t)²) that reduces strains due to drilling rotations.
 
-    δ is the angle between the normals of the element and of the surface at its nodes, h the longest
-    edge, t the thickness. On curved surfaces drilling rotations take part in bending, which would
-    lock thin elements.
+    δ is the largest angle between the normals of a triangle and of the surface at its nodes, h the
+    longest edge, t the thickness. On curved surfaces drilling rotations take part in bending, and
+    their strains would lock thin elements.
     """
     if normals is None:
         return np.ones(len(local))
@@ -357,7 +359,7 @@ def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -
     """
     n, nodes = local.shape[:2]
     x, y, z = np.moveaxis(normals, 2, 0)
-    cross = np.zeros((n, nodes, 3, 3))  # cross product with normal × e3, as matrices
+    cross = np.zeros((n, nodes, 3, 3))  # matrices of the cross product with normal × e3
     cross[..., 0, 2], cross[..., 2, 0] = -x, x
     cross[..., 1, 2], cross[..., 2, 1] = -y, y
     turn = np.eye(3) + cross + cross @ cross / (1.0 + z)[..., None, None]
@@ -367,7 +369,7 @@ def _turn_to_surface(rows: FloatArray, local: FloatArray, normals: FloatArray) -
     else:
         along = _bilinear(np.zeros((1, 2)))[1][0]
         slopes = np.linalg.inv(along @ local[..., :2]) @ along
-    plane = np.zeros((n, 3, nodes, 3))  # ω per nodal displacement
+    plane = np.zeros((n, 3, nodes, 3))  # ω due to unit nodal displacements
     plane[:, 0, :, 2], plane[:, 1, :, 2] = slopes[:, 1], -slopes[:, 0]
     plane[:, 2, :, 0], plane[:, 2, :, 1] = -0.5 * slopes[:, 1], 0.5 * slopes[:, 0]
     by_rotation = rows[..., 1, :].reshape(n, -1, 3 * nodes)
@@ -395,7 +397,7 @@ def _mean_membrane(stiffness: FloatArray) -> tuple[float, float]:
 def _condensed(
     rows: FloatArray, inner: FloatArray, stiffness: FloatArray, weights: FloatArray
 ) -> FloatArray:
-    """Return strains per nodal dof, with inner freedoms on which no forces act."""
+    """Return strain matrices of nodal dofs alone; inner dofs, free of forces, are condensed."""
     force = weights[..., None, None] * (stiffness @ inner)
     n, dofs = len(rows), inner.shape[-1]
     force = force.reshape(n, -1, dofs).swapaxes(1, 2)
@@ -441,7 +443,7 @@ def _plane_rows(slope: FloatArray, shape: FloatArray) -> FloatArray:
 
 
 def _quadrilateral(local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return strains per nodal dof in the element's plane and per incompatible mode, and areas."""
+    """Return strain matrices of the nodal dofs and of the incompatible modes, and point areas."""
     plane = local[..., :2]
     shape, slopes = _bilinear(_GAUSS * _CORNERS)
     jacobian = np.einsum("qda,nai->nqdi", slopes, plane)  # rows are along r and s
@@ -467,7 +469,7 @@ def _quadrilateral(local: FloatArray) -> tuple[FloatArray, FloatArray, FloatArra
 
 
 def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatArray:
-    """Return covariant shear strain w,d + x,d·(θy, -θx) per dof, d = r or s: (n, places, 24)."""
+    """Return rows of the covariant shear ∂w/∂d + ∂x/∂d·(θy, -θx), d = r or s: (n, places, 24)."""
     shape, slopes = _bilinear(places)
     slope = slopes[:, direction]
     edge = np.einsum("qa,nai->nqi", slope, plane)
@@ -481,7 +483,7 @@ def _covariant(plane: FloatArray, places: FloatArray, direction: int) -> FloatAr
 def _triangle(
     local: FloatArray, stiffness: FloatArray, flatness: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return strains per nodal dof in the element's plane and per bubble rotation, and areas."""
+    """Return strain matrices of the nodal dofs and of the bubble rotations, and point areas."""
     plane, n = local[..., :2], len(local)
     jacobian = plane[:, 1:] - plane[:, :1]  # rows are along r and s
     inverse = np.linalg.inv(jacobian)
@@ -507,7 +509,7 @@ def _triangle(
 
 
 def _tied_shear(jacobian: FloatArray) -> FloatArray:
-    """Return MITC3+'s covariant shear strains at q points per dof and bubble: (n, q, 2, 4, 6)."""
+    """Return rows of MITC3+'s covariant shear strains at q points: (n, q, 2, nodes + bubble, 6)."""
     d = 1e-4
     third, sixth = 1.0 / 3.0, 1.0 / 6.0
     places = np.array(
@@ -533,7 +535,7 @@ def _tied_shear(jacobian: FloatArray) -> FloatArray:
 
 
 def _optimal_membrane(plane: FloatArray, area: FloatArray, stiffness: FloatArray) -> ArrayPair:
-    """Return basic (constant) and higher-order membrane strains per (u, v, θz) of the nodes.
+    """Return matrices from nodal (u, v, θz) to basic (constant) and higher-order membrane strains.
 
     Shapes (n, 3, 3 nodes, 3) and (n, points, 3, 3 nodes, 3). The higher-order strains are linear
     with zero mean.

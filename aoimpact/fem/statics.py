@@ -30,8 +30,8 @@ from .supports import selected_nodes
 # all but the longest bodies, and large enough that K + s²M is not singular by rounding.
 _NEAR_K = 1e-9
 
-# Largest ratio of successive corrections in iterative refinement; above it, some elastic motion is
-# too soft for the shifted matrix.
+# Largest ratio of successive corrections in iterative refinement. Above it, refinement is too slow:
+# some elastic ω² is not far above s².
 _SLOW = 0.5
 
 # Iterative refinement ends if the ratio of the correction to the solution is below _AT_ROUNDING, or
@@ -112,18 +112,18 @@ def _by_grounding(body: FEModel, b: FloatArray, solver: LinearSolver) -> FloatAr
 
 
 def whole_motion(model: FEModel) -> ArrayPair:
-    """Return the functionals that give a body's rigid motion, and M times its rigid motions.
+    """Return functionals from nodal velocities to rigid-body velocities, and M times rigid motions.
 
     Returns
     -------
     functionals : ndarray, shape (6, n_dofs)
-        Rows that give, from nodal velocities, the velocity of the centre of mass and the spin of a
-        rigid body with the same angular momentum. The spin is NaN for a supported body.
+        Rows for the velocity of the centre of mass, and for the angular velocity of a rigid body
+        with the same angular momentum; the latter are NaN for a supported body.
     momenta : ndarray, shape (n_dofs, 6)
         M times unit translations and, for an unsupported body, unit rotations about its centre; 0
         otherwise.
     """
-    # A finer body's added functions have no nodal positions: use those of `given`.
+    # Added shape functions of a finer body have no positions: use the nodes of `given`.
     body: Any = model if model.shapes is model.mesh else model.given
     centre = np.array([model.com_functional(axis) for axis in np.eye(3)])
     functionals, momenta = np.full((6, model.n_dofs), np.nan), np.zeros((model.n_dofs, 6))
@@ -145,7 +145,7 @@ class VirtualMotion:
     ground : ndarray, shape (held, m)
         Displacements of the constrained dofs.
     springs : ndarray, shape (n_dofs, m)
-        Displacements of the ground under the springs, times their stiffness, N/m.
+        Spring stiffness, N/m, times the displacement of the ground under the spring.
     phi, inertia : ndarrays, shape (n_dofs, m)
         φ and M φ on the free dofs.
     weight : ndarray, shape (m, 3)
@@ -219,7 +219,7 @@ class Grounding:
         return every.reshape(-1, 6)[: self.M.shape[1]]
 
     def virtual(self, motions: FloatArray) -> VirtualMotion:
-        """Return the body's static displacements for motions of the ground, (all dofs, m)."""
+        """Return the body's static displacements for `motions` of the ground, (all dofs, m)."""
         body = self.body
         axes = self.resultants(np.arange(len(body.given.nodes)), np.zeros(3))[:, :3]
         ground = motions[self.held]

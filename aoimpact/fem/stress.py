@@ -204,7 +204,7 @@ def batches(piece: Piece) -> Iterator[Piece]:
 
 
 def shown(places: Layout, material: AnyMaterial) -> IntArray:
-    """Return the index in `places` of each node with its stiffest material, shape (n_nodes,)."""
+    """Return, for each node, the index in `places` of its pair with the stiffest material."""
     size = np.array([np.trace(of.stiffness) for of in each_of(material)])
     order = np.lexsort((size[places.which], places.node))
     last = np.append(np.diff(places.node[order]) > 0, True)

@@ -147,7 +147,7 @@ class StressRows:
         return not self._sections
 
     def components(self, values: FloatArray) -> FloatArray:
-        """Return the tensors, (k, n, 6), from `values`, `rows` times dofs, (6 n + 6 m, k)."""
+        """Return the tensors, (k, n, 6), of k motions; `values` = `rows` @ dofs, (6 n + 6 m, k)."""
         first = 6 * len(self.known)
         found = np.array(values[:first].T.reshape(-1, len(self.known), 6))
         found[:, ~self.known] = np.nan
@@ -175,13 +175,13 @@ class StressRows:
             every = zip(found[some], np.hstack(sizes), np.hstack(tensors), strict=True)
             for at_places, size, at_sections in every:
                 order = np.lexsort((size, places))
-                at_places[places[order]] = at_sections[order]  # the last, largest one remains
+                at_places[places[order]] = at_sections[order]  # the largest, assigned last, remains
         return found
 
 
 @record
 class _Wanted:
-    """Points of a body of shells and beams, and the position of stress in the sections.
+    """Points at which stress is wanted, and the layer (position in sections) to evaluate there.
 
     Attributes
     ----------
@@ -197,7 +197,7 @@ class _Wanted:
 
     @cached_property
     def held(self) -> tuple[IntArray, IntArray]:
-        """Pairs of an element and a point whose nodes all belong to it, within the layer's part."""
+        """Indices of elements in the layer's part, and of points that lie in the elements."""
         mesh, part = self.mesh, self.layer.part
         near = sp.csr_array(self.weights, copy=True)
         near.data = (np.abs(near.data) > PRINTED).astype(np.float64)
@@ -214,7 +214,7 @@ class _Wanted:
 
     @cached_property
     def chosen(self) -> IntArray:
-        """The shell or solid element whose stress is given at each point, -1 if there is none.
+        """The shell or solid element whose stress is taken at each point, -1 if there is none.
 
         Among the elements that contain the point, one of the stiffest shell or, without shells, of
         the stiffest solid.
@@ -228,11 +228,11 @@ class _Wanted:
         cell, place = cell[stiffness[cell] > 0.0], place[stiffness[cell] > 0.0]
         order = np.lexsort((cell, stiffness[cell], of_shell[cell], place))
         found = np.full(self.weights.shape[0], -1)
-        found[place[order]] = cell[order]  # the last, stiffest one remains
+        found[place[order]] = cell[order]  # the stiffest, assigned last, remains
         return found
 
     def has(self, of: Solid | Layers | Beam) -> bool:
-        """Return whether a material has the layer; beams without orientation have no sides."""
+        """Return whether a section has the layer; beams without orientation have no sides."""
         layer = self.layer
         if isinstance(of, Solid):
             return not (layer.ply or layer.of_beams)
@@ -311,7 +311,7 @@ def _averaged(wanted: _Wanted) -> sp.csr_array:
     nodes = np.zeros(mesh.n_nodes, dtype=bool)
     nodes[mesh.cells[chosen[known]]] = True
     near, places = np.asarray(nodes[mesh.cells].any(axis=1)), layout(mesh, wanted.material)
-    # A spot is a node as part of one smooth surface of one shell, or of one solid material.
+    # A spot pairs a node with one smooth surface of one shell, or with one solid material.
     spots = np.full(mesh.cells.shape, -1)
     shells, of_shells = _shell_pieces(mesh, wanted.material, near)
     shells = [piece for piece in shells if wanted.has(piece[0].of)]
@@ -352,7 +352,10 @@ def _averaged(wanted: _Wanted) -> sp.csr_array:
 
 
 def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, FloatArray | None]:
-    """Return stress or strain per generalised strain, (8, 6), and axes of a ply given by index."""
+    """Return the matrix, (8, 6), from generalised strains to stress or strain, and a ply's axes.
+
+    The axes, shape (3, 3), are None unless `layer` names the ply by its index.
+    """
     ply, side = (None, layer) if isinstance(layer, str) else layer
     z = layers.height(side, ply)
     if ply is None:
@@ -369,7 +372,7 @@ def _station(layers: Layers, layer: Any, strain: bool) -> tuple[FloatArray, Floa
 
 
 def _turning(frames: FloatArray) -> FloatArray:
-    """Return matrices, (n, 6, 6), from components of σ to those of Fᵀ σ F; rows of F: axes of σ."""
+    """Return the matrices, (n, 6, 6), that turn σ into Fᵀ σ F; rows of F: the axes of σ."""
     unit = np.eye(6)[:, PLACES]
     found: FloatArray = np.einsum("nai,cab,nbj->ncij", frames, unit, frames)[..., *SIX]
     return found.swapaxes(1, 2)
@@ -396,7 +399,7 @@ def beam_von_mises(mesh: Mesh, material: AnyMaterial, moved: FloatArray) -> Floa
 def _by_dofs(
     place: IntArray, cells: IntArray, rows: FloatArray, shape: tuple[int, int]
 ) -> sp.csr_array:
-    """Return the matrix over all dofs of rows of elements over their own, (n, 6, element dofs).
+    """Return the matrix over all dofs assembled from elements' `rows`, (n, 6, element dofs).
 
     Rows with the same index `place` are added.
     """
@@ -414,15 +417,15 @@ def _dofs(cells: IntArray, n_nodes: int) -> IntArray:
     return both.reshape(len(cells), 6 * cells.shape[1])
 
 
-# The elements of one kind of one shell, their strains, and for each corner the index, counted over
-# all pieces, of its pair of node and smooth surface, (n, nodes).
+# The elements of one kind and one shell, their strain matrices, and for each corner the index of
+# its pair of node and smooth surface, (n, nodes); indices are counted over all pieces.
 _ShellPiece = tuple[Piece, Strains, IntArray]
 
 
 def _shell_pieces(
     mesh: Any, material: Any, wanted: BoolArray
 ) -> tuple[list[_ShellPiece], IntArray]:
-    """Return the shells of a body by kind, and the node of each pair of node and smooth surface.
+    """Return the pieces of a body's shells, and the node of each pair of node and smooth surface.
 
     Parameters
     ----------

@@ -37,8 +37,8 @@ _UNKNOWN = 1e-5
 # Largest number of nodes of a rigid mass, since its matrix of size 3 · nodes is full.
 _MOST_NODES = 500
 
-# Largest ratio of a rigid mass's distance or radius of gyration to the body's size; a larger one
-# was probably given in millimetres.
+# Largest ratio of a rigid mass's distance or radius of gyration to the body's size; a larger ratio
+# suggests input in millimetres.
 _FAR = 50.0
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike

@@ -13,7 +13,8 @@ from ..base import FloatArray, IntArray, at_once, sp
 
 Part = tuple[int, int]
 
-# Core's work space divided by n (size + 1): AOI_BLOCKS_WORK of csrc/multigrid/multigrid.h.
+# Length of the core's work space, divided by n (size + 1): AOI_BLOCKS_WORK of
+# csrc/multigrid/multigrid.h.
 _WORK = 3
 
 # `_LEAST`: minimum dofs of a part. `_MOST_PARTS`: maximum number of parts. Each cut stores a layer
@@ -91,7 +92,7 @@ class Blocks:
 def in_stages(
     count: int, parts: list[Part], function: Callable[..., None], matrix: Any, *rest: Any
 ) -> None:
-    """Call the core for each part, stage by stage: a stage begins when all parts ended the last."""
+    """Call the core for each part and stage; each stage waits for all parts of the previous one."""
     for stage in range(count):
         if len(parts) == 1:
             function(matrix, parts[0], stage, *rest)
@@ -106,7 +107,7 @@ def diagonal_places(A: Any) -> IntArray:
 
 
 def product(A: Any, x: FloatArray) -> FloatArray:
-    """Return A x of a CSR matrix, rows shared among threads; bit for bit equal to A @ x."""
+    """Return A x of a CSR matrix, bit for bit equal to A @ x; threads share the rows."""
     result, parts = np.empty((A.shape[0], *x.shape[1:])), _parts(A)
 
     def call(begin: int, end: int) -> None:
@@ -117,7 +118,7 @@ def product(A: Any, x: FloatArray) -> FloatArray:
 
 
 def congruent(A: Any, P: Any) -> Any:
-    """Return Pᵀ A P of sparse matrices: a sum over parts of A's rows, shared among threads."""
+    """Return Pᵀ A P of sparse matrices, summed over ranges of A's rows; threads share these."""
     parts = _parts(A)
     terms: list[Any] = [None] * len(parts)
 
@@ -136,7 +137,8 @@ def rows_of(A: Any, begin: int, end: int) -> Any:
         some: Any = sp.bsr_array(shape, blocksize=A.blocksize, dtype=A.dtype)
     else:
         some = sp.csr_array((end - begin, A.shape[1]), dtype=A.dtype)
-    # Set after construction: SciPy's constructors copy slices of less than half of an array.
+    # Assign the arrays after construction, since SciPy's constructors copy slices of less than half
+    # of an array.
     some.data, some.indices = A.data[first:last], A.indices[first:last]
     some.indptr = A.indptr[begin : end + 1] - first
     return some

@@ -40,7 +40,7 @@ class Finest(NamedTuple):
 
 
 def finest_level(pencil: Pencil) -> Finest:
-    """Return K + s²M in blocks of 3 dofs per node; of a body without nodes in blocks of 3 or 1.
+    """Return K + s²M in blocks of 3 dofs per node; without nodes, in blocks of 3 or 1.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def finest_level(pencil: Pencil) -> Finest:
         # Blocks of 3 if most rows of K give no force under translations of triples of dofs, else 1.
         moves = np.tile(np.eye(3), (pencil.n // 3 + 1, 1))[: pencil.n]
         inner = np.abs(K @ moves) <= PRINTED * K.diagonal()[:, None]
-        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # the rest lies beside supports
+        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # rows next to supports fail
         motions = moves.reshape(-1, 3, 3) if size == 3 else np.ones((pencil.n, 1, 1))
     else:
         size, free, nodes = 3, pencil.free, np.unique(pencil.free // 3)
@@ -75,7 +75,7 @@ def finest_level(pencil: Pencil) -> Finest:
 
 
 def _spread(matrix: Any, place: npt.NDArray[np.int64], n: int) -> Any:
-    """Return an n x n CSR matrix whose row and column place[i] are row and column i of `matrix`."""
+    """Return an n x n CSR matrix with row and column i of `matrix` as row and column place[i]."""
     order = np.argsort(place)
     rows, lengths = matrix[order] if (np.diff(place) < 0).any() else matrix, np.zeros(n + 1, int)
     lengths[1 + place[order]] = np.diff(rows.indptr)
@@ -87,7 +87,7 @@ def add(A: Any, factor: float, M: Any) -> Any:
     """Return A + factor M, of a BSR matrix with sorted indices and a CSR matrix; overwrites A."""
     blocks = in_order(M.tobsr(A.blocksize))
     if not all(np.array_equal(getattr(A, of), getattr(blocks, of)) for of in ("indptr", "indices")):
-        return in_order(A + factor * blocks)  # M couples other nodes than A
+        return in_order(A + factor * blocks)  # M has other nonzero blocks than A
     blocks.data *= factor
     A.data += blocks.data
     return A

@@ -72,9 +72,9 @@ def fill(matrix: Any, places: FloatArray | None = None) -> Fill:
 
 
 def _cross_section(matrix: Any, along: FloatArray) -> float:
-    """Return how many rows separate the halves cut at the median of `along`; n if constant."""
+    """Return the size of a separator at the median of the coordinate `along`; n if constant."""
     below = _below(along[:, None])
-    mark = 1.0 + np.random.default_rng(0).random(len(below))  # random: sums must not cancel
+    mark = 1.0 + np.random.default_rng(0).random(len(below))  # random, since sums must not cancel
     up = np.count_nonzero((matrix @ (mark * below))[~below])
     down = np.count_nonzero((matrix @ (mark * ~below))[below])
     return float(min(up, down)) if np.ptp(along) > 0.0 else float(len(along))
@@ -102,7 +102,7 @@ def nested_dissection(matrix: Any, places: FloatArray) -> IntArray:
 
 
 def _nodes(matrix: Any) -> tuple[IntArray, Any]:
-    """Return each row's node and the graph of nodes; adjacent rows of one pattern make a node."""
+    """Return each row's node and the graph of nodes; adjacent rows of equal pattern form a node."""
     pattern = _graph(matrix.indices, matrix.indptr)
     mark = pattern @ np.random.default_rng(0).random(pattern.shape[0])
     node = np.cumsum(np.diff(mark, prepend=-1.0) != 0.0) - 1
@@ -120,7 +120,7 @@ def _graph(columns: Any, starts: Any) -> Any:
 def _cut(
     graph: Any, places: FloatArray, nodes: IntArray, is_in: FloatArray, order: list[IntArray]
 ) -> None:
-    """Append `nodes` to the order: both halves, cut in turn, and then their separator."""
+    """Append `nodes` to `order`: two halves, each cut recursively, then their separator."""
     if len(nodes) <= _LEAF:
         order.append(nodes)
         return

@@ -20,7 +20,7 @@ LARGEST, LEAST = 1e60, 1e-60
 # larger one from 1e16 on; the limit is far above that.
 _APART = 1e20
 
-# Inverse iterations for a rigid motion: each multiplies a part of relative stiffness λ, K φ =
+# Number of inverse iterations to find a rigid motion. Each multiplies the component along φ, K φ =
 # λ diag(K) φ, by PRINTED / (PRINTED + λ).
 _INVERSE_ITERATIONS = 2
 
@@ -98,13 +98,13 @@ def core_rows(matrix: Any) -> tuple[Any, ...]:
 
 
 def check_stiffness(K: sp.csr_array) -> FloatArray | None:
-    """Refuse a K that a cheap check finds not to be positive semidefinite.
+    """Refuse a K that is not positive semidefinite, as far as cheap checks find out.
 
     Returns
     -------
     ndarray, shape (n,), or None
-        A random combination of all motions without elastic force; without such motions, a soft
-        motion or rounding. None beyond 10 000 dofs.
+        A random combination of all motions without elastic force; if there are none, of soft
+        motions, or noise. None beyond 10 000 dofs.
 
     Raises
     ------
@@ -296,7 +296,7 @@ def _symmetrised(name: str, csr: sp.csr_array) -> sp.csr_array:
         return csr
     difference = (csr - transposed).tocoo()
     largest = float(np.abs(csr.data).max())
-    gap = float(np.abs(difference.data).max(initial=0.0))  # empty if only stored zeros differ
+    gap = float(np.abs(difference.data).max(initial=0.0))  # no entries if only stored zeros differ
     if gap > PRINTED * largest:
         worst = int(np.argmax(np.abs(difference.data)))
         i, j = int(difference.row[worst]), int(difference.col[worst])

@@ -14,9 +14,10 @@ Iterate = Callable[[FloatArray, float, float], tuple[FloatArray, int]]
 
 # Tolerance of ‖f - A x‖ / ‖f‖ of rough solutions. It suffices for the vectors of a subspace, since
 # the projected model's error is the square of the vectors' error: the receptance at a node of a
-# plate is off by 1e-8 with any number of vectors (2e-7 with 1e-2). Rough solutions take 0.4 of the
-# iterations. The vectors of a constrained body must be orthogonal to its static mode: otherwise the
-# errors of displacements and stresses elsewhere stagnate at 3e-4 and 7e-3 on a thick plate.
+# plate is off by 1e-8 with any number of vectors (by 2e-7 with a tolerance of 1e-2). Rough
+# solutions take 0.4 of the iterations of full ones. The vectors of a constrained body must be
+# orthogonal to its static mode: otherwise the errors of displacements and stresses away from the
+# contact stagnate at 3e-4 and 7e-3 on a thick plate.
 ROUGH = 1e-3
 
 

@@ -34,8 +34,9 @@ from .superlu import factorize
 
 Single = npt.NDArray[np.float32]
 
-# λ_max/λ_min of the band of eigenvalues that is smoothed, on the finest level and on those of
-# aggregates. Isotropic elements need 8; the band is for elements three times as long as wide.
+# Ratio λ_max/λ_min of the eigenvalues that the smoother damps: on the finest level, and on levels
+# of aggregates. 8 is enough for cubic elements; larger ratios allow elements three times as long as
+# wide.
 _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 
 # Maximum entries of the coarsest level's factor L: _FEWEST_ENTRIES or _COARSEST_SHARE of K's. For
@@ -77,10 +78,10 @@ class _Level:
     smoother: Smoother
     prolongation: Any
     restriction: Any
-    width: int  # 3 if one weight serves all components of a node: vectors as (n, 3); else 1
+    width: int  # 3 if all components of a node have the same weights, else 1
 
     def moved(self, x: Single, by: Any) -> Single:
-        """Return `by` x: x restricted to the next level, or prolonged from there to this one."""
+        """Return `by` x: x restricted to the next coarser level, or prolonged from there."""
         result: Single = by @ (x.reshape(-1, 3) if self.width == 3 else x)
         return result.reshape(-1)
 
@@ -109,7 +110,8 @@ class Multigrid:
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
             A, motions, places, self._place = finest_level(pencil)
             self._scale, self._length = pencil.scale, A.shape[0]
-            # A product with this one matrix takes a sixth of the time of products with K and M.
+            # A product with the assembled K + s²M takes a sixth of the time of products with K and
+            # M.
             self._blocks = Blocks(A, places)
             self._work = np.empty(self._blocks.work_length)
             self._coarsen(A, motions, places, progress)
@@ -156,10 +158,10 @@ class Multigrid:
         self._coarsest = factorize(A / self._scale, what=pencil.what)
 
     def _at(self, s2: float) -> Inverse:
-        """Return (K + s²M)⁻¹ at another shift; a smaller shift shares this finest smoother.
+        """Return (K + s²M)⁻¹ at another shift; at a smaller shift, it shares the finest smoother.
 
-        The smoother damps as well at smaller shifts, but not at larger ones, whose matrix is larger
-        than its own. Threads take turns, since both inverses share the work space.
+        The smoother, set up for the larger matrix, also damps at smaller shifts, but not at larger
+        shifts. Threads take turns, since both inverses share the work space.
         """
         if not self._levels or s2 > self._stored:
             return Multigrid(self.pencil.at(s2)).inverse
@@ -201,7 +203,7 @@ class Multigrid:
         return x.astype(np.float64) * (size / self._scale)
 
     def _cycle(self, depth: int, r: Single) -> Single:
-        """Return a V-cycle's solution for `r` on level `depth`; overwrites `r`."""
+        """Return the solution for `r` of a V-cycle that begins on level `depth`; overwrites `r`."""
         if depth == len(self._levels):
             return self._coarsest.solve(r.astype(np.float64)).astype(np.float32)
         level = self._levels[depth]
@@ -219,9 +221,9 @@ class Multigrid:
         return x
 
     def _shift(self, x: Single, r: Single) -> None:
-        """Change `r`, the residual of `x` at the smoother's shift, to that at this inverse's shift.
+        """Convert `r`, the residual of `x` at the smoother's shift, to this inverse's shift.
 
-        Otherwise corrections of slow motions, where s²M dominates, become far too large or small.
+        Without this, corrections along motions in which s²M dominates are far too large or small.
         """
         change = (self.pencil.s2 - self._stored) / self._scale
         if change:

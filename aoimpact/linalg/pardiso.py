@@ -36,7 +36,7 @@ def is_installed() -> bool:
 
 
 class _Factors:
-    """Factors of K + s²M for one s² at a time, with one analysis of the pattern for all.
+    """Factors of K + s²M for one s² at a time; the analysis of the pattern serves every s².
 
     Replacing the factors takes at most half the time of a first factorisation. Models of thin
     bodies, which need factors of K as well for their static mode, are made 1.31 … 1.37 times as
@@ -73,7 +73,7 @@ class _Factors:
         if matrix.indices is not self._indices:
             self._take_pattern(matrix)
             by = self._solver.factor
-        self._s2 = math.nan  # until the new factors are there
+        self._s2 = math.nan  # no valid factors until the new ones exist
         try:
             by(matrix.data[self._upper])
         except RuntimeError as error:  # PARDISO: "zero pivot / numerical factorization failure"

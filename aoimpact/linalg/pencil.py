@@ -14,7 +14,7 @@ from ..base import ArrayPair, FloatArray, IntArray, record
 from .blocks import ENTRIES_AT_ONCE, product, rows_of
 from .dissection import Fill, fill, nested_dissection
 
-# Negligible, but non-zero so that the sparse entry is kept.
+# Replacement of stored zeros in K: negligible, but kept by SciPy's sparse sums.
 _ALMOST_ZERO = 1e-300
 
 
@@ -104,7 +104,7 @@ class Pencil:
         cuts = np.linspace(0, self.n, 2 + K.nnz // ENTRIES_AT_ONCE, dtype=int).tolist()
         for first, last in pairwise(cuts):
             rows = rows_of(K, first, last)
-            # SciPy drops entries that sum to zero.
+            # SciPy's sum drops entries that are zero.
             rows.data = np.where(rows.data == 0.0, _ALMOST_ZERO, rows.data)
             total = rows + self.s2 * rows_of(self.M, first, last)
             if total.nnz != rows.nnz:

@@ -13,8 +13,8 @@ from ..base import PRINTED, FloatArray, SingularError, sp
 def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> FloatArray:
     """Return an M-orthonormal basis of the part of `vectors` that `space` does not span.
 
-    Gram-Schmidt runs twice, since rounding may dominate what little the first pass leaves (Giraud,
-    Langou and Rozložník, Comput. Math. Appl. 50 (2005) 1069).
+    Gram-Schmidt runs twice, since rounding may dominate a short remainder of the first pass
+    (Giraud, Langou and Rozložník, Comput. Math. Appl. 50 (2005) 1069).
 
     Parameters
     ----------
@@ -27,9 +27,9 @@ def m_orthonormal(space: FloatArray | None, vectors: FloatArray, M: Any) -> Floa
     Returns
     -------
     basis : ndarray, shape (n, k), k ≤ m
-        For each vector, `space` and the columns so far span what `space` and the vectors so far
-        span. A vector adds no column if it has no mass, or if `space` and the vectors before it
-        span it to 1e-9 of its length.
+        `space` and the columns together span the same space as `space` and `vectors`. A vector adds
+        no column if it has no mass, or lies in the span of `space` and the vectors before it up to
+        1e-9 of its length.
 
     Examples
     --------
@@ -80,13 +80,13 @@ def unresisted_motions(
         If a motion without elastic forces has no mass.
     """
     forces = K @ motions
-    if springs is not None:  # soft ones are lost in the rounding of K: their share is set below
+    if springs is not None:  # rounding of K may hide soft springs: set below
         forces -= springs[:, None] * motions
     stiffness = K.diagonal()[:, None]
     np.divide(forces, stiffness, out=forces, where=stiffness > 0.0)
     if springs is not None:
         forces = np.where(springs[:, None] > 0.0, motions, forces)
-    # In a symmetric K strong and weak connection agree; strong needs no transpose.
+    # Strongly and weakly connected components of a symmetric K agree; the former need no transpose.
     n_parts, part = sp.csgraph.connected_components(K, connection="strong")
     order = np.argsort(part, kind="stable")
     bounds = np.searchsorted(part[order], np.arange(n_parts + 1))

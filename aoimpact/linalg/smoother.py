@@ -19,7 +19,8 @@ Single = npt.NDArray[np.float32]
 # by half; one step more saves no more than it costs.
 _STEPS = 3
 
-# `_LANCZOS_STEPS`: steps for λ_max of D⁻¹A, too low by some percent; `_MARGIN`: factor for that.
+# `_LANCZOS_STEPS`: number of Lanczos steps, which underestimate λ_max of D⁻¹A by some percent.
+# `_MARGIN`: factor on the result, to make up for this.
 _LANCZOS_STEPS = 12
 _MARGIN = 1.1
 

@@ -39,19 +39,21 @@ METHODS: dict[str, Method] = {method.name: method for method in (SUPERLU, PARDIS
 
 SOLVERS = ("auto", *METHODS)
 
-# `_TOLERANCE`: limit of ‖f - A x‖ / ‖f‖, if rounding allows; `_REFINEMENTS`: maximum number.
+# `_TOLERANCE`: limit of ‖f - A x‖ / ‖f‖, unless rounding leaves more. `_REFINEMENTS`: maximum
+# number of refinement steps.
 _TOLERANCE = 1e-10
 _REFINEMENTS = 5
 
-# Largest ‖f - A x‖ / (max A_ii ‖x‖) that is due to rounding: some hundred roundings.
+# Largest ‖f - A x‖ / (max A_ii ‖x‖) that counts as due to rounding: some hundred times the unit
+# roundoff.
 _LEFT_BY_ROUNDING = 2e-14
 
-# Estimated time, s, up to which factors are preferred even to quicker iterations: they serve any
-# number of solutions, and cannot fail to converge.
+# Estimated time of a factorisation, s, up to which it is preferred even to quicker iterations:
+# factors serve any number of solutions, and cannot fail to converge.
 _PROMPT = 0.2
 
-# Default number of solutions: that for a reduced model of a few oscillators. Callers give fewer for
-# a shift far above the frequencies of slow motions, where iterations converge quickly.
+# Default number of solutions: enough for a reduced model of a few oscillators. Callers give a
+# smaller number for a shift s² far above the lowest ω², where iterations converge quickly.
 FEW_SOLUTIONS = 10
 
 
@@ -60,7 +62,7 @@ class LinearSolver:
     """(K + s²M)⁻¹ by any method, with the residual of every solution checked.
 
     If "auto" chose iterations, factors replace them for good once all solutions together have taken
-    as long as a factorisation would: the total is at most twice that.
+    the estimated time of a factorisation: the total time is at most twice the latter.
 
     Attributes
     ----------
@@ -87,7 +89,7 @@ class LinearSolver:
 
     @property
     def precondition(self) -> Solve | None:
-        """Approximation of (K + s²M)⁻¹, symmetric and much cheaper; None for a direct method."""
+        """Symmetric approximation of (K + s²M)⁻¹, much cheaper to apply; None: a direct method."""
         return self.inverse.precondition
 
     @property
@@ -234,7 +236,7 @@ def linear_solver(
     cost, most = method.cost(pencil), np.inf
     require(cost.memory, what, cure)
     direct = _direct(pencil) if name == "auto" else None
-    if method is MULTIGRID and direct is not None:  # iterations in the time of a factorisation
+    if method is MULTIGRID and direct is not None:  # most: those in the time of a factorisation
         most = direct.cost(pencil).set_up / cost.step
     with bar(f"{method.name}, {pencil.n} dofs"):
         try:

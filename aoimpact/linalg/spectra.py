@@ -33,7 +33,8 @@ EQUAL = 1e-9
 # eigenvalues of K and M given in exchanged places.
 _DENSE_AT_WORST = 2000
 
-# Smallest ratio of an elastic eigenvalue to the first guess of s²; smaller ones are rounding.
+# Smallest ratio of an elastic eigenvalue to the first guess of s²; smaller eigenvalues are rounding
+# errors.
 _LEAST_SHIFT = 1e-30
 
 # Ratio of the first guess of s² to ΣK_ii/ΣM_ii, which is near the highest ω². With this guess,
@@ -50,21 +51,23 @@ _SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
 # (of strips 1 m long and 0.5 to 3 mm thick), and the next s² is _FURTHER times this value.
 _INVERSE_STEPS, _FURTHER = 8, 0.01
 
-# Largest eps |φ|ᵀ|K||φ| / φᵀKφ, the relative rounding of a mode's stiffness, without a warning. The
-# first ω of bars and plates 1 000 to 10 000 times as long as thick is off by 1 % or more above it,
-# by at most 0.3 % below it.
+# Largest relative rounding of a mode's stiffness, eps |φ|ᵀ|K||φ| / φᵀKφ, without a warning. Bars
+# and plates 1 000 to 10 000 times as long as thick: above this limit, the first ω is off by 1 % or
+# more; below, by at most 0.3 %.
 _DROWNED = 0.2
 
-# Removal of elastic strain from rigid modes: ratio of s² to the first guess, number of passes.
+# Removal of elastic strain from computed rigid modes. `_STRAIN_SHIFT`: ratio of s² to the first
+# guess. `_STRAIN_PASSES`: number of passes.
 _STRAIN_SHIFT, _STRAIN_PASSES = 1e-6, 3
 
 # Smallest ratio of a pivot of M to its diagonal entry at which LAPACK's reduction by M⁻¹ keeps the
 # digits of low ω².
 _LIGHT = 1e-6
 
-# Tolerance of r·T r / ω², with the residual r and T ≈ (K + s²M)⁻¹. It is the relative error of
-# ω², and its square root is that of the mode. Rounding of K φ is up to ε √m Σ K_ii φ_i² along any
-# mode, with m entries in a row; it leaves r·T r as its square divided by the lowest ω² + s².
+# Tolerance of r·T r / ω², with the residual r and T ≈ (K + s²M)⁻¹: the relative error of ω²; its
+# square root is the relative error of the mode. The component of K φ's rounding along any mode is
+# up to ρ = ε √m Σ K_ii φ_i², with m entries in a row; r·T r cannot fall below ρ² divided by the
+# lowest ω² + s².
 _TOLERANCE, _EPSILON = 1e-14, float(np.finfo(float).eps)
 
 # Relative change of a converged ω² above which its pair is iterated on: a lower ω² has appeared.
@@ -195,7 +198,8 @@ def null_space(K: Any, M: Any, soft: float | None = None) -> FloatArray:
         wanted = min(n, 4 * wanted)
     modes = modes[:, rigid]
     if rigid.any() and soft is None:
-        # Each pass leaves s²/(ω² + s²) of the strain, so s² lies far below any elastic ω².
+        # Each pass multiplies a component of elastic strain by s²/(ω² + s²); s² is far below any
+        # elastic ω².
         near_k = linear_solver(Pencil(K, M, _STRAIN_SHIFT * _first_shift(K, M)))
         for _ in range(_STRAIN_PASSES):
             modes = modes - near_k.solve(K @ modes)
@@ -258,7 +262,7 @@ def _iterated(
     known: FloatArray | None,
     invert: Callable[[float], LinearSolver] | None,
 ) -> ArrayPair:
-    """Return eigenpairs by Davidson's method, preconditioned by V-cycles or else by solutions."""
+    """Return eigenpairs by Davidson's method; preconditioner: V-cycles, or a direct solver."""
     solver_at = invert or (lambda s2: linear_solver(Pencil(K, M, s2)))
     near = None
     if known is not None and not known.shape[1]:

@@ -16,15 +16,15 @@ from .pencil import Pencil
 # singular matrix leaves values of this size.
 _SINGULAR = 2e-15
 
-# Safety factor (times √n) for estimating 1/condition by one inverse iteration from a random vector.
+# Safety factor, times √n, on the condition estimated by one inverse iteration from a random vector.
 _UNLUCKY = 100.0
 
 # Dofs up to which the signs of the pivots are checked: SciPy copies all factors to show them.
 CHECKED_DOFS = 10_000
 
-# See `of_factors`. The check of the factors takes four solutions; U is stored beside L, both with
-# indices. The estimates are 0.8 to 1.4 times the time and memory measured (benchmarks/linear.py
-# --direct) on 18 balls, blocks, plates, sheets and bars of 10 000 to 213 000 dofs.
+# Costs for `of_factors`, including four solutions that check the factors, and both L and U with
+# their indices. Estimates are 0.8 to 1.4 times the time and memory measured on 18 balls, blocks,
+# plates, sheets and bars of 10 000 to 213 000 dofs (benchmarks/linear.py --direct).
 _COST = of_factors((9.5e-11, 3.5e-8, 1.5e-9), 30.0, 0.0)
 
 

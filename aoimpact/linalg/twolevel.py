@@ -18,8 +18,8 @@ from .solvers import LinearSolver
 # and by at most 0.05 % on elements of second order.
 _ROUGH = 0.1
 
-# Number of columns solved together, each with a few vectors in memory. Factors then take a fifth of
-# the time per column that a single column takes.
+# Number of columns solved together, limited because each needs a few vectors in memory. Solving 16
+# columns with factors takes a fifth of the time, per column, of solving one.
 _AT_ONCE = 16
 
 

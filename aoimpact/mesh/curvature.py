@@ -28,20 +28,22 @@ _SURELY_SHARP = 0.25
 # a height over that plane.
 _GRAPH = 0.5
 
-# Radii around the point within which nodes are fitted, in distances between neighbouring nodes.
-# The fit with the smallest error that agrees with all smaller radii is taken.
+# Radii around the point within which nodes are fitted, in distances between neighbouring nodes. Of
+# the fits that agree with those of all smaller radii, the one with the smallest error is taken.
 _REACHES = (2.2, 2.8, 3.6, 5.0, 7.0)
 
-# Largest height of coplanar nodes, divided by the reach: rounding to a mesh file's digits.
+# Largest height of nodes that count as coplanar, relative to the radius of the region: rounding to
+# a mesh file's digits.
 _IN_PLANE = 1e-6
 
-# `_DEVIATIONS`: number of standard deviations in the error. `_LEAST_ERROR`: smallest relative
-# error. The number is calibrated, since surfaces are no samples of the prior. On gmsh's meshes of
-# spheres, tori and ellipsoids, of one to eight straight or one to four curved elements per radius,
-# 2 of 773 errors exceed six deviations. On cylinders 41 of 300 do, by up to 4.5 times: their nodes
-# lie in rows, and a polynomial of low degree fits a few rows without any sign that a higher degree
-# is missing. On cylinders the error is therefore at least 2 κ (κh)³, h being the distance between
-# nodes; this minimum covers all of the 300 cases, and 276 of 280 on regular meshes.
+# `_DEVIATIONS`: ratio of the stated error to the standard deviation. `_LEAST_ERROR`: smallest
+# relative error. The ratio is calibrated, since surfaces are no samples of the prior. On gmsh's
+# meshes of spheres, tori and ellipsoids, of one to eight straight or one to four curved elements
+# per radius, 2 of 773 true errors exceed six deviations. On cylinders 41 of 300 do, by up to 4.5
+# times: their nodes lie in rows, and a polynomial of low degree fits a few rows without any sign
+# that a higher degree is missing. On cylinders the stated error is therefore at least 2 κ (κh)³, h
+# being the distance between nodes; it then covers all of the 300 cases, and 276 of 280 on regular
+# meshes.
 _DEVIATIONS, _LEAST_ERROR = 6.0, 1e-3
 
 # `_ONE_WAY`: largest ratio of the principal curvatures of a shape treated as a cylinder.
@@ -52,21 +54,22 @@ _ONE_WAY, _IN_ROWS = 0.1, 2.0
 _LEAST = 6
 
 # `_POWERS`: exponents of the polynomial's terms, ascending by degree. `_BINOMIAL`: square roots of
-# the binomial coefficients; as prior widths they make the prior isotropic.
+# the binomial coefficients; as prior standard deviations they make the prior isotropic.
 _POWERS = [(degree - j, j) for degree in range(7) for j in range(degree + 1)]
 _DEGREE = np.array([i + j for i, j in _POWERS])
 _BINOMIAL = np.sqrt([math.comb(i + j, j) for i, j in _POWERS])
 
-# Prior width of height and slope, in units of the curvature's: both are practically free.
+# Prior standard deviation of the terms for height and slope, relative to that for curvature; it
+# hardly restricts the terms.
 _FREE = 1e3
 
-# Values to average over. `_ROUGHNESS`: λ, the ratio of the prior widths of successive degrees (κ
-# reach/2 for a sphere). `_NOISE`: s, the ratio of the nodes' noise to the prior width of the
-# curvature.
+# Parameters over whose values the fit is averaged. `_ROUGHNESS`: λ, the ratio of prior standard
+# deviations of successive degrees (κ reach/2 for a sphere). `_NOISE`: s, the ratio of the nodes'
+# noise to the prior standard deviation of the curvature.
 _ROUGHNESS = np.array([0.25, 0.5, 1.0, 2.0])
 _NOISE = np.geomspace(1e-9, 1.0, 19)
 
-# Prior widths of all terms for each value of λ, shape (4, 28).
+# Prior standard deviations of all terms for each value of λ, shape (4, 28).
 _WIDTHS = _BINOMIAL * _ROUGHNESS[:, None] ** (_DEGREE - 2.0)
 _WIDTHS[:, :3] = _FREE
 
@@ -183,7 +186,7 @@ class _Region:
 
 
 def _doubt(bends: FloatArray, reach: float) -> float:
-    """Return the curvature, 1/m, if the uncertain edges within reach are part of a round body."""
+    """Return the curvature, 1/m, that edges of 45° to 75° within reach have if not sharp."""
     turn = bends[bends[:, 0] <= reach, 1]
     return float(turn.max(initial=0.0)) / reach
 
@@ -195,7 +198,7 @@ def _spacing(surface: Surface, face: IntArray) -> float:
 
 
 def _curved(surface: Surface, face: IntArray) -> BoolArray:
-    """Return which faces have a node off the straight edge or side between their corners."""
+    """Return which faces are curved: a node is off the straight edge or side of the corners."""
     gap = np.linalg.norm(surface.bulges(face), axis=2).max(axis=1)
     return np.asarray(gap > _IN_PLANE * surface.edges(face))
 
@@ -241,7 +244,7 @@ def _region(
 
 
 def _linked(joined: sp.csr_array, start: BoolArray) -> BoolArray:
-    """Return which faces are connected to one of `start`."""
+    """Return which faces are connected, directly or through others, to a face of `start`."""
     label = sp.csgraph.connected_components(joined, directed=False)[1]
     return np.isin(label, label[start])
 
@@ -270,8 +273,9 @@ def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_
 def _fitted(region: _Region, here: FloatArray, normal: FloatArray, reach: float) -> SurfaceShape:
     """Return the shape found by fitting heights over the tangent plane to the nodes within reach.
 
-    Bayesian regression: the terms of degree k have the prior width A λ^(k-2), the nodes the noise
-    A s. The amplitude A is integrated out; λ and s are averaged over, weighted by their evidence.
+    Bayesian regression: the prior standard deviation of terms of degree k is A λ^(k-2), and that of
+    the nodes' noise is A s. The amplitude A is integrated out. The result is the mean over λ and s,
+    weighted by their evidence.
     """
     offset = region.nodes[region.distance <= reach] - here
     across, height = plane_of(normal), offset @ normal / reach
@@ -284,7 +288,7 @@ def _fitted(region: _Region, here: FloatArray, normal: FloatArray, reach: float)
     free = max(n - 3, 1)
     left, size, right = np.linalg.svd(r * _WIDTHS[:, None], full_matrices=False)
     along, weight = seen @ left, right[:, :, :6] * _WIDTHS[:, None, :6]
-    # Axes of the arrays below: roughness λ, noise s, singular value.
+    # Axes of the arrays below, in this order: λ, s, singular value.
     size, along = size[:, None], along[:, None]
     total = size**2 + _NOISE[:, None] ** 2
     misfit = (along**2 / total).sum(axis=2) + beyond / _NOISE**2

@@ -41,7 +41,7 @@ class Cell:
     of_brick: FloatArray
 
     def inside(self, place: FloatArray) -> FloatArray:
-        """Return a point, shape (3,), moved towards the cell's middle until it is inside."""
+        """Return a point, (3,); a point outside is moved towards the middle onto the surface."""
         middle = self.corners.mean(axis=0)
         beyond = self.normals @ (place - middle)
         room = (self.corners @ self.normals.T).max(axis=0) - self.normals @ middle
@@ -119,7 +119,7 @@ class ReferenceElement:
         return self.evaluate(points)[1]
 
     def evaluate(self, points: FloatArray) -> ArrayPair:
-        """Return `shape` and `gradient`, for little more work than one of the two."""
+        """Return `shape` and `gradient`, for little more work than either alone."""
         return self._basis(points)
 
     @property
@@ -284,11 +284,11 @@ def _quadrature(linear: str, n: int) -> Rule:
 
 _AXES, _ORIGIN = np.eye(3), np.zeros(3)
 _SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
-_BRICK = np.vstack([_SQUARE, _SQUARE + _AXES[2], np.full(3, 0.5)])  # eight corners, and the middle
+_BRICK = np.vstack([_SQUARE, _SQUARE + _AXES[2], np.full(3, 0.5)])  # eight corners, then the middle
 
 
 def _cell(linear: str, corners: Any, normals: Any, of_brick: str) -> Cell:
-    """Return a cell; `of_brick` gives each piece of the brick by its corners in `_BRICK`."""
+    """Return a cell; `of_brick`: the cells that fill a brick, as digits that index `_BRICK`."""
     pieces = _BRICK[[[*map(int, piece)] for piece in of_brick.split()]]
     return Cell(linear, np.array(corners, float), np.array(normals, float), pieces)
 
@@ -341,7 +341,7 @@ _PYRAMID_5 = (*_TETRAHEDRON_4, (1, 1, 0, 1))
 _PYRAMID_13 = (*_TETRAHEDRON_10, (1, 1, 0, 1), (2, 1, 0, 1), (1, 2, 0, 1))
 
 
-_EDGES = "01 12 23 03 45 56 67 47 04 15 26 37"  # corners of a hexahedron's edges, and of its faces
+_EDGES = "01 12 23 03 45 56 67 47 04 15 26 37"  # corners of each edge of a hexahedron
 _FACES = "0347 1256 0145 2367 0123 4567"
 
 # All kinds of elements, by meshio's names: the cell; for each node after the corners, the corners
@@ -375,8 +375,9 @@ _CUBIC: dict[str, tuple[tuple[_Powers, ...], str, int, int]] = {
     "wedge15": (_space(3, lambda i, j, k: i + j <= (3 if k < 2 else 1)), "012 345", 4, 5),
 }
 
-# Kinds of solid elements. The elements of shells, beams and sides of solids, added below, have no
-# quadrature of their own; their functions are those of a solid on a side or edge in z = 0.
+# Kinds of solid elements. Elements of shells, beams and sides of solids, added to `_ALL` below,
+# need no quadrature rule here; their functions are those of a solid, restricted to a side or an
+# edge in z = 0.
 KINDS = tuple(_ALL)
 _ALL |= {
     kind: (cell, middles, tuple(of for of in space if not any(of[n_axes:])), 1, 1)
@@ -392,8 +393,8 @@ _ALL |= {
 }
 THIN = ("quad", "triangle", "line")
 
-# The second-order kind for each kind of first order. Being last in reversed order, hexahedron20
-# replaces hexahedron27.
+# The second-order kind for each first-order kind. Of hexahedron20 and hexahedron27 the former,
+# assigned last, remains.
 RAISED = {_ALL[kind][0].linear: kind for kind in reversed(KINDS) if _ALL[kind][1]}
 
 # Kinds of surface elements by their numbers of nodes.
@@ -478,7 +479,7 @@ def reference_faces(kind: str) -> tuple[ReferenceFace, ...]:
         corner = on < element.n_corners
         arms = element.nodes[on] - element.nodes[on[corner]].mean(axis=0)
         turn = np.arctan2(arms @ np.cross(normal, arms[0]), arms @ arms[0] * np.linalg.norm(normal))
-        first = 0.0 if element.thin else turn[corner].min()  # keep a surface element's first corner
+        first = 0.0 if element.thin else turn[corner].min()  # surface elements keep their corner 0
         turn = np.round(turn - first, 9) % (2.0 * np.pi)
         middle = np.linalg.norm(arms, axis=1) < ROUNDING
         nodes = on[np.lexsort((turn, middle, ~corner))]

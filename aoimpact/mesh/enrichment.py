@@ -15,8 +15,8 @@ from .mesh import Block, Mesh
 def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
     """Return the mesh with the functions of `enriched_element` added to its elements.
 
-    Each added function of an edge or side is one more node, after the nodes of the given mesh. Its
-    coordinates are zero, so that the function does not change the shape of the elements.
+    Each added function has a node, numbered after the nodes of the given mesh. Its coordinates are
+    zero, since the function does not change the shape of the elements.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
 
 
 def _keys(cells: IntArray, corners: Any) -> IntArray:
-    """Return the sorted corners of an edge or side of each element, (n, 3); edges end in -1."""
+    """Return the sorted corners of an edge or side of each element, (n, 3); of edges, third: -1."""
     found = np.full((len(cells), 3), -1)
     found[:, : len(corners)] = np.sort(cells[:, corners], axis=1)
     return found

@@ -27,13 +27,14 @@ from .mesh import Mesh
 
 _GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
-# `_ICOSAHEDRON_ANGLE`: angle between neighbouring vertices, seen from the centre. `_STRETCH`: ratio
-# of the longest element edge on a unit sphere to this angle divided by n; 1.161 for n = 4, 1.176
-# for n = 16.
+# `_ICOSAHEDRON_ANGLE`: angle between neighbouring vertices, seen from the centre, rad. `_STRETCH`:
+# upper bound of the longest element edge on a unit sphere, relative to this angle divided by n;
+# measured: 1.161 for n = 4, 1.176 for n = 16.
 _ICOSAHEDRON_ANGLE = float(np.arctan(2.0))
 _STRETCH = 1.18
 
-# Largest number of nodes. 1e7 nodes need 40 GB for matrices; more are a slip of units (m, not mm).
+# Largest number of nodes. Matrices of 1e7 nodes need 40 GB; a larger number is probably due to
+# lengths in mm instead of m.
 _MOST_NODES = 1e7
 
 

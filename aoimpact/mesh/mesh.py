@@ -104,8 +104,8 @@ class Mesh(Frozen):
     cell_labels : array_like of int, shape (n_cells,), optional
         Numbers of the elements in the file.
     left_out : mapping of str to str, optional
-        Groups of a file that hold more than solids, with the rest of their contents, as in
-        "3 MASS". They are refused as groups of elements.
+        Groups of a file that also contain other items than solids, and these items, as in
+        "3 MASS". Such groups are refused as groups of elements.
 
     Attributes
     ----------
@@ -313,7 +313,7 @@ def _renumbered(sets: Mapping[str, IntArray], number: IntArray) -> dict[str, Int
 
 
 def _given_blocks(cells: Any, kind: Any) -> list[tuple[str, Any]]:
-    """Return pairs of a kind and its cells from either form of the arguments."""
+    """Return pairs (kind, cells), from an array and its kind or from a list of pairs."""
     if not (isinstance(kind, str) and kind == "mixed"):
         return [(choice("kind", kind, KINDS + THIN), cells)]
     how = 'cells of a mixed mesh must be a list of pairs such as [("tetra", array), …]'
@@ -346,7 +346,7 @@ def _sets(name: str, given: Any, count: int, what: str) -> dict[str, IntArray]:
 
 
 def twins(table: IntArray) -> tuple[IntArray, IntArray]:
-    """Return pairs of equal rows of a table: the earlier rows, and the later ones."""
+    """Return the indices of the first and of the second row of each pair of equal rows."""
     order = np.lexsort(table.T)
     same = (table[order[1:]] == table[order[:-1]]).all(axis=1)
     return order[:-1][same], order[1:][same]
@@ -437,7 +437,7 @@ def right_handed(kind: str, nodes: FloatArray, cells: IntArray) -> IntArray:
     if kind not in KINDS or not len(cells):
         return cells
     element = reference_element(kind)
-    for part in (cells[:1], cells):  # the first element settles most meshes
+    for part in (cells[:1], cells):  # one right-handed element is enough to return
         _, highest = jacobian_range(nodes, part, element)
         if not (highest < 0.0).all():  # also if det J is NaN
             return cells

@@ -90,9 +90,9 @@ def sides(
 
 
 def pairs(key: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
-    """Yield index arrays of all pairs of entries with equal keys, in both orders.
+    """Yield all ordered pairs of entries with equal keys, as pairs of index arrays.
 
-    No array repeats an index.
+    No index occurs twice in an array.
     """
     order = np.argsort(key, kind="stable")
     for step in range(1, max(2, int(np.bincount(key).max()))):  # without pairs, yield empty arrays

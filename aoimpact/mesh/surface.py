@@ -38,7 +38,8 @@ _PARALLEL, _BESIDE_CORNER = 1e-9, 1e-3
 # Largest final Newton step: convergence is quadratic, so that the next step is below rounding.
 _CONVERGED = 1e-10
 
-# Distance of u or v from 0.5 beyond which an iteration is given up: it does not come back.
+# Distance of u or v from 0.5 beyond which a Newton iteration is stopped, since it does not return
+# to the side.
 _LOST = 1.5
 
 # Cosine of 45°. An edge is sharp if the normals of its faces differ by more; on round bodies of few
@@ -136,7 +137,7 @@ class Surface:
         return np.array([len(face.nodes) for _, face in self.sides])
 
     def of_count(self, face: IntArray) -> Iterator[tuple[ReferenceFace, IntArray]]:
-        """Yield, for each number of nodes, a side that has it and the rows of `face` that do."""
+        """Yield, for each number of nodes, a side and the rows of `face` with that many nodes."""
         counts = self._counts[self.side[face]]
         for count in np.unique(counts):
             side = self.sides[int((self._counts == count).argmax())][1]
@@ -339,7 +340,7 @@ class Surface:
         return best
 
     def bulges(self, face: IntArray) -> FloatArray:
-        """Return offsets of the nodes between corners from a straight side, m, (n, 5, 3)."""
+        """Return offsets of nodes between corners from places on a flat side, m, (n, 5, 3)."""
         found = np.zeros((len(face), 5, 3))
         for side, on in self.of_count(face):
             n, count, of = side.n_corners, len(side.nodes), side.element
@@ -413,7 +414,10 @@ def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArr
 
 
 def plane_of(axis: FloatArray, near: FloatArray | None = None) -> FloatArray:
-    """Return two unit vectors normal to `axis`, shape (2, 3), the first closest to `near`."""
+    """Return an orthonormal basis of the plane normal to `axis`, shape (2, 3).
+
+    The first vector is along the projection of `near` onto the plane.
+    """
     if near is None:
         first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
     else:

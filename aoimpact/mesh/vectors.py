@@ -24,7 +24,7 @@ def unit(vectors: FloatArray) -> FloatArray:
 
 
 def parted(values: Any, like: Sequence[Any]) -> list[Any]:
-    """Return consecutive parts of `values`, shape (n, ...), in the shapes of the arrays `like`."""
+    """Split `values`, shape (n, ...), into consecutive parts with the shapes of arrays `like`."""
     parts = np.split(values, np.cumsum([of.size for of in like])[:-1])
     return [own.reshape(of.shape + own.shape[1:]) for own, of in zip(parts, like, strict=True)]
 

@@ -28,7 +28,7 @@ SHORT, LONG = 200e-6, 20e-3  # length of the records of Figs. 9 and 10, and of F
 
 PAPER_FREQUENCIES = (58.0, 233.0, 315.0, 520.0, 915.0)  # Hz
 
-# Share of vertical motion in the kinetic energy above which a mode is one of vertical bending.
+# Modes with a larger share of vertical motion in the kinetic energy count as vertical bending.
 _VERTICAL = 0.75
 
 
@@ -62,7 +62,7 @@ def beam() -> ao.ContactPoint:
 
 @cache
 def star(order: Literal["mass", "frequency"] = "mass") -> ao.AOModel:
-    """Return the beam's model of its anti-oscillators of largest mass or of lowest frequency."""
+    """Return the AO model of the beam's anti-oscillators of largest mass or lowest frequency."""
     return ao.antioscillators(beam(), n=COUNT, order=order)
 
 
@@ -95,13 +95,13 @@ def table_4() -> list[Row]:
 
 
 def table_5() -> list[Row]:
-    """Table 5: natural frequencies; the first also by quadratic elements and by beam theory."""
+    """Table 5: natural frequencies; the lowest also with quadratic elements and by beam theory."""
     body, model = beam().body, ao.modal(beam(), n=7)
     assert body.free is not None
     kinetic = model.modes * (body.M @ model.modes)
     vertical = np.sum(kinetic[body.free % 3 == 2], axis=0) > _VERTICAL
     nearest = []
-    for paper in PAPER_FREQUENCIES:  # 315 Hz is near no vertical mode
+    for paper in PAPER_FREQUENCIES:  # no vertical mode is near 315 Hz
         among = model.frequencies if paper == 315.0 else model.frequencies[vertical]
         nearest.append(among[np.argmin(np.abs(among - paper))])
     quadratic = beam_model("hexahedron20").frequencies(1)[0]

@@ -27,7 +27,8 @@ BALL = ao.rigid(mass=BALL_MASS)
 # converged; force ± 0.5 N.
 RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 
-# Radius of the patch, m, that the shipped mesh resolves; the radius of the contact is 0.32 mm.
+# Radius of a contact patch that the mesh supplied with the package resolves, m; the contact radius
+# is 0.32 mm.
 PATCH = 0.003
 
 # MODE_COUNTS: numbers of modes in Fig. 4. SPEEDS: velocities in Fig. 7, m/s.
@@ -86,9 +87,9 @@ def at_one_dof(
 
 @cache
 def sphere() -> ao.ContactPoint:
-    """Return the touched point of a sphere of the paper's mesh.
+    """Return the contact point of a sphere of the paper's mesh.
 
-    The target is the projectile's mirror image: one contact functional serves both.
+    The target is the projectile's mirror image: one contact point serves both.
     """
     body = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), STEEL)
     return at_one_dof(body, (RADIUS, 0.0, 0.0), (1.0, 0.0, 0.0))
@@ -108,7 +109,7 @@ def all_dofs() -> ao.FullModel:
 
 @cache
 def pair(body: ao.AOModel | ao.Body | ao.FullModel, speed: float = VELOCITY) -> ao.Result:
-    """Run two equal bodies; duration and dt scale as V^(-1/5), like the contact time."""
+    """Run the impact of two equal bodies; duration and step are proportional to V^(-1/5)."""
     slower = (VELOCITY / speed) ** 0.2
     step = _STAR_STEP if isinstance(body, ao.AOModel) else _STEP
     return ao.simulate(
@@ -161,7 +162,7 @@ def table_3() -> list[Row]:
 
 
 def impact() -> list[Row]:
-    """Return the numbers of Figure 3 and section 3."""
+    """Return the rows of Figure 3 and section 3: forces, contact times and their differences."""
     whole, one, hard = map(pair, (all_dofs(), one_ao(), BALL))
     forces = one.peak_force, hard.peak_force
     return beside("impact", *force_and_time(whole), *forces, *excesses(hard, whole))
@@ -210,7 +211,7 @@ def local_over_nonlocal(speed: float) -> float:
 
 
 def resolved() -> list[Row]:
-    """Differences of the models from resolved contact mechanics."""
+    """Forces and contact times of the models, compared with resolved contact mechanics."""
     place = (RADIUS, 0.0, 0.0)
     patch = sphere().body.contact(point=place, direction=(1.0, 0.0, 0.0), radius=PATCH)
     bodies = all_dofs(), BALL, ao.antioscillators(patch, n=1)

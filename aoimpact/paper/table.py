@@ -67,7 +67,8 @@ def compared(computed: float, printed: str, unit: str) -> tuple[float | None, st
         return None, ""
     change, whole = computed - float(printed), 100.0 if unit == "%" else abs(float(printed))
     difference = 100.0 * change / whole if whole else None
-    # Slightly more than 0.5, for numbers whose next digit is an exact five.
+    # Slightly more than 0.5: a computed number midway between two printed ones agrees in spite of
+    # rounding errors.
     if abs(change) <= 0.5000001 * 10.0 ** -len(printed.partition(".")[2]):
         return difference, "agrees"
     near = difference is not None and abs(difference) <= _CLOSE
