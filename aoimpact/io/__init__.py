@@ -1,8 +1,8 @@
-"""Meshes, sections and matrices in files of other programs, with one module per format.
+"""Readers and writers of meshes, sections and matrices for other programs, by file format.
 
 Each reader returns the nodes, cells and groups of a file as a `RawMesh`, which `read_mesh` turns
 into a `Mesh`. `read_sections` and `read_matrices` read the other contents of the same files.
-Outside this package only `FEModel.from_mesh` imports it, to accept the path of a mesh.
+The rest of the package does not import this folder, except `FEModel.from_mesh` for mesh paths.
 """
 
 from .matrices import load_matrices, read_matrices

@@ -27,7 +27,7 @@ from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
 from .profiles import ABAQUS, named
 from .sections import Axes, Source, across, layered, refusing, triad
 
-# Kind of set: "NSET" of nodes, "ELSET" of elements.
+# Kind of a set: "NSET" (of nodes) or "ELSET" (of elements).
 Which = Literal["NSET", "ELSET"]
 
 # Beginnings of the names of keywords without influence on nodes, elements and sets: materials,
@@ -61,7 +61,8 @@ _BEGINNINGS = """
     UNDEX UNIAXIAL UNLOADING USER VALUES VARIABLEMASS VIEWFACTOR VOID VOLUMETRIC WAVE WIND XFEM
 """
 
-# Patterns of keywords, by kind, beyond those in `_READ` and `_SECTIONS`; the first match counts.
+# Regular expressions for the names of keywords that are in neither `_READ` nor `_SECTIONS`, by kind
+# of keyword; the first match decides.
 _KINDS = {
     # Keywords that change nodes, elements or sets in ways that are not implemented.
     "unsupported": (
@@ -74,19 +75,19 @@ _KINDS = {
         "|MODELCHANGE|MPC|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
     ),
     "material": "MATERIAL|ELASTIC|DENSITY",
-    # Material behaviour that changes the answer and is left out.
+    # Material behaviour that affects results but is left out, with a warning.
     "inelastic": (
         "(CYCLIC|RATEDEPENDENT|)PLASTIC|CYCLICHARDENING|RATEDEPENDENT|CREEP|DAMPING|VISCO.*"
         "|HYSTERESIS|DAMAGE.*|(BRITTLE|CONNECTOR|SHEAR|TENSILE|)FAIL.*|SUPERELASTIC.*|HYPER.*"
         "|(CAP|CASTIRON|CLAY|CONCRETEDAMAGED|CONNECTOR|POROUSMETAL)PLASTICITY|BRITTLECRACKING"
         "|NOCOMPRESSION|NOTENSION|USERMATERIAL"
     ),
-    # Additions to a section, which is that of their ELSET or else the section before them.
+    # Additions to the section of the ELSET that they name, by default to the preceding section.
     "addition": (
         "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
         "|SHEARCENTER|BEAM(ADDED|FLUID)INERTIA|BEAMSECTIONOFFSET"
     ),
-    # Mass or stiffness that belongs to no section.
+    # Keywords for mass or stiffness outside of sections.
     "beside": "FOUNDATION|MASSADJUST",
     # Sections of elements that are no part of a body, other names with SECTION, and names with
     # harmless beginnings. Any other name with SECT is refused, as it may be a misspelt section.
@@ -98,13 +99,13 @@ _KINDS = {
     ),
 }
 
-# For each node in meshio's order, its number in Abaqus' element: in C3D27 the middle node comes
-# before those of faces 1 to 6, in B32 before the second end.
+# For each node in meshio's order, its number in Abaqus' order, where the middle node of C3D27
+# precedes the nodes of faces 1 to 6, and that of B32 the second end node.
 _ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0, 2, 1)}
 
-# Patterns of element types; the kind by the digits that the pattern captures; and the dimension: 3
-# solids, 2 shells, 1 beams, 0 others (membranes, rigid and plane elements, trusses). B33 has the
-# nodes of B31.
+# Entries: pattern of element types; meshio's kind for the digits that the pattern captures;
+# dimension: 3 solids, 2 shells, 1 beams, 0 others (membranes, rigid and plane elements, trusses).
+# B33 has the nodes of B31.
 _TYPES: tuple[tuple[str, dict[int, str], int], ...] = (
     (r"C3D(4|5|6|8|10|13|15|20|27)(?!.*V)[A-Z]{0,4}", SOLIDS, 3),
     (r"(?:U?S|STRI)(65|3|4|6|8|9)(?!\d)[A-Z0-9]*", SURFACES | {65: "triangle6"}, 2),
@@ -113,8 +114,8 @@ _TYPES: tuple[tuple[str, dict[int, str], int], ...] = (
     (r"B3([123])R?H?(?:OS)?H?", {1: "line", 2: "line3", 3: "line"}, 1),
 )
 
-# Pattern of element types whose nodes are not read: of variable number of nodes, or of shapes that
-# no mesh of solids has.
+# Pattern of element types whose nodes are not read: types with a variable number of nodes, or with
+# shapes that no mesh of solids has.
 _LISTED = (
     r"(?:B2\d|PIPE|ELBOW|FRAME|MASS$|ROTARYI$|HEATCAP$|SPRING|DASHPOT|JOINT|CONN|GAP|DGAP|DCOUP"
     r"|ITS|ITT|ISL|IRS|LS\d|COH|GK|SC[68]R|CSS8|SFM|MAX|MCL|CCL|CIN|CPEG|CGAX|CAXA|CGPE|SAX|SAXA"
@@ -122,16 +123,17 @@ _LISTED = (
     r"|DRAG|KSP|WARP|D$|V?U\d|Z\d)[A-Z0-9-]*"
 )
 
-# Smallest component, along the shell's normals, of the orientation axis that should be normal.
+# Smallest permitted abs(cos) of the angle between a shell's normal and the orientation axis that
+# should be along the normal.
 _ALONG = 1e-3
 
-# Sine of 0.1°: the smallest angle between x and a shell's normal for x to be projected as axis 1.
+# Sine of 0.1°. Axis 1 of a shell is the projection of global x unless x is closer to the normal.
 _NORMAL = 1.745e-3
 
-# Axes y and z of a `Beam`, in rows, in the axes 1 and 2 of Abaqus' section.
+# Rows: axes y and z of a `Beam`. Columns: their components along axes 1 and 2 of Abaqus' section.
 _AXES = np.array([[0.0, -1.0], [1.0, 0.0]])
 
-# Largest variation over a shell's elements of the angle between two orientations, rad.
+# Largest permitted variation, rad, of the angle between two orientations among a shell's elements.
 _ANGLE = 1e-4
 
 # Advice for an orientation that Abaqus and CalculiX interpret differently.
@@ -159,7 +161,7 @@ def read(file: Path) -> raw.RawMesh:
         If parts have no instance, sets have undefined members, or nodes are connected by other
         means than elements.
     """
-    with np.errstate(all="ignore"):  # coordinates out of reach are refused later
+    with np.errstate(all="ignore"):  # coordinates that overflow are refused later
         return _joined(file, read_keywords(file))
 
 
@@ -194,13 +196,13 @@ class AbaqusDeck:
 
     @property
     def sections(self) -> str:
-        """Numbers of sections of shells and beams, as in "2 *SHELLSECTION"."""
+        """Count of each keyword of shell and beam sections, as in "2 *SHELLSECTION"."""
         thin = [card.name for card in self.cards if _SECTIONS.get(card.name, (None, 3))[1] < 3]
         return raw.listed((f"*{name}", 1) for name in thin)
 
     @cached_property
     def normals(self) -> Keyword | None:
-        """The first keyword that gives normals at nodes, which turn beams; None without any."""
+        """First keyword with normals at nodes, which would rotate beam sections; None without."""
         for card in self.cards:
             nodes = card.data if card.name == "NODE" else ()
             if card.name == "NORMAL" or any(of.text.rstrip(", ").count(",") > 3 for of in nodes):
@@ -209,7 +211,7 @@ class AbaqusDeck:
 
     @cached_property
     def materials(self) -> dict[str, dict[str, Keyword]]:
-        """Keywords of each material by its name, then by their own names, such as ELASTIC."""
+        """For each material's name, its keywords by their names, such as ELASTIC."""
         found: dict[str, dict[str, Keyword]] = {}
         own: dict[str, Keyword] = {}
         for card in takewhile(lambda card: card.name != "STEP", self.cards):
@@ -218,15 +220,15 @@ class AbaqusDeck:
             kind = _kind(card.name)
             if kind == "material" and card.name in own:
                 raise card.error("the material has it twice")
-            if kind in ("material", "inelastic"):  # may repeat, or belong to a contact
+            if kind in ("material", "inelastic"):  # inelastic ones may repeat
                 own[card.name] = card
         return found
 
     def read(self, source: Source) -> dict[str, OneMaterial]:
-        """Return the sections by group, if the group holds elements of the section's dimension."""
+        """Return the section of each group that has elements of the section's dimension."""
         groups = {key(name): name for name in source.raw.cell_sets}
         dims = np.repeat([block.dim for block in self.blocks], np.diff(source.raw.first))
-        bare = dims.copy()  # dimensions of elements without a section, else 0
+        bare = dims.copy()  # dimension of each element without a section; 0 with one
         found: dict[str, OneMaterial] = {}
         elset = ""
         for card in self.cards:
@@ -245,7 +247,7 @@ class AbaqusDeck:
                 read, dim, options = _SECTIONS.get(card.name, of_set)
                 own = members[dims[members] == dim]
                 if not addition and not len(own):
-                    continue  # section of trusses, membranes etc., which are in no body
+                    continue  # a section of trusses, membranes etc., which are no part of a body
                 given = source.instead(name, dim)
                 if read is None and given is None:
                     raise card.error(f"it is not read; take it into {of} by read_sections(given=)")
@@ -337,7 +339,7 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
     whole.read()
     every, bodies = list(whole.blocks()), [*whole.inner.values()] or [whole]
     deck = AbaqusDeck(cards, whole, [block for block, *_ in every])
-    # Without solids, only shells and beams are read; all else is of kind "other".
+    # In a deck without solids, all elements but shells and beams get the kind "other".
     solid = any(block.dim == 3 for block in deck.blocks)
     kinds = [block.kind if block.dim or solid else "" for block in deck.blocks]
     of = np.repeat(np.arange(len(kinds)), [len(block.labels) for block in deck.blocks])
@@ -363,7 +365,7 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
 
 
 def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
-    """Return all sets of nodes, and of elements, by name; members are numbered over all scopes."""
+    """Return all node sets and all element sets by name; members are numbered over all scopes."""
     sets: dict[tuple[Which, str], list[tuple[str, IntArray]]] = {}
     for name, scope in {"": whole, **whole.inner}.items():
         for (which, inner), pieces in scope.sets.items():
@@ -380,7 +382,7 @@ def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
     found: dict[Which, dict[str, IntArray]] = {"NSET": {}, "ELSET": {}}
     for (which, _), own in sets.items():
         called, members = own[0]
-        if all(np.array_equal(members, other) for _, other in own):  # otherwise ambiguous
+        if all(np.array_equal(members, other) for _, other in own):  # else the name is ambiguous
             found[which][called] = members
     return found["NSET"], found["ELSET"]
 
@@ -421,11 +423,11 @@ class _Elements:
     labels : ndarray of int, shape (n,)
         Numbers of the elements in the deck.
     nodes : ndarray of int, shape (n, nodes per element)
-        Labels of the nodes, which `Scope._number` replaces by rows of the scope's nodes.
+        Labels of each element's nodes; `Scope._number` replaces them by rows of the scope's nodes.
     keyword : Keyword
         The *ELEMENT keyword.
     towards : bool
-        True for beams with an extra node, towards which axis 1 of their section points.
+        True for beams with an extra node that gives the direction of axis 1 of their section.
     """
 
     type: str
@@ -457,7 +459,7 @@ class Scope:
     parts, inner : mapping of str to Scope
         Parts and instances of an assembly, by their names in capitals.
     first : mapping of Which to int
-        Number of the scope's first node and element among those of all scopes.
+        Numbers of the scope's first node and first element, counted over all scopes.
     places : ndarray, shape (n, 3)
         Coordinates of the nodes, in ascending order of their labels.
     turn : ndarray, shape (3, 3)
@@ -465,11 +467,11 @@ class Scope:
     elements : list of _Elements
         Elements in the order of the deck.
     sets : mapping of (Which, str) to list of Keyword
-        Keywords that add members to a set, by the set's name in the form of `key`.
+        Keywords that add members to each set; names are in the form that `key` returns.
     missing : mapping of str to int
         For each set with undefined members, the label of the first undefined member.
     known : mapping of Which to (ndarray of int, ndarray of int)
-        Ascending labels of nodes and of elements, and the row of each.
+        Labels of the nodes and of the elements, ascending, and the row of each label.
     """
 
     name: str = ""
@@ -500,10 +502,10 @@ class Scope:
         return self
 
     def placed(self, of: Scope, first: dict[Which, int]) -> Scope:
-        """Return a copy of the part as the instance `of`, moved by the data lines of *INSTANCE.
+        """Return a copy of the part as the instance `of`, at the position that *INSTANCE gives.
 
-        The first line is a translation. The second (two points of an axis, and an angle) rotates
-        the translated body. Both may be missing.
+        The first data line is a translation. The second, two points of an axis and an angle,
+        rotates the translated part. Both lines are optional.
         """
         places = np.vstack([self.places, np.zeros(3), np.eye(3)])
         if of.keyword is not None and of.keyword.rows:
@@ -523,11 +525,11 @@ class Scope:
         return new
 
     def behind(self) -> dict[Which, int]:
-        """Return the value of `first` for the scope after this one."""
+        """Return the numbers that follow those of this scope: `first` of the next scope."""
         return {which: self.first[which] + len(self.known[which][0]) for which in self.first}
 
     def blocks(self) -> Iterator[tuple[_Elements, int, IntArray]]:
-        """Yield elements, the number of their first, and their nodes, numbered over all scopes."""
+        """Yield each block, its first element's number and its nodes, numbered over all scopes."""
         for scope in (*self.inner.values(), self):
             start = scope.first["ELSET"]
             for block in scope.elements:
@@ -535,10 +537,10 @@ class Scope:
                 start += len(block.labels)
 
     def _system(self, keyword: Keyword) -> None:
-        """Set the rectangular axes of the nodes that follow (*SYSTEM).
+        """Set the rectangular axes for the nodes that follow (*SYSTEM).
 
-        The axes are given by the origin, a point on x, and one in the x-y plane. Without the third
-        point, z remains the global z, and x is projected. With the origin alone, axes are global.
+        Data: the origin, a point on the x axis and a point in the x-y plane. Without the third
+        point, z is the global z, and x is projected. With the origin alone, axes are global.
         """
         what = "the points a and b in one line, and c in the next"
         points, third = keyword.lines_of(6, 3, what=what)
@@ -565,7 +567,7 @@ class Scope:
 
     def _element(self, keyword: Keyword) -> None:
         name = key(keyword.options.get("TYPE", ""))
-        # Kind "": elements that are known by number and type only, without nodes.
+        # Kind "": only numbers and type of the elements are known, not their nodes.
         kind, dim, towards = ("" if re.fullmatch(_LISTED, name) else None), 0, False
         for pattern, kinds, of in _TYPES:
             if found := re.fullmatch(pattern, name):
@@ -579,7 +581,7 @@ class Scope:
             n = raw.nodes_in(kind)
             towards = name[0] == "B" and [len(row) for row in keyword.rows[:1]] == [n + 2]
             table = keyword.connectivity(n + towards)[:, : n + 1]
-        else:  # nodes of the assembly's elements may be names, instance.label
+        else:  # nodes of an assembly's elements may be written instance.label
             ends = ["", *(line.text[-1] for line in keyword.data)]  # end of the previous line
             rows = zip(ends, enumerate(keyword.rows), strict=False)
             numbers = [keyword.integers(i, row[:1]) for end, (i, row) in rows if end != ","]
@@ -599,7 +601,7 @@ class Scope:
         self._define(keyword, which)
 
     def _define(self, keyword: Keyword, which: Which) -> None:
-        """Add a keyword to the pieces of the set that its option NSET or ELSET names, if any."""
+        """Record that a keyword adds members to the set that its option NSET or ELSET names."""
         if which in keyword.options:
             at = which, key(keyword.options[which])
             if not at[1]:
@@ -645,7 +647,7 @@ class Scope:
         return found
 
     def _resolved(self, which: Which, card: Keyword) -> IntArray:
-        """Return the members that one keyword adds to a set, by numbers, ranges or other sets."""
+        """Return the members that a keyword adds to a set as numbers, ranges or other sets."""
         options, names = card.options, list[str]()
         scope = self.inner.get(key(options.get("INSTANCE", "")), self)
         if card.name in ("NODE", "ELEMENT"):
@@ -684,13 +686,13 @@ class Scope:
         return raw.joined(parts)
 
     def _numbered(self, which: Which, labels: IntArray) -> IntArray:
-        """Return the numbers over all scopes of nodes or elements by label; -1 if undefined."""
+        """Return the numbers of labelled nodes or elements, over all scopes; -1 if undefined."""
         known, order = self.known[which]
         rows = raw.rows_of(known, labels)
         return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows
 
     def _named(self, which: Which, name: str, card: Keyword) -> IntArray:
-        """Return the members that a name stands for: a set, "instance.set" or "instance.5"."""
+        """Return the members that a name denotes: of a set, "instance.set", or "instance.5"."""
         at = which, key(name)
         if at in self.sets:
             orders = [one.line.order for one in self.sets[at]]
@@ -711,7 +713,8 @@ class Scope:
         raise card.error(f"there is no {which} {name}{why}")
 
 
-# `_OF_SETS`: options of sets. `_READ`: function and permitted options by keyword of the mesh.
+# `_OF_SETS`: options of *NSET and *ELSET. `_READ`: for each keyword of the mesh, the function that
+# reads it and its permitted options.
 _OF_SETS = "ELSET GENERATE UNSORTED INTERNAL INSTANCE INPUT FREQUENCY"
 _READ: dict[str, tuple[Callable[[Scope, Keyword], None], str]] = {
     "SYSTEM": (Scope._system, ""),
@@ -729,7 +732,7 @@ _ONE_TEMPERATURE = "it depends on temperature; write its constants for one tempe
 
 
 def _constants(card: Keyword, count: int) -> list[float]:
-    """Return the `count` constants of a card; refuse constants that depend on temperature."""
+    """Return `count` material constants of a keyword; refuse a dependence on temperature."""
     rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
     numbers = [x for row in rows for x in row]
     if len(rows) > -(-(count + 1) // 8) or len(numbers) > count + 1:
@@ -739,8 +742,8 @@ def _constants(card: Keyword, count: int) -> list[float]:
     return numbers[:count]
 
 
-# For each TYPE of *ELASTIC, the number of constants, and the function that makes the material from
-# the constants and the density.
+# For each TYPE of *ELASTIC: the number of elastic constants, and the function that makes the
+# material from the constants and the density.
 _ELASTIC: dict[str, tuple[int, Callable[..., Solid]]] = {
     **dict.fromkeys(("ISO", "ISOTROPIC"), (2, Source.isotropic)),
     "LAMINA": (6, Source.ply),
@@ -750,7 +753,7 @@ _ELASTIC: dict[str, tuple[int, Callable[..., Solid]]] = {
 
 @record
 class _Section:
-    """A section of a deck in one instance: its card, the instance's rotation, its elements."""
+    """A section of a deck in one instance: its keyword, the instance's rotation, its elements."""
 
     source: Source
     deck: AbaqusDeck
@@ -788,15 +791,15 @@ class _Section:
             return make(self.source, *_constants(elastic, count), rho)
 
     def differs(self, of: str, other: str, cure: str) -> None:
-        """Warn that `of` is taken as in Abaqus, not as in CalculiX, unless the deck has parts."""
+        """Warn that the data `of` are read as by Abaqus, not CalculiX; not for decks with parts."""
         if not self.deck.whole.inner:  # CalculiX has no parts
             self.source.left_out.append(f"{of} as in Abaqus; {other} ({cure})")
 
     def axes(self, name: str) -> tuple[FloatArray, int]:
-        """Return the unit axes of an orientation in rows, and the number of its rotation axis.
+        """Return the unit axes of an orientation, in rows, and the number of its rotation axis.
 
-        The second data line gives that axis and the angle by which the others are rotated about it.
-        Without the line the axis is 3; a blank axis is 1, as in Abaqus.
+        The second data line gives the rotation axis, and the angle by which the other axes are
+        rotated about it. Without the line the rotation axis is 3; if blank, it is 1, as in Abaqus.
         """
         found: dict[str, Keyword] = {}
         for one in self.deck.cards:
@@ -826,8 +829,9 @@ class _Section:
     def along(self, name: str) -> FloatArray:
         """Return the direction whose projection on a shell is axis 1 of the orientation `name`.
 
-        This is the axis after the orientation's rotation axis (see `axes`), which must be near the
-        normal. Without a name it is the global x, or z if x is the normal.
+        This direction is the axis that follows the orientation's rotation axis (see `axes`); the
+        rotation axis must not lie in an element. Without a name it is global x, or z if x is the
+        normal.
         """
         normals = self.source.directions(self.members)
         if not name:
@@ -873,7 +877,7 @@ class _Section:
         fibrous = [
             row[3] for row, of in zip(rows, made, strict=True) if isinstance(of, Orthotropic)
         ]
-        # CalculiX gives each ply an orientation, Abaqus an angle from the section's orientation.
+        # A ply has an orientation in CalculiX, an angle from the section's orientation in Abaqus.
         axis = options.get("ORIENTATION", "")
         if fibrous and all(map(_is_name, fibrous)):
             axis = axis or fibrous[0]
@@ -889,14 +893,14 @@ class _Section:
         return layered(plies, lambda: self.along(axis), 0.0, -nodes, symmetric=symmetric)
 
     def beam(self) -> OneMaterial:
-        """Return a beam; its z axis is the section's axis 1, and y is opposite to axis 2."""
+        """Return the `Beam`: its z axis is the section's axis 1, its y is opposite to axis 2."""
         card, source, options = self.card, self.source, self.card.options
         shape = key(options.get("SECTION", ""))
         rows = [card.reals(row, texts) for row, texts in enumerate(card.rows)]
         if shape == "CIRC":
             rows[:1] = [self.radius(row) for row in rows[:1]]
         count, make = (5, None) if shape == "GENERAL" else named(ABAQUS, shape)
-        if shape == "ARBITRARY":  # a line for each wall
+        if shape == "ARBITRARY":  # has a data line for each wall
             walls = (
                 int(rows[0][0]) if rows and rows[0] and rows[0][0] in range(len(rows) + 1) else 0
             )
@@ -932,11 +936,11 @@ class _Section:
         return source.beam(section, material, z, self.members, _AXES, np.zeros(3))
 
     def radius(self, numbers: list[float]) -> list[float]:
-        """Return the radius of CIRC; Abaqus gives the radius, CalculiX one or two diameters."""
+        """Return the radius of CIRC: given in Abaqus; CalculiX has one or two diameters instead."""
         if len(numbers) == 2 and numbers[0] != numbers[1]:
             raise self.card.error("ellipses are not supported")
         if len(numbers) == 2 or any(block.type.endswith("R") for block in self.blocks):
-            return [0.5 * numbers[0]]  # B31R and B32R are CalculiX' own
+            return [0.5 * numbers[0]]  # only CalculiX has B31R and B32R
         of = f"{self.card.options['ELSET']}: SECTION=CIRC, {numbers[0]:g} is taken for a radius,"
         self.differs(of, "in CalculiX it is the diameter", "write it twice then")
         return numbers
@@ -946,8 +950,8 @@ def _is_name(text: str) -> bool:
     return text[:1] not in (*"+-.0123456789", "")
 
 
-# For each section keyword, the function that reads it, the dimension of its elements, and further
-# options that it may have.
+# For each keyword of a section: the function that reads it, the dimension of its elements, and the
+# permitted options besides ELSET, MATERIAL and CONTROLS.
 _SHELL = "COMPOSITE OFFSET ORIENTATION SYMMETRIC LAYUP SECTIONINTEGRATION TEMPERATURE POISSON"
 _BEAM = "SECTION TEMPERATURE POISSON ROTARYINERTIA DENSITY"
 _SECTIONS: dict[str, tuple[Callable[[_Section], OneMaterial], int, str]] = {

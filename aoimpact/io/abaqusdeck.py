@@ -19,19 +19,19 @@ import numpy as np
 from ..base import FloatArray, IntArray, MeshError, MissingFileError, decoded
 from .raw import Line, columns, number, numbers, read_text
 
-# Count of numbers in a full data line.
+# Count of numbers in a full data line of *ELEMENT.
 _FULL = 16
 
-# Upper bound of the number of a node or element, which doubles represent exactly.
+# Largest number of a node or element: doubles represent all integers up to this one exactly.
 MOST = 2**53
 
-# Largest number of included files, which stops files that include each other many times.
+# Largest number of included files: nested inclusions could otherwise multiply without end.
 _MOST_INCLUDED = 2000
 
 # Keywords whose data lines may be in another file (INPUT=).
 _WITH_INPUT = frozenset(("NODE", "ELEMENT", "NSET", "ELSET"))
 
-# Keywords that the deck of a mesh may begin with.
+# A file that begins with one of these keywords is taken for a deck.
 _FIRST = frozenset(("HEADING", "NODE", "ELEMENT", "PART", "INCLUDE", "PREPRINT", "NSET", "ELSET"))
 _KEYWORD = re.compile(r"\s*\*(?!\*)")
 _BEGIN = re.compile(r"(?:\s*\*\*.*\n)*\s*\*\s*([A-Za-z][A-Za-z -]*)")
@@ -90,7 +90,7 @@ class Keyword:
         ----------
         why : str
         row : int, optional
-            Number, from 0, of the wrong data line; by default the keyword itself is named.
+            Number, from 0, of the wrong data line; by default the error is in the keyword's line.
         """
         return (self.data[row] if row >= 0 else self.line).refused(f"*{self.name}", why)
 
@@ -101,23 +101,23 @@ class Keyword:
                 raise self.error(f"the option {name} is not supported (or a comma before it)")
 
     def integers(self, row: int, texts: Collection[str]) -> list[int]:
-        """Return fields as integers; `row` is the number of their data line, for errors."""
+        """Return the fields `texts` as integers; errors name their data line `row`."""
         for text in texts:
             if not re.fullmatch(r"[+-]?\d+", text):
                 raise self.error(f"{text!r} is no integer", row)
         return [int(text) for text in texts]
 
     def reals(self, row: int, texts: Iterable[str], least: int = 0) -> list[float]:
-        """Return fields as numbers, padded with 0 to at least `least`; blanks are 0."""
+        """Return fields as numbers, 0 for a blank; zeros are appended up to a count of `least`."""
         try:
             return padded([number(text) if text else 0.0 for text in texts], least * [0.0])
         except ValueError as error:
             raise self.error(str(error), row) from None
 
     def lines_of(self, *most: int, what: str) -> list[FloatArray]:
-        """Return the numbers of data lines, at most `most[i]` in line i; `what` is for messages.
+        """Return the numbers of each data line, `most[i]` in line i, with 0 for missing ones.
 
-        Numbers left out at the end of a line, and lines left out at the end, are 0.
+        Lines with more numbers are refused; `what` describes the wanted data in the message.
         """
         rows = padded(self.rows, [[]] * len(most))
         if [len(row) > n for row, n in zip(rows, [*most, -1], strict=False)].count(True):
@@ -130,7 +130,7 @@ class Keyword:
         if table is None:
             table = np.zeros((len(self.rows), 4))
             for row, texts in enumerate(self.rows):
-                if len(texts) > 7:  # with a normal
+                if len(texts) > 7:  # up to 7: a normal follows
                     raise self.error("a node has a number, three coordinates and a normal", row)
                 (label,) = self.integers(row, texts[:1] or [""])
                 table[row] = [min(label, 2 * MOST), *self.reals(row, texts[1:4], 3)]
@@ -155,7 +155,7 @@ class Keyword:
             first = np.searchsorted(end - own, (end - own)[row] // width * width)
             why = f"the element must have {n_nodes} nodes; a line goes on after a comma"
             raise self.error(why, int(first))
-        written = ",".join(lines)  # text, as 3.0 must not pass for an integer
+        written = ",".join(lines)  # checked as text, since 3.0 is not allowed for an integer
         words = written.encode("latin-1", "replace").split(b",") if lines else []
         table = numbers(np.array(words, "S"))
         if re.search(r"[^\d\s,+]", written) or (table != table.clip(1, MOST)).any():
@@ -234,7 +234,7 @@ def read_keywords(main: Path) -> list[Keyword]:
             raise keyword.error(f"{str(place)!r} must hold data lines only")
 
     def add(file: Path, outer: tuple[Path, ...]) -> None:
-        """Add the keywords of a file; `outer` is the chain of including files, ending with it."""
+        """Add the keywords of a file; `outer`: the files that include each other down to it."""
         lines = read_text(file).split("\n")
         starts = [i for i, line in enumerate(lines) if "*" in line and _KEYWORD.match(line)]
         for start, stop in pairwise([-1, *starts, len(lines)]):

@@ -21,15 +21,15 @@ _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
 
 _MARKET = re.compile("matrix (coordinate|array) (real|integer) (general|symmetric)")
 
-# Smallest size of a file per entry, bytes. `_LEAST_BYTES`: row, column and value of one digit each,
-# with separators. `_LEAST_DENSE`: one digit and a separator, for a dense matrix.
+# Smallest number of bytes per matrix entry in a file. `_LEAST_BYTES`: row, column and value of one
+# digit each, with separators. `_LEAST_DENSE`: one digit and a separator, for a dense matrix.
 _LEAST_BYTES, _LEAST_DENSE = 6, 2
 
 
 def _is_entry(line: bytes, integers: int, between: bytes | None = None) -> bool:
-    """Return whether a line holds the given count of integers, then a number.
+    """Return whether a line holds the given count of integers, followed by a real number.
 
-    The numbers are separated by `between`, or by blanks if that is None.
+    The numbers are separated by `between`, or by blanks if `between` is None.
     """
     *labels, value = line.strip().removesuffix(b",").split(between) or [b""]
     with contextlib.suppress(ValueError):
@@ -39,18 +39,18 @@ def _is_entry(line: bytes, integers: int, between: bytes | None = None) -> bool:
 
 
 def is_triples(head: bytes) -> bool:
-    """Return whether the first line of a file is row, column and value."""
+    """Return whether the first line of a file consists of row, column and value."""
     return _is_entry(head.split(b"\n", 1)[0], 2)
 
 
 def is_nodal(head: bytes) -> bool:
-    """Return whether the first line that is no comment or keyword is an entry by node labels."""
+    """Return whether the first data line is node, component, node, component and value."""
     lines = (line for line in head.split(b"\n") if line.strip() and not line.startswith(b"*"))
     return _is_entry(next(lines, b"").replace(b",", b" "), 4)
 
 
 def read_triples(file: Path) -> list[RawMatrix]:
-    """Return the matrix of lines of row, column and value, with rows and columns from 1."""
+    """Return the matrix in a file of lines of row, column (both from 1) and value."""
     rows, cols, values = _coordinates(file, 0)
     largest = int(max(rows.max(), cols.max())) + 1
     matrix = sp.coo_array((values, (rows, cols)), shape=(largest, largest))
@@ -58,7 +58,7 @@ def read_triples(file: Path) -> list[RawMatrix]:
 
 
 def read_nodal(file: Path) -> list[RawMatrix]:
-    """Return the matrix of lines of node, component, node, component and value."""
+    """Return the matrix in a file of lines of node, component, node, component and value."""
     with file.open("rb") as stream:
         first = next(line for line in stream if line.strip() and not line.startswith(b"*"))
     *labels, values = _columns(file, 4, comma=b"," in first, comments="*")
@@ -86,7 +86,7 @@ def read_market(file: Path) -> list[RawMatrix]:
     announced = entries[0] if entries else n * (n + 1) // 2 if triangle else n * n
     if (_LEAST_DENSE * announced if dense else max(_LEAST_BYTES * announced, n)) > size:
         raise spoilt(file, f"{size} bytes do not hold {announced} entries: cut short?", before)
-    if dense:  # column by column, of a triangle from the diagonal down
+    if dense:  # stored by columns, those of a triangle from the diagonal down
         (values,) = _columns(file, 0, before=before)
     else:
         rows, cols, values = _coordinates(file, before, n)
@@ -104,7 +104,7 @@ def read_market(file: Path) -> list[RawMatrix]:
 def _coordinates(
     file: Path, before: int, most: int | None = None
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return rows and columns, counted from 0 (from 1 in the file), and values."""
+    """Return row, column and value of each entry; rows count from 0 here, from 1 in the file."""
     rows, cols, values = _columns(file, 2, before=before)
     if not len(values):
         raise spoilt(file, "it has no entries: it is cut short")
@@ -119,12 +119,14 @@ def _coordinates(
 def _columns(
     file: Path, integers: int, *, before: int = 0, comma: bool = False, comments: str | None = None
 ) -> list[np.ndarray]:
-    """Return the columns of a table: some integers and a value, after `before` lines to skip.
+    """Return the columns of a table: `integers` columns of integers, then the values.
+
+    The first `before` lines of the file are skipped.
 
     Raises
     ------
     InputError
-        If a line has other contents; the first such line is named.
+        If a line has other contents; the message names the first wrong line.
     """
     what = f"{integers} integers, of row and column, and a number"
     how = {"skiprows": before, "comments": comments}
@@ -136,7 +138,7 @@ def _columns(
             if stream.read(1) not in b"\n\r":
                 warn(f"matrix file {str(file)!r} ends within a line: is its last number whole?")
         return [*labels.T.astype(np.int64), np.ascontiguousarray(table[:, -1])]
-    # Find the line that the message names. This is slow, but only for files that are refused.
+    # Find the wrong line for the message. This is slow, but happens only for refused files.
     with file.open("rb") as stream:
         for place, line in enumerate(stream, 1):
             comment = comments and line.lstrip().startswith(comments.encode())

@@ -18,12 +18,12 @@ from ..mesh import KINDS, SOLIDS, SURFACES, reference_faces
 from . import raw
 from .raw import RawBlock, RawMesh
 
-# netCDF variables that define the mesh; all others are results.
+# Names of the netCDF variables that define the mesh; all other variables are results.
 _OF_THE_MESH = re.compile(
     r"coord[xyz]?|connect\d+|(eb|ns|ss)_(names|prop1)|(node_n|elem_s|side_s)s\d+|(node|elem)_num_map"
 )
 
-# Kinds of cells, by the first three letters of Exodus' element name, then by the number of nodes.
+# meshio's kind of cell, by the first three letters of Exodus' element name and the number of nodes.
 _KINDS = {
     **{
         name: {n: kind for n, kind in SOLIDS.items() if kind[:3].upper() == name}
@@ -34,7 +34,7 @@ _KINDS = {
     **dict.fromkeys(("SPH", "CIR"), raw.POINTS),
 }
 
-# For each node in VTK's order, its number within Exodus' element.
+# For each node in VTK's order, its number in Exodus' order.
 _ORDERS = raw.UPRIGHT_FIRST | {
     "hexahedron27": (*raw.UPRIGHT_FIRST["hexahedron20"], 23, 24, 25, 26, 21, 22, 20),
 }

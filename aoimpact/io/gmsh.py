@@ -18,14 +18,14 @@ from ..mesh import right_handed
 from . import raw
 from .raw import RawBlock, RawMesh
 
-# Kinds of elements by Gmsh's type numbers, from 1.
+# meshio's kinds of elements in the order of Gmsh's type numbers, from 1.
 _NAMES = (
     "line triangle quad tetra hexahedron wedge pyramid line3 triangle6 quad9 tetra10 hexahedron27 "
     "wedge18 pyramid14 vertex quad8 hexahedron20 wedge15 pyramid13"
 )
 _KINDS = dict(enumerate(_NAMES.split(), start=1))
 
-# For each node in VTK's order, its number within Gmsh's element.
+# For each node in VTK's order, its number in Gmsh's order.
 _HEXAHEDRON20 = (*range(9), 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15)
 _ORDERS = {
     "tetra10": (*range(8), 9, 8),
@@ -37,28 +37,28 @@ _ORDERS = {
 
 _PART = "it holds one part of a partitioned mesh, or says so; save all of it, without partitions"
 
-# Data types of the numbers "i", "P" and "d" of a binary file (see `_Numbers.rows`); None for text.
+# NumPy's types for the codes "i", "P" and "d" of `_Numbers.rows` in a binary file; None for text.
 _Types = dict[str, np.dtype[np.generic]] | None
 
-# Numbers of the physical groups, or of the partitions, of each entity (dimension, tag).
+# For each entity (dimension, tag): numbers of its physical groups, or of its partitions.
 _Tags = dict[tuple[int, int], set[int]]
 
 
 # Elements of one type in one entity: the type, a key of `_KINDS`; element tags, shape (n,); node
-# tags in Gmsh's order, shape (n, nodes per element); row numbers of the members of each physical
-# group.
+# tags in Gmsh's order, shape (n, nodes per element); and for each physical group the row numbers of
+# its elements.
 _Elements = tuple[int, IntArray, IntArray, dict[int, IntArray]]
 
 
 class _Numbers:
-    """Reads the numbers of a section of the file from first to last."""
+    """Reads the numbers of one section of a file in sequence."""
 
     def __init__(self, content: bytes, types: _Types) -> None:
         self.types, self.at = types, 0
         self.content: Any = raw.numbers_of(content) if types is None else content
 
     def rows(self, layout: str, count: int) -> FloatArray:
-        """Return the next `count` rows; `layout` has "i" (int), "P" (size_t) or "d" (double)."""
+        """Return `count` rows; `layout`: type of each column, "i" int, "P" size_t, "d" double."""
         kind = np.dtype([("", self.types[name] if self.types else "f8") for name in layout])
         size = kind.itemsize if self.types else len(layout)
         start, left = self.at, (len(self.content) - self.at) // size
@@ -88,8 +88,8 @@ class _Numbers:
 def read(file: Path) -> RawMesh:
     """Return the mesh in a file of Gmsh.
 
-    Its groups are the physical groups. A group without a name is called after its dimension and
-    tag, as in "surface 3".
+    Groups of the mesh are Gmsh's physical groups. A group without a name is called after its
+    dimension and tag, as in "surface 3".
 
     Raises
     ------
@@ -139,7 +139,7 @@ def _sections(content: bytes) -> dict[str, bytes]:
         if match is None:
             raise ValueError(f"a section is expected at byte {at}, got {content[at : at + 20]!r}")
         name = match[1].decode()
-        if name in ("NOD", "ELM", "ParametricNodes"):  # of versions 1, 2.2
+        if name in ("NOD", "ELM", "ParametricNodes"):  # sections of formats 1 and 2.2
             raise ValueError(f"the section ${name} is not read; save it as version 4.1")
         if name in ("Nodes", "Elements", "Entities") and name in found:
             raise ValueError(f"the section ${name} is there twice")
@@ -170,7 +170,7 @@ def _format(text: bytes) -> tuple[float, _Types]:
 
 
 def _names(text: bytes) -> dict[tuple[int, int], str]:
-    """Return group names by dimension (-1 in version 2.0, which gives none) and tag."""
+    """Return group names by dimension and tag; version 2.0 gives no dimension: -1."""
     count, *lines = (decoded(text) or "").strip().splitlines()
     found = {}
     for line in lines:
@@ -198,7 +198,7 @@ def _entities(numbers: _Numbers, name: str) -> tuple[_Tags, _Tags, int]:
             if not whole:
                 parts[entity] = set(numbers.ints("i", numbers.count()).tolist())
             numbers.take("d", 6 if dim else 3)  # the entity's bounding box
-            # A negative tag means that the group has the entity with reversed orientation.
+            # A negative tag means that the group contains the entity with reversed orientation.
             groups[entity] = set(np.abs(numbers.ints("i", numbers.count())).tolist())
             if dim:
                 numbers.take("i", numbers.count())  # tags of the bounding entities
@@ -229,7 +229,7 @@ def _width(type_: int) -> int:
 def _elements_4(numbers: _Numbers, groups: _Tags, parts: _Tags, n_parts: int) -> list[_Elements]:
     n_blocks, n_elements, _, _ = numbers.ints("P", 4)
     found = []
-    # Partitions met, by dimension: an element on a boundary may belong to several.
+    # For each dimension, the partitions found; an element on a boundary may be in several.
     met: dict[int, set[int]] = {0: set()}
     for _ in range(n_blocks):
         dim, tag, type_ = (int(number) for number in numbers.ints("i", 3))
@@ -246,13 +246,13 @@ def _elements_4(numbers: _Numbers, groups: _Tags, parts: _Tags, n_parts: int) ->
 
 
 def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
-    """Return the elements by type and entity, each element once.
+    """Return the elements by type and entity, without repetitions.
 
-    The file repeats an element for each group that it is in, with reversed node order for a group
-    that has its entity reversed.
+    The file repeats an element for each physical group that contains it. The node order is reversed
+    for a group that contains the entity with reversed orientation.
     """
     line, _, rest = content.partition(b"\n")
-    chunks: list[tuple[int, int, IntArray]] = []  # type, number of tags, other numbers
+    chunks: list[tuple[int, int, IntArray]] = []  # type, number of tags, remaining columns
     if types is None:
         alike: dict[tuple[int, int, int], list[list[bytes]]] = {}
         for words in filter(None, map(bytes.split, rest.splitlines())):
@@ -283,7 +283,7 @@ def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
 
 
 def _once(type_: int, rows: IntArray) -> _Elements:
-    """Merge repeated elements of an entity; columns are number, group, entity and nodes."""
+    """Merge repeated elements of an entity; columns of `rows`: number, group, entity, nodes."""
     nodes, tags = rows[:, 3:], np.abs(rows[:, 1])
     if (tags == tags[0]).all():
         group = {int(tags[0]): np.arange(len(rows))} if tags[0] else {}
@@ -291,7 +291,7 @@ def _once(type_: int, rows: IntArray) -> _Elements:
     _, first, number = np.unique(
         np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True
     )
-    order = np.argsort(first)  # the file's order
+    order = np.argsort(first)  # restores the order of the file
     number = np.argsort(order)[number.reshape(-1)]
     groups = {int(tag): np.unique(number[tags == tag]) for tag in np.unique(tags) if tag}
     return type_, rows[first[order], 0], nodes[first[order]], groups

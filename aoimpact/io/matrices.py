@@ -37,34 +37,35 @@ from .op4 import is_op4, read_op4
 from .raw import RawMatrix, at, codes, columns, naming, repeats, rows_of, spoilt
 from .read import existing, load, read_mesh
 
-# Smallest and largest unit of length, m, and of mass, kg, which include nanometres and nanograms.
+# Bounds of the units of length, m, and of mass, kg: wide enough for nanometres and nanograms.
 _UNITS = 1e-12, 1e12
 
-# Names of matrices that are recognised: K, KAA, KAAX, KGG, STIFFNESS; M, MAA, MASS.
+# Patterns of names of the stiffness (K, KAA, KAAX, KGG, STIFFNESS) and the mass (M, MAA, MASS).
 _NAMES = {
     role: re.compile(rf"(?:{role}(?:([A-Z])\1)?X?|{word}.*)$")
     for role, word in (("K", "STIF"), ("M", "MASS"))
 }
 
-# Largest memory per byte of a file: a text of entries of three numbers each, with both triangles
-# and their sum in memory at once.
+# Largest ratio of memory to file size, reached by text with three numbers per entry: both triangles
+# and their sum are in memory at once.
 _PER_BYTE = 12
 
-# Diagonal stiffness from which a dof is taken as constrained: Abaqus puts 1e36 there.
+# Diagonal stiffness at and above which a dof counts as constrained: Abaqus writes 1e36.
 _HOLDING = 1e30
 
-# Largest number of dofs with mass for which dofs without mass are condensed, so that all rows are
-# displacements of nodes. K is then a full matrix.
+# Dofs without mass are condensed if there are at most this many dofs with mass, since condensation
+# makes K a full matrix.
 _CONDENSED = 6000
 
-# Ansys' names of components; other names have no direction.
+# Numbers of Ansys' components; dofs of other names, such as TEMP, get 0.
 _COMPONENTS = {"UX": 1, "UY": 2, "UZ": 3, "ROTX": 4, "ROTY": 5, "ROTZ": 6}
 
-# A line of a mapping file: equation, node, and the component's name or number. Lines of .dof files
-# and of pairs have no equation.
+# Pattern of a line of a mapping file: equation, node, and the component's name or number. Lines of
+# .dof files, and of node and component alone, have no equation.
 _ROW = re.compile(r"\s*(?:(\d{1,15})\s+)?(-?\d{1,15})(?:\.|[\s,]+)([A-Z]+|\d{1,2})\s*")
 
-# Node labels, or None if nodes are known by their order only, and coordinates in the file's unit.
+# Node labels, and node coordinates in the file's unit; None for labels if the file has only the
+# order of the nodes.
 Places = tuple[IntArray | None, FloatArray]
 
 File = FilePath | tuple[FilePath, str]
@@ -207,7 +208,7 @@ def _read_npz(file: Path) -> list[RawMatrix]:
     return [RawMatrix(file, "", matrix)]
 
 
-# Test of a file's first bytes and reader, by the name of the format.
+# For each format: the test of a file's first bytes, and the function that reads it.
 FORMATS: dict[str, tuple[Callable[[bytes], Any], Callable[[Path], list[RawMatrix]]]] = {
     "Matrix Market": (re.compile(rb"(\xef\xbb\xbf)?%%MatrixMarket", re.I).match, read_market),
     "SciPy .npz": (re.compile(rb"PK\x03\x04").match, _read_npz),
@@ -217,7 +218,7 @@ FORMATS: dict[str, tuple[Callable[[bytes], Any], Callable[[Path], list[RawMatrix
     "Abaqus MATRIX INPUT": (is_nodal, read_nodal),
 }
 
-# For formats that are not read, a mark in a file's first bytes and the advice in the message.
+# For formats that are not read: a mark in a file's first bytes, and the message with advice.
 _OTHERS = {
     b"MATLAB 5.0": "of MATLAB; load it with scipy.io.loadmat and make FEModel(K=, M=)",
     b"\x89HDF": "of HDF5; read it with h5py and make FEModel(K=, M=)",
@@ -250,7 +251,7 @@ def load_matrices(file: Path) -> list[RawMatrix]:
 
 
 def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
-    """Return the stiffness and the mass matrix that K and M select from their files."""
+    """Return the stiffness and the mass matrix that the arguments K and M select from files."""
     read: dict[Path, list[RawMatrix]] = {}
     found: list[RawMatrix] = []
     for role, given in (("K", K), ("M", M)):
@@ -293,7 +294,7 @@ def _named(role: str, file: Path, matrices: list[RawMatrix], wanted: str) -> Raw
 
 
 def _given_labels(dofs: Any, stiffness: RawMatrix, inertia: RawMatrix) -> IntArray | None:
-    """Return the labels in `dofs`, or in the ``.dof`` file beside CalculiX' ``.sti``."""
+    """Return node and component of each row: from `dofs`, or the ``.dof`` beside a ``.sti``."""
     if dofs is None:
         dofs = stiffness.file.with_suffix(".dof")
         if stiffness.file.suffix.lower() != ".sti" or not dofs.exists():
@@ -314,7 +315,7 @@ _Pair = tuple[Any, Any, IntArray | None]  # K, M, and node and component of each
 
 
 def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -> _Pair:
-    """Return both matrices with the same order of rows; refuse equal or exchanged K and M."""
+    """Return K and M with the same order of rows; refuse equal or exchanged matrices."""
     K, M = stiffness.matrix, inertia.matrix
     if (stiffness.labels is None) != (inertia.labels is None):
         raise InputError("only one of them lists which dofs its rows are")
@@ -330,7 +331,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
     K, M = stiffness.symmetric(), inertia.symmetric()
     for name, matrix in (("K", K), ("M", M)):
         without = np.flatnonzero((matrix.diagonal() == 0.0) & (abs(matrix).sum(axis=1) > 0.0))
-        if name == "K" and labels is not None:  # Abaqus' internal rows may lack stiffness
+        if name == "K" and labels is not None:  # Abaqus' internal nodes may lack stiffness
             without = without[labels[without, 0] > 0]
         for row in without[:1].tolist():
             more = f"and of {len(without) - 1} more rows: is the file cut short?"
@@ -349,22 +350,22 @@ def _kept(K: Any, M: Any, labels: IntArray | None, rows: Any) -> _Pair:
 
 def _free(K: Any, M: Any, labels: IntArray | None, length: float, mass: float) -> _Pair:
     """Return K and M in SI units, without dofs that are constrained or have only zero entries."""
-    # Rows with NaN are kept, and refused by the body.
+    # Rows with NaN are kept here; `FEModel` refuses them.
     keep = ~((K.diagonal() >= _HOLDING) | ((abs(K) + abs(M)).sum(axis=1) == 0.0))
     if not keep.any():
         raise InputError("no dof has stiffness or mass and is free to move")
     K, M, labels = _kept(K, M, labels, keep)
-    if labels is not None:  # moments have the unit force × length
+    if labels is not None:  # rows of rotations are moments, in force × length
         D = sp.diags_array(np.where(labels[:, 1] > 3, length, 1.0))
         K, M = D @ K @ D, D @ M @ D
     return sp.csr_array(mass * K), sp.csr_array(mass * M), labels
 
 
 def _condensed(K: Any, M: Any, labels: IntArray | None, *, rotations: bool) -> _Pair:
-    """Condense inner dofs without mass: K_aa - K_ai K_ii⁻¹ K_ia, which is exact.
+    """Condense inner dofs without mass: K becomes K_aa - K_ai K_ii⁻¹ K_ia, which is exact.
 
-    Models beyond `_CONDENSED` keep these dofs, and rows then have no coordinates. Rotations count
-    as inner dofs only if `rotations` is true.
+    Models with more than `_CONDENSED` dofs with mass keep their inner dofs, and then have no
+    coordinates. Rotations count as inner dofs only if `rotations` is true.
     """
     light = abs(M).sum(axis=1) == 0.0
     inner = np.zeros_like(light)
@@ -391,7 +392,7 @@ def _condensed(K: Any, M: Any, labels: IntArray | None, *, rotations: bool) -> _
 def _coordinates(
     called: str, given: dict[str, Any], places: Places, length: float
 ) -> dict[str, Any]:
-    """Return `nodes` and `free` of the body if all rows are displacements or rotations."""
+    """Return `nodes` and `free` of `FEModel`; {} if a row is no displacement or rotation."""
     numbers, where = places
     labels, size = given["labels"], given["K"].shape[0]
     if labels is None:
@@ -411,7 +412,7 @@ def _coordinates(
         cure = "Is it another model's file? Of CalculiX' C3D8I, with inner nodes, leave nodes out"
         of = f"{len(missing)} nodes of {called}, the first {missing[0]},"
         raise InputError(f"nodes: {of} are not there. {cure}")
-    # Nodes without rows count as fixed. Drop them if the body is free without them.
+    # Nodes without rows would count as fixed, so they are dropped if the body is free without them.
     if len(numbers) > len(used) and FEModel(**given).mass is not None:
         keep = np.isin(numbers, used)
         numbers, where = numbers[keep], where[keep]
@@ -482,7 +483,7 @@ def read_places(nodes: Any) -> Places:
     file = file_path("nodes", nodes)
     table = None if b"\0" in existing("mesh file", file)[:4096] else _lines(file)
     if table is None:
-        with held_warnings():  # about elements, which are not used here
+        with held_warnings():  # warnings about elements, which are not used here
             raw = load(file)
         if raw.deck is None:
             mesh = read_mesh(file)
@@ -505,7 +506,10 @@ def _labelled(where: str, table: FloatArray) -> Places:
 
 
 def _lines(file: Path) -> FloatArray | None:
-    """Return label, x, y, z from lines that begin so, as Ansys' NWRITE; None for other files."""
+    """Return label, x, y, z from a file of lines that begin with them; None for other files.
+
+    Ansys' NWRITE writes such lines.
+    """
     text = file.read_text(encoding="latin-1")
     rows = [line.replace(",", " ").split()[:4] for line in text.splitlines() if line.strip()]
     if not rows or any(len(row) < 4 or not row[0].isdigit() for row in rows):

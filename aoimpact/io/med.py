@@ -10,7 +10,7 @@ import numpy as np
 from ..base import IntArray
 from .raw import RawBlock, RawMesh, check_count, grouped, labels_of, nodes_in, opened_hdf5
 
-# Kinds of elements by MED's names.
+# MED's and meshio's names of the kinds of elements.
 _NAMES = "PO1 SE2 SE3 TR3 TR6 TR7 QU4 QU8 QU9 TE4 T10 PY5 P13 PE6 P15 P18 HE8 H20 H27"
 _OURS = (
     "vertex line line3 triangle triangle6 triangle7 quad quad8 quad9 tetra tetra10 pyramid "
@@ -18,7 +18,7 @@ _OURS = (
 )
 _KINDS = dict(zip(_NAMES.split(), _OURS.split(), strict=True))
 
-# For each node in VTK's order, its number within MED's element.
+# For each node in VTK's order, its number in MED's order.
 _ORDERS = {"hexahedron27": (*range(20), 24, 22, 21, 23, 20, 25, 26)}
 
 
@@ -72,7 +72,7 @@ def _only(group: Any, what: str) -> tuple[str, Any]:
 
 
 def _families(families: Any) -> dict[int, list[str]]:
-    """Return, by family number, the names of the groups that the family belongs to."""
+    """Return, by family number, the names of the groups that contain the family."""
     found = {}
     for family in families.values():
         if "GRO" in family:
@@ -85,9 +85,9 @@ def _families(families: Any) -> dict[int, list[str]]:
 def _groups(
     families: dict[int, list[str]], numbers: IntArray | None, first: int
 ) -> list[tuple[str, IntArray]]:
-    """Return pairs of a group and its members, from the family number of each node or cell.
+    """Return pairs of a group's name and its members: nodes, or cells numbered from `first`.
 
-    Members are numbered from `first`. A group occurs once for each of its families.
+    `numbers`: family number of each node or cell. A group occurs once for each of its families.
     """
     of = np.zeros(0, np.int64) if numbers is None else numbers
     return [

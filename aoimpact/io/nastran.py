@@ -41,7 +41,7 @@ from .raw import (
 )
 from .sections import Axes, Source, across, common, layered, refusing, triad
 
-# Kinds of elements, without midside nodes and with them, by the names of their entries.
+# meshio's kinds of elements, without and with midside nodes, for the names of Nastran's entries.
 _ELEMENTS = {
     ("CTETRA",): ("tetra", "tetra10"),
     ("CHEXA",): ("hexahedron", "hexahedron20"),
@@ -56,7 +56,8 @@ _ELEMENTS = {
     ("CBEAM3",): ("line", "line3"),
 }
 
-# Largest number of data fields of an element's entry; solids have number, property and nodes.
+# Largest number of data fields of an element's entry. Solids, which are not listed, have a number,
+# a property and nodes.
 _FIELDS = {
     **dict.fromkeys(("CTRIA3", "CTRIAR"), 13),
     **dict.fromkeys(("CQUAD4", "CQUADR", "CTRIA6"), 14),
@@ -68,20 +69,20 @@ _READ = {name for names in _ELEMENTS for name in names} | {
     *(f"CORD{i}{kind}" for i in "12" for kind in "RCS"),
 }
 
-# Names of properties by the dimension of their elements.
+# Patterns of the names of property entries, by the dimension of their elements.
 _DIMENSIONS = {
     1: re.compile("P(BAR|BARL|BEAM|BEAML|BEAM3|BCOMP|B[MR]SECT|BEND|ROD|TUBE)"),
     2: re.compile("P(SHELL|COMPG?|SHEAR|L?PLANE|SHLN[12])"),
     3: re.compile("P(SOLID|LSOLID|COMPL?S)"),
 }
 
-# Names of constraints between nodes, which a mesh cannot hold.
+# Pattern of the names of constraints between nodes, which a mesh cannot represent.
 _CONNECTIONS = re.compile(
     "MPC|MPCY|RBAR|RBAR1|RBE1|RBE2|RBE2GS|RBE3|RBODY|RJOINT|RROD|RSPLINE|RSSCON|RTRPLT|RTRPLT1"
     "|RBAX3D|RBJOINT|RSPINR|RSPINT|RWELD|RCROSS|CONNECT"
 )
 
-# Names of elements other than solids, surfaces and lines in space.
+# Pattern of the names of elements other than solids, surfaces and lines in space.
 _OTHERS = re.compile(
     "CAABSF|CACINF[34]|CAXIF[234]|CAXISYM|CBARG|CBEAR|CBELT|CBUSH|CBUSH1D|CBUSH2D|CBUTT|CCONEAX"
     "|CCRSFIL|CDAMP[1-5]D?|CDUM[1-9]|CELAS[1-4]D?|CFAST|CFILLET|CFLUID[234]|CFTUBE|CGAP|CGAPG"
@@ -90,8 +91,8 @@ _OTHERS = re.compile(
     "|CSPR|CSSHL[HLMP]?|CTRAX[36]|CTRIAX|CTRIAX6|CTRIX[36]|CVISC|CWELD|CWSEAM|GENEL"
 )
 
-# Entries without influence on the mesh: materials, loads, tables and so on. The pattern has the
-# beginnings of their names, but whole names (with $) where GRID, CORD or C… (elements) are similar.
+# Pattern of entries without influence on the mesh: materials, loads, tables and so on. It has the
+# beginnings of names, or whole names (with $) if they are similar to GRID, CORD or elements C….
 _SKIPPED = re.compile(
     "(AB|AC|ADAPT|AE|AIRBAG|AL|AMLREG|ASET|ASSIG|ATB|ATTACH|ATV|AX|BAR|BC|BD|BEAD|BEAMOR|BEDGE|BFRIC|BG|BIAS"
     "|BJOIN|BLD|BLSEG|BMFACE|BN|BOLT|BOUTPUT|BRKSQL|BS|CO(NCTL|HESIV|HFRIC|HSEIV|MBINE|MBWLD"
@@ -113,20 +114,22 @@ _SKIPPED = re.compile(
     "|VIEW|WALL|WET|WINDOW|YLD|YPARAM$|YZONE)"
 )
 
-# Largest difference between the axes of a node's displacements and the basic axes.
+# Largest permitted difference between components of the unit vectors of a node's displacement axes
+# and of the basic axes.
 _TURNED = 1e-9
 
-# Case-control commands that add matrices to those of the elements.
+# Pattern of case-control commands that add matrices to the elements' matrices.
 _ADDED = re.compile(rb"\s*([ABKM]4?2(?:GG|PP))\b")
 
 _SET = re.compile(r"SET\s+(\d+)\s*=(.*)")
 
-# A number in a set, or a range and the numbers after it, such as 1 THRU 20 BY 2 EXCEPT 7 9.
+# Pattern of a number in a set, or of a range with the numbers that follow it, such as
+# 1 THRU 20 BY 2 EXCEPT 7 9.
 _MEMBER = re.compile(
     r"(\d+)(?: THRU (\d+)(?: BY 0*([1-9]\d*))?((?: EXCEPT| \d+(?!\d| THRU))*))?(?: |$)"
 )
 
-# Members of a set of bulk data, by the type of the set. Sets of other types have no members here.
+# What the numbers in a SET or SET3 of bulk data denote, by its type. Other types are left out.
 _BOTH = ("nodes", "elements")
 _MEMBERS = {"GRID": _BOTH[:1], "NODE": _BOTH[:1], "ELEM": _BOTH[1:], "ELEMENT": _BOTH[1:]}
 
@@ -155,7 +158,7 @@ def read(file: Path) -> RawMesh:
     nodes = grids.coordinates()
     parts = [part for names in _ELEMENTS for part in _elements(bulk, names, grids)]
     for part in parts:
-        if part.block.dim == 3:  # Nastran also accepts left-handed solids
+        if part.block.dim == 3:  # Nastran accepts left-handed solids, too
             element, cells = reference_element(part.block.kind), part.block.cells
             left = jacobian_range(nodes, cells, element)[1] < 0.0
             cells[left] = cells[left][:, element.mirror]
@@ -185,7 +188,7 @@ def read(file: Path) -> RawMesh:
 
 
 def _counted(bulk: BulkData, *patterns: re.Pattern[str]) -> str:
-    """Return the number of entries of each name that matches, as in "2 PSHELL"."""
+    """Return the count of entries for each name that fits a pattern, as in "2 PSHELL"."""
     fits = (name for name in bulk.names if any(of.fullmatch(name) for of in patterns))
     return listed((name, len(bulk.names[name])) for name in fits)
 
@@ -194,10 +197,10 @@ def _counted(bulk: BulkData, *patterns: re.Pattern[str]) -> str:
 
 
 class Entries(NamedTuple):
-    """Elements of one kind: their entries, cells with labels, and property numbers (0: none).
+    """Elements of one kind: their entries, the mesh block, and their property numbers (0: none).
 
-    `layout` is the kind with a node in each node field of the entries: "quad8" for CQUAD8, even
-    if midside nodes are blank.
+    `layout` is the kind that fills all node fields of the entries: "quad8" for CQUAD8, even if
+    midside nodes are blank.
     """
 
     table: Table
@@ -207,11 +210,11 @@ class Entries(NamedTuple):
 
 
 def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[Entries]:
-    """Yield the elements of the named entries: those without midside nodes, then with them."""
+    """Yield the elements of the named entries: first without midside nodes, then with them."""
     kinds = _ELEMENTS[names]
     corners, most = nodes_in(kinds[0]), nodes_in(kinds[-1])
     table = bulk.table(**{name: _FIELDS.get(name, 2 + most) for name in names})
-    first = 1 if names == ("CONROD",) else 2  # rods without a property
+    first = 1 if names == ("CONROD",) else 2  # CONROD has no property field
     quadratic = np.any(~table.blank[:, first + corners : first + most], axis=1)
     for kind, own in zip(kinds, (~quadratic, quadratic), strict=False):
         if not own.any():
@@ -232,9 +235,9 @@ def _elements(bulk: BulkData, names: tuple[str, ...], grids: Grids) -> Iterator[
 def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[str, IntArray]:
     """Return the groups of elements by property.
 
-    Elements of several dimensions may have one property number. Those of lower dimension make a
-    group of their own if the deck has a property of this number for them. Otherwise they are sides
-    and edges to which a mesher gave the number.
+    Elements of several dimensions may share a property number. Elements of the lower dimension make
+    a separate group if the deck has a property of this number for their dimension. Otherwise they
+    are sides and edges, which a mesher numbered alike.
     """
     properties, found = joined(part.properties for part in parts), {}
     known = {dim: {card.text(0).lstrip("+0") for card in _properties(bulk, dim)} for dim in (1, 2)}
@@ -250,21 +253,22 @@ def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[s
 
 
 def _properties(bulk: BulkData, dim: int) -> Iterator[Card]:
-    """Return all property entries for elements of a dimension, including those not supported."""
+    """Return all property entries for elements of a dimension, including unsupported ones."""
     return bulk.cards(*filter(_DIMENSIONS[dim].fullmatch, bulk.names))
 
 
 # --------------------------------------------------------------- nodes and coordinate systems
 
 
-# Definition of a coordinate system: its kind; three nodes (CORD1x) or the system of the points
-# (CORD2x); nine coordinates of three points (CORD2x); and the function that makes its errors.
+# Definition of a coordinate system: its kind; three nodes (CORD1x), or the system of its points
+# (CORD2x); the nine coordinates of the three points (CORD2x); and the function that makes errors of
+# the entry.
 _Definition = tuple[tuple[str, tuple[int, ...], tuple[float, ...]], Callable[[str], MeshError]]
 
 
 @record
 class Grids:
-    """Nodes by ascending labels, and coordinate systems, which are resolved on demand.
+    """Nodes by ascending labels, and coordinate systems, whose axes are computed on demand.
 
     Attributes
     ----------
@@ -277,7 +281,7 @@ class Grids:
     x : ndarray, shape (n, 3)
         Coordinates in the systems CP.
     definitions : mapping of int to _Definition
-        Coordinate systems that are not resolved yet, by label.
+        Coordinate systems whose axes are not computed yet, by label.
     """
 
     table: Table
@@ -290,7 +294,7 @@ class Grids:
 
     @classmethod
     def of(cls, bulk: BulkData) -> Grids:
-        """Return the nodes of a deck; identical repetitions of a node count once."""
+        """Return the nodes of a deck; a node that is repeated identically counts once."""
         for name, entries in bulk.names.items():  # unknown entries might belong to the mesh
             known = (_CONNECTIONS.fullmatch, _OTHERS.fullmatch, _SKIPPED.match)
             if name not in _READ and not any(match(name) for match in known):
@@ -306,7 +310,7 @@ class Grids:
         return cls(table.select(kept), *own, _definitions(bulk))
 
     def by_system(self, systems: IntArray, of: Table) -> Iterator[tuple[Axes, IntArray]]:
-        """Yield each coordinate system in `systems`, and the rows that have it."""
+        """Yield each coordinate system named in `systems`, and the rows that name it."""
         for label in np.unique(systems).tolist():
             own = np.flatnonzero(systems == label)
             yield self.axes(label, partial(of.refused, int(own[0]))), own
@@ -327,7 +331,7 @@ class Grids:
         return x
 
     def axes(self, label: int, error: Callable[[str], MeshError]) -> Axes:
-        """Return the coordinate system `label`; `error` makes errors of the entry that names it.
+        """Return the coordinate system `label`; `error` makes errors of the referring entry.
 
         Raises
         ------
@@ -350,7 +354,7 @@ class Grids:
                 [a.basic(x[None]) for a, x in zip(own, self.x[rows], strict=True)]
             )
         ends = points[1] - points[0], points[2] - points[0]
-        axes = triad(*ends, own_error)[[1, 2, 0]]  # given: z and a point in the x-z plane
+        axes = triad(*ends, own_error)[[1, 2, 0]]  # points given: on z, and in the x-z plane
         return self._known.setdefault(label, Axes(kind, points[0], axes))
 
 
@@ -372,10 +376,10 @@ def _definitions(bulk: BulkData) -> dict[int, _Definition]:
 
 
 def _among(text: str, labels: IntArray) -> IntArray:
-    """Return the rows of `labels` in a set; none if a number outside of ranges is missing.
+    """Return the rows of `labels` that are in a set; none if a single number is no label.
 
-    A number after EXCEPT is excluded from the range before it if it lies in this range; otherwise
-    it is a member.
+    A number after EXCEPT is excluded if it lies in the range before EXCEPT; otherwise it is a
+    single number.
     """
     chosen, alone = np.zeros(len(labels), dtype=bool), list[int]()
     for first, last, step, behind in _MEMBER.findall(text):
@@ -395,7 +399,9 @@ def _among(text: str, labels: IntArray) -> IntArray:
 
 
 def _sets(control: list[Line], bulk: BulkData) -> dict[str, tuple[tuple[str, ...], str]]:
-    """Return the sets by name, such as "SET 5" and "SET1 5": what a set holds, and its numbers.
+    """Return, by name such as "SET 5" or "SET1 5", whether a set is of nodes, and its numbers.
+
+    A set is of nodes, of elements, or of both.
 
     Raises
     ------
@@ -405,7 +411,7 @@ def _sets(control: list[Line], bulk: BulkData) -> dict[str, tuple[tuple[str, ...
     Warns
     -----
     AOImpactWarning
-        If the case control defines a set twice, with other members.
+        If the case control defines a set twice, with different members.
     """
     found: dict[str, tuple[tuple[str, ...], str]] = {}
     twice = set()
@@ -439,20 +445,21 @@ def _sets(control: list[Line], bulk: BulkData) -> dict[str, tuple[tuple[str, ...
 
 # ----- sections
 
-# Index of the field of a surface element's material angle or system, by layout. The next field is
+# Index of the field with a surface element's material angle or system, by layout. The next field is
 # the offset; fields 10 to 12 or 13 are thicknesses at the nodes.
 _THETA = {"quad": 6, "triangle": 5, "triangle6": 8, "quad8": 14}
 
 _WTMASS = re.compile(rb"\s*PARAM[\s,*]+WTMASS[\s,]+([^\s,]+)")
 
-# First letters of a bar's OFFT, or the older flag in this field, that are read: its orientation
-# vector is in the axes of its node, or with B in basic axes.
+# Supported first letters of a bar's OFFT, or older flags in this field. The orientation vector is
+# in basic axes with B, else in the displacement axes of the first node.
 _FRAMES = [b"", b"G", b"1", b"2", b"B"]
 
-# Axes y and z of a `Beam`, in rows, in the axes h and v of a figure, Nastran's z and y.
+# Rows: axes y and z of a `Beam`. Columns: their components along h and v of a section's figure,
+# which are Nastran's z and y.
 _AXES = np.array([[-1.0, 0.0], [0.0, 1.0]])
 
-# Relative difference of G from E/(2 (1 + nu)) above which a message says that G is not used.
+# Largest relative difference between G and E/(2 (1 + NU)); G itself is not used.
 _ISOTROPIC = 0.01
 
 
@@ -471,11 +478,11 @@ class NastranDeck:
 
     @property
     def sections(self) -> str:
-        """Numbers of properties of shells and beams, as in "2 PSHELL"."""
+        """Counts of the property entries of shells and beams, as in "2 PSHELL"."""
         return _counted(self.bulk, _DIMENSIONS[1], _DIMENSIONS[2])
 
     def cards(self, cards: Iterable[Card]) -> dict[int, Card]:
-        """Return entries by number; refuse different entries of the same number."""
+        """Return entries by number; refuse different entries with the same number."""
         found: dict[int, Card] = {}
         for card in cards:
             label = card.integer(0, "its number")
@@ -485,17 +492,17 @@ class NastranDeck:
 
     @cached_property
     def properties(self) -> dict[int, dict[int, Card]]:
-        """All properties, supported or not, by dimension of their elements and by number."""
+        """All property entries, supported or not, by dimension of their elements and number."""
         return {dim: self.cards(_properties(self.bulk, dim)) for dim in _DIMENSIONS}
 
     @cached_property
     def materials(self) -> dict[int, Card]:
-        """All entries of materials, supported or not, by number."""
+        """All material entries, supported or not, by number."""
         return self.cards(self.bulk.cards(*filter(_SOLIDS.fullmatch, self.bulk.names)))
 
     @cached_property
     def weight(self) -> float:
-        """Factor on densities: PARAM,WTMASS of bulk data or case control, else 1."""
+        """Factor by which densities are multiplied: PARAM,WTMASS, or 1 without it."""
         found = [card for card in self.bulk.cards("PARAM") if card.text(0) == "WTMASS"]
         for line in self.control:
             if of := _WTMASS.match(line.text):
@@ -507,7 +514,7 @@ class NastranDeck:
         return values[0] if found else 1.0
 
     def entries(self, members: IntArray) -> list[tuple[Table, str]]:
-        """Return the entries of the elements numbered `members`, with layouts, block by block."""
+        """Return entries and layout of the elements `members` for each block that has any."""
         found = zip(self.parts, self.source.raw.rows(members), strict=True)
         return [(part.table.select(rows), part.layout) for part, (_, rows) in found if len(rows)]
 
@@ -520,7 +527,7 @@ class NastranDeck:
             if not name.startswith("property "):
                 continue
             dim = int(dims[members].max())
-            own = members[dims[members] == dim]  # a mesher's edges may have this number
+            own = members[dims[members] == dim]  # edges of a mesher may have the number, too
             if (of := self.source.instead(name, dim)) is not None:
                 found[name] = of
                 continue
@@ -545,7 +552,7 @@ class NastranDeck:
     # ------------------------------------------------------------------- materials
 
     def material(self, label: int, card: Card) -> Solid:
-        """Return a material by its number; `card` is the property that refers to it."""
+        """Return the material numbered `label`; `card` is the property that refers to it."""
         given: Solid | None = self.source.instead(f"material {label}")
         if given is not None:
             return given
@@ -572,7 +579,7 @@ class NastranDeck:
     # ------------------------------------------------------------ fields of elements
 
     def offset(self, own: IntArray, card: Card) -> float:
-        """Return the offset ZOFFS common to all elements, m; refuse thickness at nodes."""
+        """Return the offset ZOFFS, m, if all elements have the same; refuse nodal thicknesses."""
         found = []
         for table, layout in self.entries(own):
             last = 14 if layout.startswith("quad") else 13
@@ -592,7 +599,7 @@ class NastranDeck:
         return found.axes
 
     def fibres(self, own: IntArray, card: Card) -> tuple[float, ...]:
-        """Return a direction whose projection on each element is the material's axis 1 there."""
+        """Return a direction whose projection on every element is axis 1 of its material."""
         normals = self.source.directions(own)
         x = across(self.source.directions(own, edges=True), normals)
         columns = [table.fields[:, _THETA[layout]] for table, layout in self.entries(own)]
@@ -633,7 +640,7 @@ class NastranDeck:
         vectors[~by_node] = table.select(~by_node).reals(4, 3)
         basic = by_node | (frames == b"B") | (grids.output_systems[rows] < 0)
         systems = np.where(basic, 0, grids.output_systems[rows])
-        for system, own in grids.by_system(systems, table):  # X1 to X3 are in CD of node GA
+        for system, own in grids.by_system(systems, table):  # X1 to X3: in system CD of node GA
             axes = system.directions(nodes[rows[own]])
             vectors[own] = np.einsum("ni,nij->nj", vectors[own], axes)
         return vectors, ends[:, :3] * self.source.length
@@ -666,7 +673,7 @@ def _shell(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
 
 
 def _laminate(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
-    """Return the laminate of PCOMP (four fields per ply) or PCOMPG (a ply number before these)."""
+    """Return the laminate of PCOMP (four fields per ply) or PCOMPG (a ply number first)."""
     card.must_be(2, "NSM", 0.0)
     if card.text(7) not in ("", "SYM"):
         raise card.error(f"LAM={card.text(7)} is not supported")
@@ -688,7 +695,7 @@ def _laminate(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
 
 
 def _bar(deck: NastranDeck, card: Card, own: IntArray, shear: float = math.inf) -> OneMaterial:
-    """Return the beam of PBAR; the deck's y is z of `Beam`, and its z is opposite to y of `Beam`.
+    """Return the beam of PBAR: y of the deck is z of `Beam`, z of the deck is -y of `Beam`.
 
     The beam is rigid in shear if K1 and K2 are 0, or blank with `shear` = inf (PBAR's default).
     """
@@ -717,7 +724,7 @@ def _constant(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
 
 
 def _shaped(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
-    """Return the beam of PBARL or PBEAML, whose section is given by dimensions; NSM must be 0."""
+    """Return the beam of PBARL or PBEAML from its section's dimensions; NSM must be 0."""
     count, make = named(NASTRAN, card.text(3))
     if any(card.fields[9 + count :]):
         raise card.error("it has fields after its first cross-section, which is not supported")
@@ -735,10 +742,11 @@ def _beam(deck: NastranDeck, card: Card, own: IntArray, section: Any) -> OneMate
     return deck.source.beam(section, material, z, own, _AXES, moved)
 
 
-# First field of a PBEAM's line that begins a further cross-section.
+# Values of the first field in a line of PBEAM that begins another cross-section.
 _STATIONS = ("YES", "YESA", "NO")
 
-# Functions that read properties, by name; None for bars without bending, which are left out.
+# Functions that read properties, by name; None for bars without bending stiffness, which are left
+# out.
 _PROPERTIES: dict[str, Callable[..., OneMaterial] | None] = {
     "PSOLID": _solid,
     "PSHELL": _shell,
@@ -773,8 +781,8 @@ def _isotropic(source: Source, card: Card, rho: float) -> Material:
 _MAT8 = "E1 E2 NU12 G12 G1Z G2Z"
 _MAT11 = "E1 E2 E3 NU12 NU13 NU23 G12 G13 G23"
 
-# Names of the entries of materials, which are numbered together. For those that are read: the
-# function, and the indices of the fields of density and damping.
+# `_SOLIDS`: names of material entries, which share their numbers. `_MATERIALS`: for each that is
+# read, the function, and the indices of the fields with density and damping.
 _SOLIDS = re.compile("MAT([12389]|1[01])")
 _MATERIALS: dict[str, tuple[Callable[..., Solid], int, int]] = {
     "MAT1": (_isotropic, 4, 7),
@@ -783,10 +791,10 @@ _MATERIALS: dict[str, tuple[Callable[..., Solid], int, int]] = {
 }
 
 
-# IFO, the form of a matrix: square, or symmetric with one triangle in the file.
+# Codes of a matrix's form (IFO): square, or symmetric with one triangle in the file.
 _SQUARE, _SYMMETRIC = 1, 6
 
-# TIN, the type of a matrix's numbers: the largest value for real numbers.
+# Codes of the type of a matrix's numbers (TIN) up to this one mean real numbers.
 _REAL = 2
 
 

@@ -17,16 +17,16 @@ import numpy.typing as npt
 from ..base import BoolArray, FloatArray, IntArray, MeshError, decoded, record, require
 from .raw import Line, number, numbers, read_text
 
-# Memory needed per byte of a deck: its text, lines, columns and fields.
+# Ratio of the memory needed to the size of a deck, for its text, lines, columns and fields.
 _PER_BYTE = 22
 
-# Number of columns of a line that Nastran reads.
+# Number of characters of a line that Nastran reads.
 _COLUMNS = 80
 
 # Largest number of characters of a field in a line with commas.
 _LONG = 32
 
-# Largest number of entries that one line of replication may make.
+# Largest number of entries that one replication line may generate.
 _MOST = 1_000_000
 
 # Largest number of lines over which a file name in INCLUDE may extend.
@@ -45,20 +45,21 @@ _INCREMENT = re.compile(rb"\*\(?([^()]+)\)?")
 _MARK = re.compile(rb"[+*](?![\d.])")  # mark of a continuation: "+" or "+A1", not "+1.5"
 INTEGER = re.compile(rb"[-+]?\d{1,18}")
 
-# For each kind of entry, the entry that holds the defaults of its blank fields.
+# For each name of an entry, the name of the entry with defaults for its blank fields.
 _DEFAULTS = {"GRID": "GRDSET", "CBAR": "BAROR", "CBEAM": "BEAMOR"}
 
-# Kinds of entries with four fields, of which two may share a line.
+# Names of entries with four fields, two of which may share a line.
 _PAIRS = ["CROD", "CTUBE", "CORD1R", "CORD1C", "CORD1S"]
 
 _NAME = re.compile(rb"[A-Z][A-Z0-9]*")
 
-# Largest relative difference from a required number, which may have few digits: 0.833 for 5/6.
+# Largest relative difference of a field from its required value, which may be printed with few
+# digits: 0.833 for 5/6.
 _DIGITS = 1e-3
 
 
 def is_nastran(content: bytes) -> bool:
-    """Return whether the beginning of a file is that of a Nastran deck."""
+    """Return whether the bytes `content` at the beginning of a file are of a Nastran deck."""
     return _BULK.search(decoded(content) or "") is not None
 
 
@@ -98,7 +99,7 @@ def _all_lines(main: Path) -> list[Line]:
     found = list[Line]()
 
     def add(file: Path, within: tuple[Path, ...]) -> bool:
-        """Add the lines of a file, and return True if ENDDATA was met."""
+        """Add the lines of a file; return whether it has ENDDATA."""
         require(_PER_BYTE * file.stat().st_size, f"mesh file {str(file)!r}", "take a coarser mesh")
         written = read_text(file)
         content = re.sub(rb"\$.*", b"", written.encode("ascii", "replace").upper())
@@ -123,7 +124,7 @@ def _all_lines(main: Path) -> list[Line]:
             folders = (file.parent, main.parent)
             places = [folder / of for folder in folders if os.path.isfile(folder / of)]
             if not places:
-                # Statements before CEND matter to the solver only.
+                # A file included before CEND matters to the solver only, so it may be missing.
                 if any(after.lstrip()[:4] == b"CEND" for after in lines[i:]):
                     continue
                 raise line.refused("INCLUDE", f"there is no file {of!r}")
@@ -142,9 +143,10 @@ def _all_lines(main: Path) -> list[Line]:
 
 
 class Piece(NamedTuple):
-    """A line of bulk data: fields between a head and a tail, which hold continuation marks.
+    """A line of bulk data: its name or continuation mark, its fields, and the mark at its end.
 
-    `spoilt` is true if the line has too many fields, or a field that is too long.
+    The mark at the end, `tail`, announces a continuation. `spoilt` is true if the line has too many
+    fields, or a field that is too long.
     """
 
     line: Line
@@ -155,10 +157,10 @@ class Piece(NamedTuple):
 
 
 def _with_commas(line: Line, words: list[bytes]) -> Piece:
-    """Return the piece of a line with commas, or of a replicated line, from head and fields."""
+    """Return the `Piece` of a line with commas or a replicated line; `words`: head and fields."""
     head, *fields = words
     most, tail, more = 4 if b"*" in head else 8, b"", list[bytes]()
-    # Nastran takes the ninth field for data if more fields follow and it is no continuation mark.
+    # The ninth field holds data if more fields follow, unless it is a continuation mark.
     data = most == 8 and len(fields) > 9 and fields[8][:1] not in (b"", b"+", b"*")
     if len(fields) > most and not data:
         fields, (tail, *more) = fields[:most], fields[most:]
@@ -170,7 +172,7 @@ def _with_commas(line: Line, words: list[bytes]) -> Piece:
 
 
 def _pieces(lines: list[Line]) -> list[Piece]:
-    """Return the pieces of all lines of bulk data, with replicated lines inserted."""
+    """Return a `Piece` for each line of bulk data, including lines that replication makes."""
     found: list[Piece] = []
     rule: list[bytes] = []
     for line in lines:
@@ -191,7 +193,7 @@ def _pieces(lines: list[Line]) -> list[Piece]:
 
 
 def _words(line: bytes) -> list[bytes]:
-    """Return head and fields of a line of replication, with or without commas."""
+    """Return the first word and the fields of a line, with or without commas."""
     free = b"," in line[:10] or b" " not in line
     words = line.split(b",") if free else [line[k : k + 8] for k in range(0, 72, 8)]
     return [one.strip() for one in words]
@@ -200,10 +202,11 @@ def _words(line: bytes) -> list[bytes]:
 def _copies(
     line: Line, entry: list[bytes], rule: list[bytes]
 ) -> tuple[list[list[bytes]], list[bytes]]:
-    """Return the entries that a line of replication makes, and the fields that are its rule.
+    """Return the entries that a replication line generates, and the rule it applies.
 
-    "=" copies a field of the previous entry, "==" copies all its further fields, and "*2" or "*(2)"
-    adds an increment to the field. "=5" and "=(5)" apply the rule of the line above five times.
+    The rule is the line's fields: "=" copies a field of the previous entry, "==" copies all further
+    fields, "*2" or "*(2)" adds an increment. "=5" or "=(5)" applies the previous line's rule five
+    times.
     """
     head, *fields = _words(line.text)[:9]
     times = _TIMES.fullmatch(head)
@@ -224,7 +227,7 @@ def _copies(
 
 
 def _next(entry: list[bytes], rule: list[bytes]) -> list[bytes]:
-    """Return the fields of the next entry by the rule of a line of replication."""
+    """Return the fields of the entry that a replication rule makes from the previous entry."""
     found: list[bytes] = []
     for old, new in zip_longest(entry, rule, fillvalue=b""):
         if new == b"==":
@@ -240,9 +243,9 @@ def _next(entry: list[bytes], rule: list[bytes]) -> list[bytes]:
 def read_bulk_data(lines: list[Line]) -> BulkData:
     """Return the entries of bulk data, joined from their lines.
 
-    A continuation without a mark, or with the mark at the end of the line before, continues that
-    line. Any other continues the one line that ends in its mark. The first characters of the two
-    marks may differ.
+    A continuation without a mark, or with the mark that ends the previous line, continues the
+    previous line. Any other continues the only line that ends in its mark. Marks are compared
+    without their first character.
 
     Raises
     ------
@@ -292,14 +295,14 @@ def read_bulk_data(lines: list[Line]) -> BulkData:
 
 @record
 class Card:
-    """One entry of bulk data; `fields` begins with field 2, after the name."""
+    """One entry of bulk data; `fields` begins with the entry's field 2, after the name."""
 
     name: str
     fields: list[str]
     line: Line
 
     def error(self, why: str) -> MeshError:
-        """Return the error for this entry."""
+        """Return the error that names this entry and its line."""
         return self.line.refused(self.name, why)
 
     def text(self, at: int) -> str:
@@ -325,11 +328,11 @@ class Card:
         return int(text or default)
 
     def reals(self, first: int, names: str) -> list[float]:
-        """Return consecutive fields from `first` on as numbers; refuse blanks, by their names."""
+        """Return a number for each of the `names`, from field `first` on; refuse blank fields."""
         return [self.real(first + i, name) for i, name in enumerate(names.split())]
 
     def must_be(self, at: int, what: str, wanted: float) -> None:
-        """Refuse a field unless it is blank or has the `wanted` value, which a blank stands for."""
+        """Refuse a field unless it is blank or has the value `wanted`, which is its default."""
         value = self.real(at, what, wanted)
         if abs(value - wanted) > _DIGITS * abs(wanted):
             raise self.error(f"{what}={value:g} is not supported; only {wanted:g} is")
@@ -337,7 +340,7 @@ class Card:
 
 @record
 class BulkData:
-    """Entries of bulk data by name; an entry is a list of its lines."""
+    """Entries of bulk data by name; each entry is the list of its lines."""
 
     names: dict[str, list[list[Piece]]]
 
@@ -350,10 +353,10 @@ class BulkData:
         return [field for piece in entry for field in piece.fields]
 
     def table(self, **widths: int) -> Table:
-        """Return the entries of some names, given as name=largest number of data fields.
+        """Return a table of entries; `widths`: the largest number of data fields for each name.
 
-        Blank fields are filled from GRDSET, BAROR and BEAMOR. If an entry holds two rods or
-        coordinate systems, the second makes a row at the end of the table.
+        Blank fields are filled from GRDSET, BAROR and BEAMOR. If an entry holds two rods or two
+        coordinate systems, a row for the second is added at the end of the table.
         """
         found = [(name, of) for name in widths for of in self.names.get(name, ())]
         found.sort(key=lambda one: one[1][0].line.order)
@@ -372,7 +375,7 @@ class BulkData:
                 given.refuse_first(np.arange(len(given)) > 0, "another one is there")
                 blank = table.blank & (table.names == name)[:, None]
                 blank[:, 8:] = False
-                if name != "GRID":  # an integer X1 is the node G0, without X2 and X3
+                if name != "GRID":  # an integer instead of X1 is node G0; then X2, X3 are unused
                     real = table.blank[:, 4] | (np.char.count(table.fields[:, 4], b".") > 0)
                     blank[:, 5:7] &= real[:, None]
                 filled = np.where(blank, np.resize(given.fields[0], width), table.fields)
@@ -385,7 +388,7 @@ class BulkData:
         return every
 
     def quads(self, name: str) -> tuple[Table, IntArray]:
-        """Return the fields of entries of any length in rows of four, and each row's entry."""
+        """Return a table of four fields per row, and the number of the entry of each row."""
         rows, entries, lines = list[list[bytes]](), list[int](), list[Line]()
         for i, entry in enumerate(self.names.get(name, ())):
             fields = self._fields(name, entry)
@@ -397,7 +400,7 @@ class BulkData:
         return table, np.array(entries, int)
 
     def cards(self, *names: str) -> Iterator[Card]:
-        """Yield the entries of some names as cards, name by name."""
+        """Yield a `Card` for each entry of the given names, in the order of the names."""
         for name in names:
             for entry in self.names.get(name, ()):
                 texts = [field.decode() for field in self._fields(name, entry)]
@@ -406,7 +409,7 @@ class BulkData:
 
 @record
 class Table:
-    """Entries of similar kinds as arrays, in the order of the deck.
+    """Entries of similar kinds as arrays, one row per entry in the order of the deck.
 
     Attributes
     ----------
@@ -431,7 +434,7 @@ class Table:
         return np.asarray(self.fields == b"")
 
     def select(self, rows: IntArray | BoolArray) -> Table:
-        """Return a table of the entries in `rows`, numbers or a mask."""
+        """Return a table of the entries in `rows`, given as numbers or as a mask."""
         return Table(self.names[rows], self.lines[rows], self.fields[rows])
 
     def refused(self, row: int, why: str) -> MeshError:
@@ -448,7 +451,7 @@ class Table:
         """Return `count` fields from `first` on as integers, shape (n, count); blanks are 0."""
         text = self._filled(first, count)
         try:
-            if b"_" in text.tobytes():  # 1_0 is a number in Python only
+            if b"_" in text.tobytes():  # Python would read 1_0 as a number
                 raise ValueError
             found: IntArray = text.astype(np.int64)
         except (ValueError, OverflowError):

@@ -18,20 +18,20 @@ import numpy as np
 from ..base import FloatArray, InputError, sp
 from .raw import RawMatrix, numbers, passed_over, spoilt
 
-# Bytes per word (4 or 8) of a binary file, by the length of its header in bytes.
+# Bytes per word of a binary file, for each length of the header in bytes.
 _HEADERS = {24: 4, 48: 8}
 
-# Number of rows from which a sparse matrix is written as BIGMAT.
+# Smallest number of rows with which a sparse matrix is written as BIGMAT.
 _BIG = 65536
 
-# Header in text: columns, rows, form and type, right-aligned in fields of 8 characters (columns and
-# rows also of 16), then the name.
+# Pattern of a text header: columns, rows, form and type, right-aligned in fields of 8 characters
+# (or 16 for columns and rows), then the name.
 _TEXT = re.compile(
     rb"([ \d]{7}\d|[ \d]{15}\d)([ \d-]{7}\d|[ \d-]{15}\d)([ \d]{7}\d)([ \d]{7}\d)(.*)"
 )
 
-# Fields after the type in OUTPUT4: a name, or the format of the numbers. Other formats have a
-# number there.
+# Pattern of what follows the type in OUTPUT4: a name, or 8 characters and the format of the
+# numbers. Other kinds of files have a number there.
 _NAMED = re.compile(rb"\s*[A-Za-z]|.{8}\s*1P,")
 
 
@@ -70,7 +70,7 @@ def _binary(head: bytes) -> tuple[str, int] | None:
 
 
 def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
-    """Return the next matrix, joined from its strings: numbers in consecutive rows of a column."""
+    """Return the next matrix; each of its strings holds consecutive rows of a column."""
     n_cols, n_rows, kind, name = source.header()
     if kind not in (1, 2, 3, 4):
         raise source.wrong(f"{name} is of type {kind}; known are 1 to 4")
@@ -111,7 +111,7 @@ def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
 
 
 class _Binary:
-    """Reads a binary file record by record; each record has its length before and after it."""
+    """Reads a binary file by records; the length of a record is stored before and after it."""
 
     def __init__(self, file: Path, content: bytes, order: str, word: int) -> None:
         self._file, self._content, self._order, self._word = file, content, order, word
@@ -124,7 +124,7 @@ class _Binary:
         return spoilt(self._file, f"at byte {self._at}: {why}")
 
     def _record(self) -> int:
-        """Enter the next record; return its end."""
+        """Move to the start of the next record; return the position of its end."""
         (length,) = struct.unpack_from(self._order + "i", self._content, self._at)
         start = self._at + 4
         end: int = start + length
@@ -172,7 +172,7 @@ class _Binary:
 
 
 class _Text:
-    """Reads a text file line by line; numbers stand in fields of fixed width."""
+    """Reads a text file line by line; numbers are in fields of fixed width."""
 
     per_column = 1
 

@@ -18,15 +18,16 @@ import numpy as np
 from ..base import FloatArray, InputError, record
 from ..fem import CircularSection, RectangularSection, TubularSection
 
-# Largest values that count as rounding. `_CLOSED`: ratio of the distance between the ends of a
-# closed ARBITRARY section to its longest wall. `_ROUND`: ratios of the third moment of area to
-# A^2.5, and of an edge length to the longest edge.
+# Largest values that count as rounding errors. `_CLOSED`: ratio of the distance between both ends
+# of an ARBITRARY section to its longest wall; the section is then closed. `_ROUND`: ratios of the
+# third moment of area to A^2.5, and of an edge's length to the longest edge.
 _CLOSED, _ROUND = 1e-6, 1e-9
 
-# `_PLACES`, `_WEIGHTS`: Gauss rule on a panel of the outline. Panels at corners are an eighth of
-# the shortest edge, limited by _LEVELS for very long edges, and grow away from them by the factor
-# _COARSER: J is then accurate to 1e-4, compared with eight points on smaller panels. `_FAR`:
-# distance from a panel's middle, in half-lengths, from which on the rule is exact to 1e-9.
+# `_PLACES`, `_WEIGHTS`: Gauss rule on a panel of the outline. `_COARSER`: ratio of the lengths of
+# successive panels away from a corner. The panels at corners have an eighth of the shortest edge's
+# length; `_LEVELS` limits their number on very long edges. J then differs by less than 1e-4 from
+# that with eight points on smaller panels. `_FAR`: distance from a panel's middle, in half-lengths,
+# beyond which the rule is exact to 1e-9.
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 _COARSER, _LEVELS, _FAR = 4.0, 7, 4.0
 
@@ -60,15 +61,15 @@ class Profile:
     skewed: bool = False
 
     def at(self, h: float, v: float) -> Profile:
-        """Return the section with its line of nodes at the point (h, v) of the figure."""
+        """Return the section with the beam's line of nodes through (h, v) of the figure."""
         return replace(self, centre=self.centre - (h, v))
 
 
 def outlined(start: Any, end: Any, compliance: FloatArray, J: float | None = None) -> Profile:
     """Return the section bounded by straight edges from `start` to `end`, complex h + iv.
 
-    The outer edges run counterclockwise, those of holes clockwise. Moments are integrals of
-    polynomials along the outline. J is Saint-Venant's unless given.
+    Outer edges run counterclockwise, edges of holes clockwise. Moments of area are integrals of
+    polynomials along the outline. J is Saint-Venant's torsion constant unless given.
     """
     length = np.abs(end - start)
     kept = length > _ROUND * length.max()
@@ -98,7 +99,7 @@ def outlined(start: Any, end: Any, compliance: FloatArray, J: float | None = Non
 
 
 def _warped(z: Any, step: Any) -> float:
-    """Return ∫|∇ω|² dA, m⁴, by which warping ω lowers the torsion constant: J = Ip − ∫|∇ω|² dA.
+    """Return ∫|∇ω|² dA, m⁴, of the warping function ω: the torsion constant is J = Ip − ∫|∇ω|² dA.
 
     On the outline ∂ω/∂n = ∂ψ/∂s with ψ = r²/2, so ω + iψ is analytic within, up to a constant at
     each hole, and its Cauchy integral over the outline is πi (ω + iψ) on it. The imaginary part is
@@ -110,13 +111,13 @@ def _warped(z: Any, step: Any) -> float:
     z : ndarray, shape (panels, points)
         Gauss points relative to the centroid, complex.
     step : ndarray, shape (panels, 1)
-        Half of each panel, as a complex vector.
+        Vector from the middle to the end of each panel, complex.
     """
     at = (z[..., None] - z.mean(axis=1)) / step[:, 0]
     own = np.arange(len(z))
     at[own, :, own] = _PLACES
     moments = [np.log((1.0 - at) / (-1.0 - at))]
-    moments[0][own, :, own] = moments[0][own, :, own].real  # a principal value
+    moments[0][own, :, own] = moments[0][own, :, own].real  # the principal value
     for k in range(1, len(_PLACES)):
         moments.append(at * moments[-1] + (1.0 - (-1.0) ** k) / k)
     near = np.stack(moments, axis=-1) @ np.linalg.inv(np.vander(_PLACES, increasing=True))
@@ -140,7 +141,7 @@ def filled(*corners: complex) -> Profile:
 def rows(*of: tuple[float, ...]) -> Profile:
     """Return a section of rectangles in rows, stacked upwards from v = 0.
 
-    A row is its height, then pairs of h: left and right end of each rectangle. The shear factor
+    A row is given by its height, then the left and right end h of each rectangle. The shear factor
     along an axis is the ratio of the area of the walls along this axis to the whole area.
     """
     if any(row[0] <= 0.0 or [*row[1:]] != sorted({*row[1:]}) for row in of):
@@ -159,12 +160,12 @@ def rows(*of: tuple[float, ...]) -> Profile:
 
 
 def between(outer: tuple[float, ...], inner: tuple[float, ...]) -> Profile:
-    """Return the section of three rows: `inner` between two rows `outer`."""
+    """Return the section of three rows of rectangles: `outer`, `inner`, `outer`."""
     return rows(outer, inner, outer)
 
 
 def flanged(h: float, b1: float, b2: float, t: float, t1: float, t2: float) -> Profile:
-    """Return an I section; flange 1 is below, 2 above. A T section if a flange has zero size."""
+    """Return an I section, with flange 1 below and 2 above; T if a flange has zero thickness."""
     web = (h - t1 - t2, -0.5 * t, 0.5 * t)
     flanges = [[(t, -0.5 * b, 0.5 * b)] if t else [] for b, t in ((b1, t1), (b2, t2))]
     return rows(*flanges[0], web, *flanges[1])
@@ -206,7 +207,7 @@ def arbitrary(n: float, *of: float) -> Profile:
 
 
 def hexagon(radius: float, t: float) -> Profile:
-    """Return Abaqus' HEX: a regular hexagonal tube, by circumscribed radius and thickness."""
+    """Return Abaqus' HEX, a regular hexagonal tube of given circumradius and wall thickness."""
     inner = radius - 2.0 * t / math.sqrt(3.0)
     if not 0.0 <= inner < radius:
         raise InputError("its walls are thicker than there is room for, or 0")
@@ -215,9 +216,9 @@ def hexagon(radius: float, t: float) -> Profile:
     return outlined(start, np.append(radius * corners[1:], inner * corners[:-1]), 2.0 * np.eye(2))
 
 
-# Functions from dimensions to sections, by each program's section names. The first dimension of
-# RECT is along axis 1, z of `RectangularSection`. The line of nodes of Abaqus' L is where the
-# middle lines of its legs meet.
+# For each program's section names, the function that makes the section from its dimensions. The
+# first dimension of RECT is along axis 1, z of `RectangularSection`. The line of nodes of Abaqus' L
+# goes through the intersection of the middle lines of its legs.
 ABAQUS: dict[str, Callable[..., Any]] = {
     "ARBITRARY": arbitrary,
     "BOX": lambda a, b, t1, t2, t3, t4: box(a, b, t1, t2, t3, t4).at(0.5 * a, 0.5 * b),
@@ -261,7 +262,7 @@ NASTRAN: dict[str, Callable[..., Any]] = {
 
 
 def named(table: dict[str, Callable[..., Any]], name: str) -> tuple[int, Callable[..., Any]]:
-    """Return the number of dimensions of a named section, and the function that takes them."""
+    """Return the number of dimensions of a named section, and the function that makes it."""
     if name not in table:
         known = ", ".join(table)
         raise InputError(f"{name!r} is none of {known}; give its Beam by read_sections(given=)")

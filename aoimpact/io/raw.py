@@ -1,4 +1,4 @@
-"""Meshes and matrices as files hold them, and functions that several readers share."""
+"""Meshes and matrices as they are in files, and functions that several readers share."""
 
 from __future__ import annotations
 
@@ -20,34 +20,35 @@ import numpy.typing as npt
 from ..base import PRINTED, FloatArray, InputError, IntArray, MeshError, decoded, record, sp
 from ..mesh import twins
 
-# `LINES`, `POINTS`: kinds by numbers of nodes. `DIMENSIONS`: names of cells by dimension.
+# `LINES`, `POINTS`: meshio's kinds by number of nodes. `DIMENSIONS`: words for cells by dimension.
 LINES = {2: "line", 3: "line3"}
 POINTS = {1: "vertex"}
 DIMENSIONS = ("point", "line", "surface", "volume")
 
-# For each node in VTK's order, its number in orders where the midside nodes of upright edges come
-# before those of the top.
+# For each node in VTK's order, its number in the order of Exodus and Nastran, where midside nodes
+# of the upright edges precede those of the top edges.
 UPRIGHT_FIRST = {
     "hexahedron20": (*range(12), *range(16, 20), *range(12, 16)),
     "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
 }
 
-# Dimension and number of corners of cells, by the shape in the name of their kind.
+# Dimension and number of corners of a cell, by its shape: the name of its kind without digits.
 _SHAPES = {
     **{"other": (0, 0), "vertex": (0, 1), "line": (1, 2)},
     **{"triangle": (2, 3), "quad": (2, 4), "polygon": (2, 0)},
     **{"tetra": (3, 4), "pyramid": (3, 5), "wedge": (3, 6), "hexahedron": (3, 8)},
 }
 
-# Numbers as Fortran writes them: 1, -1.5, .5E3, 1.D0, and 1.0+3 for 1.0E+3.
+# Pattern of numbers as Fortran writes them: 1, -1.5, .5E3, 1.D0, and 1.0+3 for 1.0E+3.
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[EDed]([+-]?\d+)|([+-]\d+))?")
 
-_SHORT = re.compile(rb"(?<=[\d.])(?=[-+]\d)")  # where the E is missing in 1.0+3
+_SHORT = re.compile(rb"(?<=[\d.])(?=[-+]\d)")  # the place in 1.0+3 where E is missing
 
-# Exclusive bounds of the component and the node of a matrix row; `codes` packs both in one integer.
+# Exclusive upper bounds of component and node number of a matrix row: `codes` packs both into one
+# integer.
 _COMPONENTS, _LARGEST_NODE = 64, 2**40
 
-# Largest ratio of the size of data to that of their HDF5 file: zlib's strongest compression.
+# Largest ratio of the size of data to the size of their HDF5 file: zlib's strongest compression.
 _COMPRESSION = 1100
 
 
@@ -65,7 +66,7 @@ class RawBlock:
     labels : ndarray of int, shape (n,), or None
         Numbers of the elements in the file; None for formats without numbers.
     name : str
-        The deck's name of the element type, such as "CPS4"; "" if it has none but `kind`.
+        Name of the element type in the deck, such as "CPS4"; "" for formats without such names.
     """
 
     kind: str
@@ -75,7 +76,7 @@ class RawBlock:
 
     @property
     def dim(self) -> int:
-        """Dimension of the cells: 0 for points to 3 for solids."""
+        """Dimension of the cells, from 0 for points to 3 for solids."""
         return _SHAPES.get(self.kind.rstrip("0123456789"), (3, 0))[0]
 
 
@@ -96,11 +97,13 @@ class RawMesh:
         Numbers of the nodes in the file; None for formats without numbers. A number may occur
         twice, as in two instances of an Abaqus part.
     left_out : mapping of str to str
-        Groups that hold more than solids, with the rest of their contents, as in "3 MASS, 20 S4R".
+        By group, counts of its elements that cannot make up a body together with its other
+        elements, as in "3 MASS, 20 S4R".
     deck : AbaqusDeck, NastranDeck or None
-        Deck beyond its mesh; None for other formats, where cells of lower dimension may just be
-        sides and edges. Its `sections` counts the cards on shells and beams, as in "2 PSHELL"; its
-        `read` takes a `sections.Source` and returns the sections in SI by group.
+        Contents of the deck beyond its mesh; None for other formats, where cells of lower dimension
+        may just be sides and edges. `deck.sections` counts the entries of shell and beam sections,
+        as in "2 PSHELL"; `deck.read` takes a `sections.Source` and returns the sections, in SI
+        units, by group.
     """
 
     nodes: FloatArray
@@ -113,36 +116,36 @@ class RawMesh:
 
     @property
     def first(self) -> IntArray:
-        """Number of the first cell of each block, then of all cells, shape (n_blocks + 1,)."""
+        """Number of each block's first cell, then the count of cells, shape (n_blocks + 1,)."""
         return firsts(block.cells for block in self.blocks)
 
     @property
     def dims(self) -> IntArray:
-        """Dimension of each cell, for all blocks in turn."""
+        """Dimension of each cell, in the order of the blocks."""
         return np.repeat([block.dim for block in self.blocks], np.diff(self.first))
 
     @property
     def contents(self) -> str:
-        """Number of cells by name, as in "100 CPS4"."""
+        """Counts of cells by name of their type, as in "100 CPS4"."""
         return listed((of.name or of.kind, len(of.cells)) for of in self.blocks)
 
     @property
     def numbers(self) -> list[IntArray]:
-        """Numbers of the cells of each block."""
+        """For each block, the numbers of its cells, from 0 through all blocks."""
         return [np.arange(start, stop) for start, stop in pairwise(self.first.tolist())]
 
     def block_of(self, members: IntArray | int) -> IntArray:
-        """Return the number of the block that each cell is in."""
+        """Return, for each cell number, the number of the block that contains it."""
         return np.searchsorted(self.first, members, side="right") - 1
 
     def rows(self, members: IntArray) -> Iterator[tuple[RawBlock, IntArray]]:
-        """Yield each block, and the rows of its cells that are in `members`, cell numbers."""
+        """Yield each block, and the rows within it of the cells numbered `members`."""
         for block, (start, stop) in zip(self.blocks, pairwise(self.first.tolist()), strict=True):
             yield block, members[(members >= start) & (members < stop)] - start
 
     @property
     def cell_labels(self) -> IntArray | None:
-        """Numbers of all cells in the file; None if a block has no numbers."""
+        """Numbers that the file gives to all cells; None if a block has no numbers."""
         labels = [block.labels for block in self.blocks if block.labels is not None]
         return np.concatenate(labels) if 0 < len(labels) == len(self.blocks) else None
 
@@ -154,17 +157,17 @@ def nodes_in(kind: str) -> int:
 
 
 def firsts(parts: Iterable[Any]) -> IntArray:
-    """Return the index of each part's first item, counted over all parts, and the total count."""
+    """Return the index of each part's first item in the joined parts, then the total count."""
     return np.cumsum([0, *map(len, parts)], dtype=np.int64)
 
 
 def joined(parts: Iterable[IntArray]) -> IntArray:
-    """Return the concatenation of integer arrays; an empty array if there are none."""
+    """Return the concatenation of integer arrays, which is empty if there are no arrays."""
     return np.concatenate([np.zeros(0, np.int64), *parts])
 
 
 def grouped(members: Iterable[tuple[str, IntArray]]) -> dict[str, IntArray]:
-    """Return sorted members by group name, from pairs of a name and members; no empty groups."""
+    """Return the sorted members of each group, from pairs of name and members; drop empty ones."""
     found: dict[str, list[IntArray]] = {}
     for name, some in members:
         if len(some):
@@ -173,7 +176,7 @@ def grouped(members: Iterable[tuple[str, IntArray]]) -> dict[str, IntArray]:
 
 
 def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
-    """Return the row of each wanted label in `known`, in the shape of `wanted`; -1 if absent."""
+    """Return the row in `known` of each label in `wanted`, in its shape; -1 if absent."""
     if not len(known):
         return np.full(wanted.shape, -1)
     order = None if (known[1:] >= known[:-1]).all() else np.argsort(known, kind="stable")
@@ -183,7 +186,7 @@ def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
 
 
 def cells_of(known: IntArray, labels: IntArray, nodes: IntArray, refuse: Any) -> IntArray:
-    """Return elements as node rows instead of node labels; refuse an element with unknown nodes.
+    """Return the rows of the elements' nodes in `known`; refuse elements with unknown nodes.
 
     Parameters
     ----------
@@ -204,13 +207,13 @@ def cells_of(known: IntArray, labels: IntArray, nodes: IntArray, refuse: Any) ->
 
 
 def repeats(labels: IntArray) -> IntArray:
-    """Return the rows whose label occurs in an earlier row, in ascending order of labels."""
+    """Return the rows whose label occurs in an earlier row, sorted by label."""
     order = np.argsort(labels, kind="stable")
     return np.asarray(order[1:][np.diff(labels[order]) == 0])
 
 
 def labels_of(arrays: Any, name: str, count: int) -> IntArray | None:
-    """Return `arrays[name]`, the file's numbers of `count` nodes or cells; None if it is absent.
+    """Return `arrays[name]`, numbers in the file of `count` nodes or cells; None if absent.
 
     Raises
     ------
@@ -233,7 +236,7 @@ def listed(counts: Iterable[tuple[str, int]]) -> str:
 
 
 def once(labels: IntArray, places: Any, refuse: Callable[[int], MeshError]) -> IntArray:
-    """Return the first row of each label, by ascending label; refuse a label at two places."""
+    """Return the first row of each label, by ascending label; refuse a label with two places."""
     _, first, own = np.unique(labels, return_index=True, return_inverse=True)
     for row in np.flatnonzero((places != places[first[own]]).any(axis=1))[:1].tolist():
         raise refuse(row)
@@ -242,7 +245,7 @@ def once(labels: IntArray, places: Any, refuse: Callable[[int], MeshError]) -> I
 
 @contextmanager
 def naming(what: str) -> Iterator[None]:
-    """Prefix errors with `what`: the argument that the file was given as, or a part of the file."""
+    """Prefix messages of errors with `what`: the name of an argument, or of a part of the file."""
     try:
         yield
     except (ValueError, OverflowError) as error:
@@ -252,7 +255,7 @@ def naming(what: str) -> Iterator[None]:
 
 
 def check_count(what: str, announced: int, there: int) -> None:
-    """Refuse a file whose announced count of something differs from the count found."""
+    """Refuse a file that announces another count of `what` than it has."""
     if there != announced:
         raise ValueError(f"{announced} {what} are announced, but {there} are there")
 
@@ -260,7 +263,7 @@ def check_count(what: str, announced: int, there: int) -> None:
 def read_text(file: Path) -> str:
     """Return the content of a text file, with "\\n" for each end of a line.
 
-    The encoding is that of the byte order mark; else UTF-8, or Latin-1 if the file is not UTF-8.
+    The byte order mark tells the encoding; without it, the file is read as UTF-8 or else Latin-1.
 
     Raises
     ------
@@ -274,7 +277,7 @@ def read_text(file: Path) -> str:
 
 
 class Line(NamedTuple):
-    """A line of a deck: text (str or bytes), file, line number from 1, and place in the deck."""
+    """A line of a deck: text (str or bytes), file, line number from 1, and rank in the deck."""
 
     text: Any
     file: Path
@@ -287,7 +290,7 @@ class Line(NamedTuple):
 
 
 def number(text: str) -> float:
-    """Return a number from its text, which may be Fortran's, such as 1.5, 1.D0 or 1.0+3.
+    """Return the number that a text gives in Fortran's or C's form: 1.5, 1.D0 or 1.0+3.
 
     Raises
     ------
@@ -304,9 +307,9 @@ def number(text: str) -> float:
 
 
 def numbers(texts: npt.NDArray[np.bytes_]) -> FloatArray:
-    """Return numbers from texts, as `number` reads them; NaN for a text that is no number."""
+    """Return the number in each text, as read by `number`; NaN if a text is no number."""
     whole = texts.tobytes()
-    if not any(mark in whole for mark in (b"_", b"n", b"N")):  # 1_0, nan, inf: Python only
+    if not any(mark in whole for mark in (b"_", b"n", b"N")):  # Python alone accepts 1_0, nan, inf
         spelled = np.frombuffer(whole.replace(b"D", b"E"), texts.dtype)
         for short in (False, True):
             if short:
@@ -332,7 +335,7 @@ def columns(lines: Any, width: int, delimiter: str | None = None, **how: Any) ->
     delimiter : str, optional
         Separator of the numbers; blanks by default.
     **how
-        Further keywords of `numpy.loadtxt`.
+        Other keywords of `numpy.loadtxt`.
     """
     for converters in (None, number):  # NumPy reads no 1.D0 and 1.0+3
         with (
@@ -348,7 +351,7 @@ def columns(lines: Any, width: int, delimiter: str | None = None, **how: Any) ->
 
 
 def numbers_of(text: bytes) -> FloatArray:
-    """Return the numbers of a text of only numbers and blanks.
+    """Return the numbers in a text that consists of numbers and blanks only.
 
     Raises
     ------
@@ -378,7 +381,7 @@ def integers(values: npt.NDArray[Any]) -> IntArray:
 
 @contextmanager
 def opened_hdf5(file: Path) -> Iterator[Any]:
-    """Open an HDF5 file, and turn h5py's errors about damaged files into a `ValueError`.
+    """Open an HDF5 file; h5py's errors about damaged files become `ValueError`.
 
     Arrays that announce more data than the file can hold are refused before they are read.
     """
@@ -434,7 +437,7 @@ class RawMatrix:
 
     @property
     def called(self) -> str:
-        """Name for messages: the file, and the matrix in it if that has a name."""
+        """Name for messages: the file's name, and the matrix's name if it has one."""
         return f"{self.file.name}: {self.name}" if self.name else self.file.name
 
     def symmetric(self) -> Any:
@@ -443,7 +446,7 @@ class RawMatrix:
         Raises
         ------
         InputError
-            If an entry occurs twice, or some entries have a transposed entry and others have none.
+            If an entry occurs twice, or if only some entries (i, j) have an entry (j, i).
         """
         matrix, places = self.matrix.tocsr(), self.matrix.coords
         if matrix.nnz < self.matrix.nnz:
@@ -468,7 +471,7 @@ class RawMatrix:
 
 
 def at(labels: IntArray | None, row: int) -> str:
-    """Return the name of a row or column for messages: its dof if known, else its number."""
+    """Return the name of a row or column for messages: its dof or, if unknown, its number."""
     return f"row {row + 1}" if labels is None else "dof {}.{}".format(*labels[row])
 
 
@@ -506,7 +509,7 @@ def labelled(file: Path, name: str, rows: Any, cols: Any, values: Any, **more: A
 
 
 def passed_over(file: Path, name: str, why: str) -> RawMatrix:
-    """Return an empty matrix in place of an unfit one, so that others in its file can be used."""
+    """Return an empty matrix that stands for an unfit one: others in the file remain usable."""
     return RawMatrix(file, name, sp.coo_array((0, 0)), unfit=why)
 
 

@@ -64,11 +64,11 @@ from .viameshio import from_meshio, is_meshio
 
 _Reader = Callable[[Path], RawMesh]
 
-# Number of bytes searched for entries that identify a format: decks and punched files may begin
-# with other entries.
+# Number of bytes at the beginning of a file that are searched for an entry that identifies the
+# format: in decks and punched files other entries may come first.
 _HEAD = 2**20
 
-# Readers by the suffix of a file's name in lower case; meshio reads all others.
+# Readers by the suffix of the file's name in lower case; meshio reads files with other suffixes.
 _READERS: dict[str, _Reader] = {
     **dict.fromkeys((".bdf", ".nas"), nastran.read),
     **dict.fromkeys((".e", ".ex2", ".exo", ".g", ".gen"), exodus.read),
@@ -77,11 +77,11 @@ _READERS: dict[str, _Reader] = {
     ".vtu": vtk.read,
 }
 
-# For each surface or line kind of second order, the kind of first order that it is split into and
-# the nodes of each part.
+# For each second-order kind of surface or line element: the first-order kind that it is split into,
+# and the nodes of each part.
 _SPLIT = {raised: (kind, parts) for kind, (raised, parts) in PARTS.items()}
 
-# Kinds of surface elements, whose normals are made consistent.
+# Kinds of elements whose normals are put on the same side as those of neighbours.
 _FLAT = ("quad", "triangle")
 
 
@@ -100,9 +100,10 @@ def read_mesh(
     file announces. Other formats are refused by name.
 
     The body consists of the cells of the highest dimension: solids if there are any, else surfaces
-    for shells, else lines for beams; with `part`, of the cells of the named groups, of any
-    dimension. Groups of other cells become node sets. Groups of the body's cells become both node
-    sets and groups of elements. Normals of neighbouring surface elements are put on the same side.
+    for shells, else lines for beams. With `part`, the body consists of the cells of the named
+    groups, of any dimension. Groups of other cells become node sets. Groups of the body's cells
+    become both node sets and groups of elements. Surface elements are turned over where neighbours
+    have opposite normals.
     Surface and line elements of second order are split into elements of first order: line3 into
     two lines, triangle6 into four triangles, quad9 into four quads, and quad8 too, with a node
     added in its middle. Bricks and other elements that repeat nodes are converted to the wedges,
@@ -143,9 +144,9 @@ def read_mesh(
     -----
     AOImpactWarning
         If nodes were dropped or midside nodes reordered; if groups of the file have no elements; if
-        a deck has elements that are neither in the body nor its sides and edges; if it has sections
-        of shells or beams, which are not read here (see `read_sections`); or if meshio read a file
-        that announces no numbers of nodes and cells.
+        a deck has elements that are neither in the body nor its sides or edges; if a deck has
+        sections of shells or beams, which only `read_sections` reads; or if a file read by meshio
+        announces no numbers of nodes and cells.
 
     Examples
     --------
@@ -169,7 +170,7 @@ def read_for(
     part: str | Sequence[str] | None = None,
     order: int | None = None,
 ) -> Mesh:
-    """Return the mesh as `read_mesh` does, with groups `thin` of surface and line cells added."""
+    """Return the mesh as `read_mesh` does; the body includes the groups `thin` of thin elements."""
     factor = positive("scale", scale)
     parts = part if isinstance(part, (list, tuple)) else [part]
     named = [*thin, *(name for name in parts if isinstance(name, str))]  # `select` refuses others
@@ -212,9 +213,9 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
     if places.shape[1] == 2:
         raise MeshError("the mesh is two-dimensional (x, y); a solid needs x, y and z")
     if not used.all() and places.dtype.kind == "f":  # stray nodes may be NaN
-        places = np.array(places, subok=True)  # a masked array stays one, and is refused
+        places = np.array(places, subok=True)  # keep a masked array, which is refused
         places[~used] = 0.0
-    with np.errstate(over="ignore"):  # `Mesh` refuses what is not finite
+    with np.errstate(over="ignore"):  # `Mesh` refuses infinite coordinates
         nodes = finite_array("coordinates of the mesh", places, shape=(None, 3), unit="m") * factor
     dropped = np.flatnonzero(~used[:given])
     if len(dropped):
@@ -237,9 +238,10 @@ def _ordered(raw: RawMesh, factor: float, named: Sequence[str]) -> Mesh:
 
 
 def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
-    """Return a file's mesh with second-order elements of shells and beams split into first order.
+    """Return a file's mesh with second-order surfaces and lines split into first-order elements.
 
-    A quad8 gets a node in its middle, which joins the sets that hold all other nodes of the quad8.
+    Each quad8 gets a node in its middle. The new node joins every set that contains all nodes of
+    the quad8.
     """
     kinds = {block.kind for block in raw.blocks if len(block.cells)}
     solid = max((block.dim for block in raw.blocks if len(block.cells)), default=0) == 3
@@ -259,7 +261,7 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
             if labels is not None:
                 labels = np.append(labels, labels.max() + 1 + np.arange(len(cells)))
             kind, cells = "quad9", np.column_stack([cells, middles])
-        if sound and kind in _SPLIT:  # unsound ones are refused later
+        if sound and kind in _SPLIT:  # malformed blocks are refused later
             kind, parts = _SPLIT[kind]
             tags = None if block.labels is None else np.repeat(block.labels, len(parts))
             cells = cells[:, np.array(parts)].reshape(-1, len(parts[0]))
@@ -273,11 +275,11 @@ def _of_first_order(raw: RawMesh, named: Sequence[str]) -> RawMesh:
 
 
 def _warn_of_rest(raw: RawMesh, body: list[Solids], named: bool) -> None:
-    """Warn of elements and sections of a deck that the body does not have.
+    """Warn of elements and sections of a deck that are not part of the body.
 
-    There is no warning of sections if groups are named, as by users of `read_sections`. In a deck
-    without sections of shells and beams, elements on sides and edges of the body are the mesher's,
-    without a warning.
+    Named groups imply that `read_sections` is used: then there is no warning of sections. In a deck
+    without sections of shells and beams, elements on sides and edges of the body are taken for
+    by-products of the mesher, without a warning.
     """
     if raw.deck is None:
         return
@@ -308,11 +310,11 @@ def _warn_of_rest(raw: RawMesh, body: list[Solids], named: bool) -> None:
 
 
 def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
-    """Return the sets of nodes, and for each other group of cells the set of its nodes."""
+    """Return all node sets, including the set of the nodes of each group of cells."""
     of_cells = (
         (name, block.cells[own].ravel())
         for name, members in raw.cell_sets.items()
-        if name not in raw.node_sets  # node sets of the file take precedence
+        if name not in raw.node_sets  # a node set of the same name precedes
         for block, own in raw.rows(members)
     )
     sets = grouped([*raw.node_sets.items(), *of_cells])
@@ -325,13 +327,13 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
 def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
     """Return the cells of the body by kind, with their numbers in `raw`.
 
-    The body consists of all cells of the highest dimension, and of the cells of the highest
-    dimension within each named group.
+    The body consists of the cells of the mesh's highest dimension, and of each named group's cells
+    of the group's highest dimension.
     """
     dims, parts = raw.dims, []
     chosen = dims == dims.max(initial=0)
     groups = [raw.cell_sets[found] for name in named if (found := called(name, raw.cell_sets))]
-    if groups and raw.deck is not None and dims.max() == 1:  # unnamed lines may be rods
+    if groups and raw.deck is not None and dims.max() == 1:  # other lines may be rods
         chosen[:] = False
     for members in groups:
         chosen[members[dims[members] == dims[members].max(initial=0)]] = True
@@ -371,7 +373,7 @@ def _on_one_side(mesh: Mesh) -> Mesh:
 
 
 def _by_kind(parts: Iterable[Solids]) -> list[Solids]:
-    """Return the elements with those of equal kind joined, in the order of `KINDS` and `THIN`."""
+    """Return one table of elements for each kind, in the order of `KINDS` and `THIN`."""
     found: dict[str, list[Solids]] = {}
     for part in parts:
         found.setdefault(part[0], []).append(part)
@@ -386,9 +388,9 @@ def _by_kind(parts: Iterable[Solids]) -> list[Solids]:
 
 
 def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntArray:
-    """Return cells with midside nodes in meshio's order, found from coordinates.
+    """Return cells with midside nodes in meshio's order, which is found from coordinates.
 
-    One permutation, from a sample of the elements, is applied to all.
+    One permutation is determined from a sample of the elements and applied to all elements.
     """
     element = reference_element(kind)
     n = element.n_corners
@@ -402,7 +404,7 @@ def _order_midside_nodes(nodes: FloatArray, cells: IntArray, kind: str) -> IntAr
         gaps = expected[:, :, None, :] - nodes[sample[:, n:]][:, None, :, :]
         gaps = gaps / np.where(size > 0.0, size, 1.0)[:, None, None, None]
     misfit = np.einsum("eabi,eabi->ab", gaps, gaps)
-    if not np.isfinite(misfit).all():  # overflow; the body refuses such sizes
+    if not np.isfinite(misfit).all():  # overflow: refused later by the body
         return cells
     _, order = scipy.optimize.linear_sum_assignment(misfit)
     if np.array_equal(order, np.arange(len(order))):
@@ -434,12 +436,12 @@ def read_sections(
     properties given as numbers. The shear centre is taken at the centroid. The centroid is offset
     from the nodes as in Abaqus; for Nastran's bars it is at the nodes, or offset by WA = WB. J is
     Saint-Venant's, from an integral equation on the outline. The shear factor along an axis is the
-    ratio of the area of the walls along it to the whole area. The walls of ARBITRARY are thin:
+    ratio of the area of the walls along it to the whole area. ARBITRARY has thin walls:
     J = Σ b t³/3, plus 4 A²/∮ds/t if the section is closed.
 
-    The modulus across plies, which LAMINA and MAT8 do not have, is that of fibres in a matrix:
+    LAMINA and MAT8 lack the modulus E3 across plies. It is estimated as for unidirectional fibres:
     E3 = E2, with ν13 = ν12 and ν23 = E2/(2 G23) − 1. If G23 is too small for this, as for fabrics,
-    E3 = 2 (1 + ν) G with ν = ν13 = ν23 = 0.4 and the smaller of G13 and G23. E3 affects contact
+    E3 = 2 (1 + ν) G with ν = ν13 = ν23 = 0.4 and G the smaller of G13 and G23. E3 affects contact
     only. Axis 1 of a shell without an orientation is the projection of x, as in Abaqus.
 
     Parameters
@@ -470,8 +472,8 @@ def read_sections(
     Warns
     -----
     AOImpactWarning
-        If materials have plasticity, damping and the like, which is left out, or values that no
-        solid has, as with wrong units.
+        If plasticity, damping and the like of materials are left out, or if materials have values
+        that no solid has, which suggests wrong units.
 
     Examples
     --------
@@ -605,7 +607,7 @@ def existing(what: str, file: Path) -> bytes:
     """
     where = f"{what} {str(file)!r}"
     try:
-        if file.exists() and not file.is_file():  # reading a pipe might never end
+        if file.exists() and not file.is_file():  # reading from a pipe might block
             raise MeshError(f"{where} is no regular file")
         with file.open("rb") as stream:
             head = stream.read(_HEAD)

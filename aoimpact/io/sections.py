@@ -28,26 +28,27 @@ from .abaqusdeck import key
 from .profiles import Profile
 from .raw import RawMesh
 
-# Largest difference between unit vectors that count as equal: rounding to printed digits.
+# Largest difference between components of unit vectors that count as equal: they are printed with
+# few digits.
 _SAME = 1e-4
 
 # Sine of the angle below which two directions count as parallel.
 PARALLEL = 1e-9
 
-# Largest ratio of product to polar moment of area that counts as rounding.
+# Largest ratio of product moment to polar moment of area that counts as a rounding error.
 _ROUND = 1e-12
 
-# Types of sections by the dimension of their elements.
+# Types of a section or material that elements of each dimension can have.
 _KINDS: dict[int, tuple[type[Any], ...]] = {3: get_args(Solid), 2: (Shell, Laminate), 1: (Beam,)}
 
-# ν13 and ν23 assumed for fabrics: the ν23 of all four unidirectional carbon and glass epoxies of
-# P. D. Soden, M. J. Hinton and A. S. Kaddour, Compos. Sci. Technol. 58, 1011 (1998), table 1.
+# ν13 and ν23 assumed for fabrics: equal to ν23 of all four unidirectional carbon and glass epoxies
+# in P. D. Soden, M. J. Hinton and A. S. Kaddour, Compos. Sci. Technol. 58, 1011 (1998), table 1.
 _NU_ACROSS = 0.4
 
 
 @record
 class Source:
-    """A deck with its units, and the sections and materials that the user gives instead of its own.
+    """A deck with its units, and sections and materials by which the user replaces the deck's.
 
     Attributes
     ----------
@@ -55,13 +56,13 @@ class Source:
     length, stress, density : float
         The deck's units, in m, Pa and kg/m³.
     given : mapping of str to Material, Orthotropic, Shell, Laminate or Beam
-        The argument of `read_sections`, by names in capitals without blanks.
+        The argument `given` of `read_sections`, with names in capitals without blanks.
     left_out : list of str
-        Contents of the deck that are left out, for one warning.
+        Descriptions of left-out contents of the deck, for one warning.
     taken : set of str
-        Names in `given` that have been used in place of the deck's.
+        Names in `given` whose sections or materials have been used.
     wanted : dict of str to types
-        Types that the deck requires, for names in `given` that have another type.
+        Types that the deck requires for those names in `given` that have a wrong type.
     """
 
     raw: RawMesh
@@ -74,9 +75,10 @@ class Source:
     wanted: dict[str, tuple[type[Any], ...]] = field(default_factory=dict)
 
     def instead(self, name: str, dim: int = 3) -> Any:
-        """Return what the user gave for a section of elements of dimension `dim`, or a material.
+        """Return the section or material that the user gave under a name, or None.
 
-        The result is None if there is nothing of this name, or of another type.
+        None means that there is none of this name, or that its type does not suit elements of the
+        dimension `dim`.
         """
         kinds = _KINDS.get(dim, ())
         if (given := self.given.get(at := key(name))) is None:
@@ -92,7 +94,7 @@ class Source:
         return Material(E * self.stress, nu, rho * self.density)
 
     def orthotropic(self, *of: float) -> Orthotropic:
-        """Return a material from E1, E2, E3, ν12, ν13, ν23, G12, G13, G23, rho in deck units."""
+        """Return a material from E1, E2, E3, ν12, ν13, ν23, G12, G13, G23, rho (deck units)."""
         E1, E2, E3, G12, G13, G23 = (self.stress * of[i] for i in (0, 1, 2, 6, 7, 8))
         return Orthotropic(
             (E1, E2, E3), (G12, G13, G23), (of[3], of[4], of[5]), of[9] * self.density
@@ -103,8 +105,8 @@ class Source:
 
         Unidirectional plies are isotropic across the fibres: E3 = E2, ν23 = E2/(2 G23) - 1. Their
         strain energy is positive if 1 - ν23 > 2 ν12² E2/E1. Otherwise the ply is taken for a fabric
-        with fibres along 2 as well, where the matrix carries both G23 and E3: as in an isotropic
-        solid, E3 = 2 (1 + ν) G with the smaller of G13 and G23.
+        with fibres along 1 and 2. There the matrix determines both G23 and E3, so E3 = 2 (1 + ν) G
+        as in an isotropic solid, with G the smaller of G13 and G23.
         """
         E1, E2, nu, G12, G13, G23, rho = of
         E3, nu13, nu23, rule = E2, nu, 0.5 * E2 / G23 - 1.0, "E2"
@@ -115,27 +117,27 @@ class Source:
         return self.orthotropic(E1, E2, E3, nu, nu13, nu23, G12, G13, G23, rho)
 
     def numbers(self, area: float, second: Any, J: float, *more: FloatArray) -> Profile:
-        """Return a cross-section given by numbers in the deck's units.
+        """Return a cross-section from its properties in the deck's units.
 
-        `second` holds ∫h² dA, ∫hv dA, ∫v² dA in the figure's axes; `more` the inverse of the shear
-        factors, shape (2, 2), and the points for stress.
+        `second`: moments of area ∫h² dA, ∫hv dA, ∫v² dA in the figure's axes. `more`: inverse of
+        the shear factors, shape (2, 2), and the points at which stress is evaluated.
         """
         unit, (hh, hv, vv), (compliance, points) = self.length, second, more
         tensor = unit**4 * np.array([[hh, hv], [hv, vv]])
         return Profile(area * unit**2, tensor, J * unit**4, compliance, unit * points, np.zeros(2))
 
     def beam(self, of: Any, material: Any, z: Any, members: IntArray, axes: Any, to: Any) -> Beam:
-        """Return the beam of a section with z along `z`; a profile is turned into principal axes.
+        """Return the `Beam` of a section whose z axis is along `z`; profiles get principal axes.
 
-        The rows of `axes` are the beam's y and z in the axes (h, v) of the profile's figure. `to`
-        is the offset of each element from its nodes to the figure's line of nodes, m.
+        The rows of `axes` are the beam's y and z, in components along (h, v) of the profile's
+        figure. `to` is each element's offset from its nodes to the figure's line of nodes, m.
         """
         x, centre = self.directions(members), np.zeros(2)
         if isinstance(of, Profile):
             if of.skewed:
                 self.left_out.append("L, T and the like carry shear at the centroid, not beside it")
             (yy, yz), (_, zz) = axes @ of.second @ axes.T
-            if abs(yz) > _ROUND * (yy + zz):  # turn into principal axes
+            if abs(yz) > _ROUND * (yy + zz):  # rotate the axes to the principal axes
                 angle = 0.5 * math.atan2(math.copysign(2.0, yy - zz) * yz, abs(yy - zz))
                 c, s, z = math.cos(angle), math.sin(angle), across(z, x)
                 z, axes = c * z - s * np.cross(z, x), np.array([[c, s], [-s, c]]) @ axes
@@ -146,7 +148,7 @@ class Source:
         try:
             orientation = common(z, x)
         except InputError:
-            with suppress(InputError):  # a round section on its nodes needs no axes
+            with suppress(InputError):  # a round section needs no orientation
                 if not np.any(to):
                     return Beam(of, material, None, (centre[0], centre[1]))
             raise
@@ -159,7 +161,7 @@ class Source:
     def directions(self, members: IntArray, *, edges: bool = False) -> FloatArray:
         """Return unit normals of surface cells and unit tangents of lines, shape (n, 3).
 
-        With `edges`, the directions from the first to the second node of all cells.
+        With `edges`, return the unit vectors from the first to the second node of every cell.
         """
         found = [np.zeros((0, 3))]
         for block, own in self.raw.rows(members):
@@ -174,7 +176,7 @@ class Source:
 
 @record
 class Axes:
-    """A coordinate system, defined by global coordinates.
+    """A coordinate system, defined relative to global coordinates.
 
     Attributes
     ----------
@@ -203,7 +205,7 @@ class Axes:
         return self.origin + x @ self.axes
 
     def directions(self, x: FloatArray) -> FloatArray:
-        """Return the local basis vectors of the system at points given in global coordinates.
+        """Return the system's local basis vectors at points with global coordinates `x`.
 
         Returns
         -------
@@ -225,7 +227,7 @@ def triad(
 ) -> FloatArray:
     """Return unit axes in rows: the first along `x`, the second in the plane of `x` and `beside`.
 
-    `least` is the smallest permitted sine of the angle between both vectors.
+    `least` is the smallest permitted sine of the angle between `x` and `beside`.
     """
     z = np.cross(x, beside)
     if not np.linalg.norm(z) > least * np.linalg.norm(x) * np.linalg.norm(beside):
@@ -234,9 +236,9 @@ def triad(
 
 
 def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
-    """Return normalized components of vectors normal to unit `directions`, shape (n, 3).
+    """Return, normalized, the part of each vector normal to its unit direction, shape (n, 3).
 
-    A vector along its direction gives zero.
+    The result is zero for a vector that is parallel to its direction.
     """
     along = dot(np.broadcast_to(vectors, directions.shape), directions)
     part = vectors - along[:, None] * directions
@@ -248,8 +250,8 @@ def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
 def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...]:
     """Return one vector that can replace all `vectors` of a section's elements.
 
-    `Laminate` and `Beam` use only its component normal to each element's direction (the normal of a
-    shell, the tangent of a beam), which must be along that of the element's own vector.
+    `Laminate` and `Beam` use only the part of a vector normal to each element's direction (a shell's
+    normal, a beam's tangent). This part must be along the same part of the element's own vector.
     """
     wanted = across(vectors, directions)
     if not wanted.any(axis=1).all():
@@ -268,9 +270,10 @@ def layered(
     *,
     symmetric: bool = False,
 ) -> Shell | Laminate:
-    """Return the shell of some plies; `axis` is called for their axis if any is orthotropic.
+    """Return the shell of given plies; `axis` returns the axis that ply angles are measured from.
 
-    The mid-surface lies `offset` (m) plus `share` times the thickness above the nodes.
+    `axis` is called only if a ply is orthotropic. The mid-surface lies above the nodes by `offset`
+    (m) plus `share` times the thickness.
     """
     plies = plies + plies[::-1] * symmetric
     offset += share * sum(ply.thickness for ply in plies)
@@ -282,13 +285,13 @@ def layered(
 
 @contextmanager
 def refusing(error: Callable[[str], MeshError]) -> Iterator[None]:
-    """Turn errors about bad values into errors that name their card."""
+    """Replace errors about bad values by errors that name the entry or keyword."""
     try:
         with np.errstate(divide="raise", invalid="raise"):
             yield
-    except MeshError:  # names its own card
+    except MeshError:  # already names it
         raise
     except ArithmeticError:
         raise error("its numbers are 0, or lie too far apart to compute with") from None
-    except (InputTypeError, ValueError, RecursionError) as wrong:  # from mutual references
+    except (InputTypeError, ValueError, RecursionError) as wrong:  # mutual references
         raise error(str(wrong)) from None

@@ -1,4 +1,4 @@
-"""Meshes from meshio: files that it reads, and the names of groups in its meshes."""
+"""Meshes from meshio: files that meshio reads, and the groups of a `meshio.Mesh`."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ..base import IntArray, MeshError, warn
 from ..mesh import meshio_of_all_kinds
 from .raw import DIMENSIONS, RawBlock, RawMesh, check_count, grouped
 
-# For each of meshio's formats, the suffixes of files and the patterns that find the announced
-# numbers of nodes and of cells in a text file. All numbers that a pattern finds are added.
+# For each of meshio's formats: the suffixes of files, and two patterns that find the announced
+# numbers of nodes and of cells in a text file. The numbers that one pattern finds are summed.
 _FORMATS: dict[str, tuple[str, ...]] = {
     "avsucd": (".avs", r"\A(?:#.*\n)*\s*(\d+)", r"\A(?:#.*\n)*\s*\d+\s+(\d+)"),
     "dolfin-xml": (".xml", r'<vertices\s+size="(\d+)"', r'<cells\s+size="(\d+)"'),
@@ -38,25 +38,26 @@ _FORMATS: dict[str, tuple[str, ...]] = {
     ),
 }
 
-# meshio's warning that names of SU2 markers are lost. `read` restores them, so it is not repeated.
+# Pattern of meshio's warning that names of SU2 markers are lost. The warning is not passed on,
+# since `read` restores the names.
 _RENUMBERED = re.compile(r"(Warning: )?meshio does not support tags of string.*?replaced by \d+")
 
 _INDEXED = re.compile(r"<(vertex|triangle|tetrahedron)\s+index\s*=\W(\d+)")
 
-# meshio's cell data that number groups, and the word in the groups' names, as in "ref 3"; Gmsh's
-# are called by name, or by dimension and number.
+# Keys of meshio's cell data with group numbers, and the word before the number in the name of a
+# group, as in "ref 3". Groups of Gmsh are called by their name, or by dimension and number.
 _TAGS = {"avsucd:material": "material", "medit:ref": "ref", "su2:tag": "tag", "gmsh:physical": ""}
 
 
 def read(file: Path) -> RawMesh:
-    """Return the mesh that meshio reads; it must have the announced numbers of nodes and cells.
+    """Return the mesh that meshio reads from a file; check the numbers of nodes and cells.
 
     Raises
     ------
     MeshError
         If the format is not read, or needs a package that is missing.
     ValueError
-        If meshio cannot read the file, or nodes or cells are missing.
+        If meshio cannot read the file, or it has other numbers of nodes or cells than announced.
 
     Warns
     -----
@@ -76,7 +77,7 @@ def read(file: Path) -> RawMesh:
         announced.append(sum(int(count[:19]) for counts in found for count in counts))
         if not found or announced[-1] > len(content):
             raise ValueError(f"as {name}, it announces no nodes and cells that fit its size")
-    if name == "dolfin-xml":  # for a missing entry, meshio returns uninitialized memory
+    if name == "dolfin-xml":  # where an entry is missing, meshio returns arbitrary numbers
         check_count("entries with an index", sum(announced), len(set(_INDEXED.findall(text))))
     said = io.StringIO()
     try:
@@ -85,7 +86,7 @@ def read(file: Path) -> RawMesh:
             contextlib.redirect_stderr(said),
             warnings.catch_warnings(),
         ):
-            warnings.simplefilter("ignore")  # NumPy's, about invalid values
+            warnings.simplefilter("ignore")  # NumPy's warnings about invalid values
             mesh = meshio_of_all_kinds().read(file, name)
     except MemoryError:
         raise
@@ -96,7 +97,7 @@ def read(file: Path) -> RawMesh:
         raise ValueError(f"as {name}, {why}") from None
     tag = 0
     for marker in re.findall(r"^MARKER_TAG=\s*(\S+)", text, re.M) if name == "su2" else ():
-        tag = int(marker) if marker.isdecimal() else tag + 1  # meshio's numbering
+        tag = int(marker) if marker.isdecimal() else tag + 1  # as meshio numbers markers
         marker = f"tag {tag}" if marker.isdecimal() else marker
         if mesh.field_data.setdefault(f"{name}:tag {tag}", marker) != marker:
             raise ValueError(f"{marker!r} is a marker that meshio takes for another; name all")
@@ -124,9 +125,9 @@ def is_meshio(source: Any) -> bool:
 def from_meshio(mesh: Any) -> RawMesh:
     """Return a `meshio.Mesh` as a `RawMesh`.
 
-    Its groups are node sets, cell sets, Gmsh's physical groups and MED's groups, of any dimension,
-    and tags of other formats, such as "ref 3". A physical group without a name is called after its
-    dimension and tag, as in "surface 3". Groups of the same name are joined.
+    The mesh's node sets, cell sets, Gmsh's physical groups, MED's groups, and tags of other formats
+    (such as "ref 3") become groups. A physical group without a name is called after its dimension
+    and tag, as in "surface 3". Groups of the same name are joined.
 
     Raises
     ------
@@ -153,9 +154,9 @@ def from_meshio(mesh: Any) -> RawMesh:
 def _cell_groups(
     mesh: Any, blocks: tuple[RawBlock, ...]
 ) -> Iterator[tuple[str, int, npt.NDArray[Any]]]:
-    """Yield, for each group and block: group name, block number, members as numbers or mask."""
+    """Yield group name, block number, and members (numbers or mask) for each group and block."""
     for name, parts in mesh.cell_sets.items():
-        if name.startswith("gmsh:"):  # meshio's internal table, no group
+        if name.startswith("gmsh:"):  # a table of meshio, not a group
             continue
         for i, members in enumerate(parts[: len(blocks)]):
             if members is not None and len(members):

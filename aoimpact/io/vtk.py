@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from .raw import RawBlock, RawMesh, check_count, firsts, integers, nodes_in, numbers_of
 
-# Kinds of cells by VTK's type numbers.
+# meshio's kinds of cells by VTK's type numbers.
 _LINEAR = "vertex line triangle quad quad tetra hexahedron hexahedron wedge pyramid"
 _QUADRATIC = "line3 triangle6 quad8 tetra10 hexahedron20 wedge15 pyramid13 quad9 hexahedron27"
 _KINDS = {
@@ -30,11 +30,11 @@ _KINDS = {
 # VTK's types of points, lines and surfaces beyond `_KINDS`, which are left out.
 _WITHOUT_VOLUME = (0, 2, 4, 6, 7, 30, 34, 35, 36, 51, 60, 61, 62, 68, 69, 70, 75, 76, 77)
 
-# Nodes of pixels and voxels, which VTK numbers along x, y and z, in the order of quadrilaterals and
-# hexahedra.
+# For each node of a quadrilateral or hexahedron, its number in VTK's pixel or voxel, where nodes
+# are numbered along x, y and z.
 _ORDERS = {8: (0, 1, 3, 2), 11: (0, 1, 3, 2, 4, 5, 7, 6)}
 
-# VTK's data types, named like NumPy's but capitalized.
+# Pattern of VTK's data types, which are NumPy's with a capital letter.
 _TYPES = re.compile("U?Int(8|16|32|64)|Float(32|64)")
 
 _COMPRESSORS: dict[str, Any] = {
@@ -118,7 +118,7 @@ def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
 
 
 class _Arrays:
-    """Decodes the data arrays of a file: text, base64 or appended, compressed or not."""
+    """Decodes a file's data arrays, which are text, base64 or appended, and may be compressed."""
 
     def __init__(self, root: ElementTree.Element, appended: bytes, *, raw: bool) -> None:
         self.order = ">" if root.get("byte_order") == "BigEndian" else "<"
@@ -148,7 +148,7 @@ class _Arrays:
             case other:
                 raise ValueError(f"data of format {other!r} are not read")
         size = self.header.itemsize
-        count = int(_from_bytes(content, self.header, 1)[0])  # bytes, or compressed blocks
+        count = int(_from_bytes(content, self.header, 1)[0])  # of bytes, or of compressed blocks
         if self.decompress is None:
             return _from_bytes(content[size:], dtype, count // dtype.itemsize)
         sizes = _from_bytes(content, self.header, 3 + count)[3:]

@@ -13,7 +13,7 @@ from ..contact import ContactPoint
 from ..fem import FEModel
 from ..reduction import AOModel
 
-# Number of decimal digits that reproduce a double exactly.
+# Number of decimal digits from which a double is restored exactly.
 _DIGITS = 17
 
 
@@ -81,7 +81,7 @@ def write_matrices(what: FEModel | ContactPoint | AOModel, folder: FilePath) -> 
 
 
 def _deck(star: AOModel) -> str:
-    """Return a deck of an AO model's masses and springs; CalculiX reads 20 characters a number."""
+    """Return a deck of an AO model's masses and springs; a number has 20 characters at most."""
     places = range(1, star.n + 2)
     lines = ["** An AO model: the contact is node 1, and all move along x.", "*NODE, NSET=STAR"]
     lines += [f"{i}, 0., 0., 0." for i in places]
@@ -98,7 +98,7 @@ def _deck(star: AOModel) -> str:
 
 
 def _write_rows(body: Any, path: Path) -> dict[str, Path]:
-    """Write the files "dofs" and "nodes" of a body, if it has them; return their paths."""
+    """Write the files "dofs" and "nodes" if the body has dof labels or nodes; return the paths."""
     files = {}
     labels = body.labels
     if labels is None and body.free is not None:
@@ -113,7 +113,7 @@ def _write_rows(body: Any, path: Path) -> dict[str, Path]:
     if body.nodes is not None:
         files["nodes"] = path / "nodes.txt"
         numbers = np.arange(1, len(body.nodes) + 1)
-        if body.labels is not None:  # nodes without rows get numbers after the largest
+        if body.labels is not None:  # nodes without rows are numbered last
             numbers = body.node_labels.copy()
             others = numbers < 0
             numbers[others] = numbers.max() + 1 + np.arange(others.sum())
