@@ -250,8 +250,8 @@ def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
 def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...]:
     """Return one vector that can replace all `vectors` of a section's elements.
 
-    `Laminate` and `Beam` use only the part of a vector normal to each element's direction (a shell's
-    normal, a beam's tangent). This part must be along the same part of the element's own vector.
+    `Laminate` and `Beam` use only the part of a vector normal to each element's direction (normal
+    of a shell, tangent of a beam). This part must be along that part of the element's own vector.
     """
     wanted = across(vectors, directions)
     if not wanted.any(axis=1).all():

@@ -1,8 +1,8 @@
 """Binding of a file's tables to the signatures of the functions that they call.
 
-A table of a file gives keywords of a public function. Binding checks its keys and the types of its
-values by the function's annotations, and calls nothing: it returns a `Call`, and lists all problems
-of the file. `SceneFile` then makes the objects.
+A table of a file gives keywords of a public function. Binding checks the keys of the table, and the
+types of its values against the function's annotations. It calls nothing: it returns a `Call`, and
+lists all problems of the file. `SceneFile` then makes the objects.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from .lines import Place
 
 
 class Numbers:
-    """Annotation in place of arrays: a number, or lists of numbers of any depth."""
+    """Annotation that replaces those of arrays: a number, or nested lists of numbers."""
 
 
-# Names used in annotations, including names that modules import only for type checkers.
+# Objects for the names in annotations, including names that are imported only for type checkers.
 _ARRAYS = SimpleNamespace(ArrayLike=Numbers, FloatArray=Numbers)
 _STAND_INS = vars(fem) | vars(contact) | vars(_ARRAYS) | {"npt": _ARRAYS}
 
@@ -34,7 +34,7 @@ _STAND_INS = vars(fem) | vars(contact) | vars(_ARRAYS) | {"npt": _ARRAYS}
 class Call:
     """A function with its arguments, which may be calls themselves.
 
-    `keep`: whether the object made is kept, by the text of the call, for the next runs of a sweep.
+    `keep`: whether the returned object is kept for calls with the same text in a sweep's next runs.
     """
 
     function: Callable[..., Any]
@@ -50,11 +50,11 @@ class Reader:
     Attributes
     ----------
     wanted : str
-        Name of the values in messages.
+        Description of valid values for messages, such as "a number".
     types : tuple of type
-        Accepted types among those that tomllib returns.
+        Accepted types of the value that tomllib returns.
     read : callable
-        Function of binder, value and place that returns the argument.
+        Function that returns the argument, given the binder, the value and its place in the file.
     """
 
     wanted: str
@@ -62,20 +62,20 @@ class Reader:
     read: Callable[[Any, Any, Place], Any] = lambda binder, value, place: value
 
     def fits(self, value: Any) -> bool:
-        """Return whether a value is of the accepted types; true and false are no numbers."""
+        """Return whether a value has an accepted type; true and false do not count as numbers."""
         if isinstance(value, bool):
             return bool in self.types or object in self.types
         return isinstance(value, self.types)
 
     def __call__(self, binder: Binder, value: Any, place: Place) -> Any:
-        """Return the argument for a value; note a wrong value as a problem, and return None."""
+        """Return the argument for a value; for a wrong value, record a problem and return None."""
         if not self.fits(value):
             return binder.say(place, f"must be {self.wanted}, got {_shown(value)}")
         return self.read(binder, value, place)
 
 
 def passes_on(target: Callable[..., Any], *but: str) -> Callable[[Any], Any]:
-    """Add to a function with ``**more`` the parameters of `target`, to which it passes them."""
+    """Return a decorator that says: ``**more`` has the parameters of `target`, except `but`."""
 
     def marked(function: Any) -> Any:
         function.passes_on = target, but
@@ -92,14 +92,14 @@ class Table:
     ----------
     function : callable
     keys : dict of str to str
-        Names of parameters by key in the file, if the key differs from the name.
+        For each key in the file that differs from its parameter's name: that name.
     hints : dict
-        Annotations in place of the function's own, by parameter.
+        Annotations, by parameter, that replace the function's own.
     owner : callable, optional
-        Another function whose arguments the table gives as well. The tables within the table call
-        methods of the object that it makes.
+        Another function that is called with arguments from the table. Nested tables call methods of
+        the object that this function returns.
     keep : bool
-        True to keep the object made, which takes long, for the next runs of a sweep.
+        True if the object takes long to make and is kept for the next runs of a sweep.
     """
 
     function: Callable[..., Any]
@@ -110,7 +110,7 @@ class Table:
 
     @cached_property
     def parameters(self) -> dict[str, inspect.Parameter]:
-        """Parameters by key in the file; the annotation of each is the reader of its values."""
+        """Parameters by key in the file; their annotations are replaced by readers of values."""
         called = {name: key for key, name in self.keys.items()}
         found = (_parameters(self.owner) if self.owner else {}) | _parameters(self.function)
         return {
@@ -124,7 +124,7 @@ class Table:
 
 @cache
 def _parameters(function: Any) -> dict[str, inspect.Parameter]:
-    """Return the parameters that can be read from a file, with their annotations."""
+    """Return the parameters of a function, with evaluated annotations, by name."""
     target = function.__init__ if isinstance(function, type) else function  # type: ignore[misc]
     hints = get_type_hints(target, None, _STAND_INS, include_extras=True)
     found = {
@@ -143,7 +143,7 @@ def _parameters(function: Any) -> dict[str, inspect.Parameter]:
 
 
 class Binder:
-    """Binds tables to functions, and collects the problems.
+    """Binds tables to functions, and collects the problems of the file.
 
     Parameters
     ----------
@@ -153,8 +153,8 @@ class Binder:
     Attributes
     ----------
     around : dict
-        Arguments of the enclosing table that are read so far; under "self" the object that its
-        owner makes.
+        Arguments read so far from the enclosing table. The entry "self" is the call of the table's
+        owner.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -163,11 +163,11 @@ class Binder:
         self.around: dict[str, Any] = {}
 
     def say(self, place: Place, message: str) -> None:
-        """Note a problem."""
+        """Record a problem at a place; return None."""
         self.problems.append((place, message))
 
     def find(self, known: Mapping[str, Any], where: str, name: str, place: Place) -> Any:
-        """Return the entry of `known` by its name; note an unknown name, and return None."""
+        """Return `known[name]`; for an unknown name, record a problem and return None."""
         if name not in known:
             listed = ", ".join(known) or "nothing"
             self.say(place, f"{where} has no {name!r}{nearest(name, known)}; it has {listed}")
@@ -178,7 +178,7 @@ class Binder:
     ) -> Call:
         """Bind a table to the function whose keywords fit its keys best; the first if several do.
 
-        The `self` of methods is the object that the owner of the enclosing table makes.
+        For a method, `self` is the object made by the owner of the enclosing table.
 
         Parameters
         ----------
@@ -187,7 +187,7 @@ class Binder:
         """
 
         def fit(table: Table) -> tuple[Table, list[str], list[str], list[str]]:
-            """Return the table, the keys that it may have, and the unknown and missing keys."""
+            """Return the table, the keys it may have, its unknown keys and its missing keys."""
             known = {
                 k: of for k, of in table.parameters.items() if of.annotation and k not in given
             }
@@ -217,7 +217,7 @@ class Binder:
     def tagged(
         self, value: Mapping[str, Any], place: Place, options: Mapping[str, Any]
     ) -> tuple[Any, dict[str, Any]]:
-        """Return the option that a table's key `type` names, or None, and its other keys."""
+        """Return the option named by a table's key `type` (or None), and the table's other keys."""
         kind = value.get("type")
         if not (isinstance(kind, str) and kind in options):
             listed = ", ".join(f'"{option}"' for option in options)
@@ -228,19 +228,18 @@ class Binder:
 
 
 def table(*functions: Table | Callable[..., Any]) -> Reader:
-    """Return the reader of a table that gives the arguments of one of some functions."""
+    """Return the reader of a table with the arguments of one of the given functions."""
     tables = [of if isinstance(of, Table) else Table(of) for of in functions]
     return Reader("a table", (dict,), lambda binder, *of: binder.bind(tables, *of))
 
 
 def typed(*functions: Table | Callable[..., Any], **more: str) -> Reader:
-    """Return the reader of a table whose key `type` names one of some functions.
+    """Return the reader of a table whose key `type` names one of the given functions.
 
     Parameters
     ----------
     **more : optional
-        For each argument that does not come from the table: the argument of the enclosing table
-        that gives it.
+        Arguments that come from the enclosing table, given as name=argument of that table.
     """
     tables = [of if isinstance(of, Table) else Table(of) for of in functions]
     options = {of.function.__name__: of for of in tables}
@@ -254,7 +253,7 @@ def typed(*functions: Table | Callable[..., Any], **more: str) -> Reader:
 
 
 def calls(node: Any) -> Iterator[Call]:
-    """Yield the calls in a value; those in a call's arguments precede the call."""
+    """Yield all calls within a value; calls in the arguments of a call precede the call."""
     if isinstance(node, Call):
         yield from calls(node.arguments)
         yield node
@@ -267,7 +266,7 @@ def calls(node: Any) -> Iterator[Call]:
 
 
 def reader(hint: Any) -> Reader | None:
-    """Return the reader for an annotation; None if a file cannot give such a value."""
+    """Return the reader of values for an annotation; None if a file cannot hold the values."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return next(of for of in inner if isinstance(of, Reader))
@@ -285,7 +284,7 @@ def reader(hint: Any) -> Reader | None:
 
 
 def _either(hints: Sequence[Any]) -> Reader | None:
-    """Return the reader of a union: it reads by the first annotation that a value fits."""
+    """Return the reader of a union, which reads a value by the first annotation that fits it."""
     path = any(get_origin(hint) is os.PathLike for hint in hints)
     found = (reader(hint) for hint in hints if not (path and hint in (str, Any)))
     kinds = list(dict.fromkeys(filter(None, found)))
@@ -300,7 +299,7 @@ def _either(hints: Sequence[Any]) -> Reader | None:
 
 
 def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:
-    """Return the reader of a list of values of one kind, or of some kinds in their order."""
+    """Return the reader of a list: `hints` annotate its entries in order, or all if `endless`."""
     each = [found for hint in hints if (found := reader(hint))]
     if len(each) < len(hints):
         return None
@@ -318,7 +317,7 @@ def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:
 
 
 def _entries(hint: Any) -> Reader | None:
-    """Return the reader of a table of values of one kind, by names of the user's choice."""
+    """Return the reader of a table with values of one kind under any keys."""
     each = reader(hint)
     if each is None:
         return None
@@ -330,7 +329,7 @@ def _entries(hint: Any) -> Reader | None:
 
 
 def _number(binder: Binder, value: Any, place: Place) -> Any:
-    """Return a number, or lists of numbers, that doubles can hold; note others as problems."""
+    """Return a number or nested lists of numbers; record problems of entries no double can hold."""
     if isinstance(value, list):
         return [_number(binder, of, (*place, i)) for i, of in enumerate(value)]
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -342,7 +341,7 @@ def _number(binder: Binder, value: Any, place: Place) -> Any:
 
 PATH = Reader("a path", (str,), lambda binder, value, place: binder.folder / value)
 
-# Readers by annotation; tables.py adds those of classes.
+# Readers of values by annotation; tables.py adds the readers for classes.
 READERS: dict[Any, Reader] = {
     float: Reader("a number", (int, float), _number),
     Numbers: Reader("a list of numbers", (int, float, list), _number),

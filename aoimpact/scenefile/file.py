@@ -34,17 +34,17 @@ from .binding import Call, calls
 from .lines import Place, holds, line_of
 from .tables import SceneBinder, place_of
 
-# Message of tomllib for a text that is not TOML.
+# Pattern of tomllib's message for a text that is not TOML.
 _UNREADABLE = re.compile(r"(.*) \(at line (\d+), column (\d+)\)", re.DOTALL)
 
-# The argument that a message begins with: "n must be ...", "fixed[0]: ...".
+# Pattern of the argument's name at the beginning of a message: "n must be ...", "fixed[0]: ...".
 _ARGUMENT = re.compile(r"(\w+)(?:\[(\d+)\])?")
 
-# Maximum number of problems of a file that are shown: as many as fit on a screen.
+# Maximum number of a file's problems in the message: as many as fit on a screen.
 _SHOWN = 20
 
-# Maximum number of objects kept for the next runs of a sweep, so that not every mesh stays in
-# memory.
+# Maximum number of objects kept for the next runs of a sweep; otherwise all meshes of the sweep
+# would stay in memory.
 _MOST_KEPT = 8
 
 
@@ -91,7 +91,7 @@ def read_scene(path: FilePath) -> SceneFile:
         found = _UNREADABLE.fullmatch(str(error))
         where, what = (f":{found[2]}:{found[3]}", found[1]) if found else ("", str(error))
         raise SceneFileError(f"{file}{where}: is not TOML: {what}") from None
-    except (OSError, ValueError, RecursionError) as error:  # also no UTF-8, or deep nesting
+    except (OSError, ValueError, RecursionError) as error:  # also if not UTF-8 or nested too deeply
         raise SceneFileError(f"{file}: cannot be read: {error}") from None
     return SceneFile(file, data, text)
 
@@ -155,7 +155,7 @@ class SceneFile:
 
     @property
     def title(self) -> str:
-        """The file's title, or its name."""
+        """The file's title; by default, its name."""
         return str(self.data.get("title", self.path.stem))
 
     @property
@@ -178,7 +178,7 @@ class SceneFile:
 
     @property
     def grid(self) -> dict[str, list[Any]]:
-        """The grid of [sweep] as `sweep` takes it: values by place; empty without such a table."""
+        """The argument `grid` of `sweep`: values by place in the file; {} without [sweep]."""
         sweep = self._bound.bound.get("sweep")
         return {} if sweep is None else dict(self._made(sweep, {}))
 
@@ -193,7 +193,7 @@ class SceneFile:
         return tuple(name for name, _ in self._bound.taking)
 
     def _refuse(self, problems: Sequence[tuple[Place, str] | SceneFileError]) -> None:
-        """Raise an error that has all problems, if there are any, each with its line."""
+        """Raise an error that lists all problems with their lines, if there are any."""
         shown = problems[:_SHOWN]
         lines = [self._at(*of) if isinstance(of, tuple) else str(of) for of in shown]
         if len(problems) > _SHOWN:
@@ -202,7 +202,7 @@ class SceneFile:
             raise SceneFileError("\n".join(lines))
 
     def _sweep_problems(self) -> Iterator[Any]:
-        """Yield the problems of the sweep, and those of the file with the sweep's values."""
+        """Yield the problems of [sweep], and those that its values cause elsewhere in the file."""
         before: dict[str, Any] = {}
         try:
             grid = self.grid
@@ -224,14 +224,14 @@ class SceneFile:
             yield from ((self._bound.swept[name], text) for text in told)
 
     def replaced(self, values: Mapping[str, Any]) -> SceneFile:
-        """Return the file with other values at dotted places, and without its sweep.
+        """Return the file without its sweep and with other values at the given places.
 
         Parameters
         ----------
         values : mapping
-            Values by place, such as "bodies.ball.mass", "scene.contacts.0.gap" or
-            "scene.bodies.ball.velocity"; a place that begins with no table of the file, such as
-            "velocity", is in its impact or scene.
+            Values by dotted place, such as "bodies.ball.mass", "scene.contacts.0.gap" or
+            "scene.bodies.ball.velocity". A place that does not begin with a top-level table, such
+            as "velocity", is in [impact] or [scene].
 
         Raises
         ------
@@ -261,7 +261,7 @@ class SceneFile:
         return SceneFile(self.path, data, self.text, self._kept)
 
     def _with(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return a copy of the data without the sweep, changed to `values` by dotted names."""
+        """Return a copy of the data without the sweep and with `values` at their dotted places."""
         data = copy.deepcopy({name: of for name, of in self.data.items() if name != "sweep"})
         places = {name: place_of(self.data, self.kind, name) for name in values}
         for (name, place), (other, longer) in itertools.permutations(places.items(), 2):
@@ -302,7 +302,7 @@ class SceneFile:
         """
         case, made = self._bound.bound[self.kind], dict[int, Any]()
         problems: dict[int, SceneFileError] = {}
-        for call in calls(case):  # quick calls; slow ones, and those that fill a scene, later
+        for call in calls(case):  # not yet slow calls, nor calls that fill a scene
             late = call.keep or "self" in call.arguments
             if not late and all(id(of) in made for of in calls(call.arguments)):
                 try:
@@ -313,7 +313,7 @@ class SceneFile:
         return self._made(case, made)
 
     def _made(self, node: Any, made: dict[int, Any]) -> Any:
-        """Return a value with each call replaced by the object made; `made`: objects by call id."""
+        """Return a value with each call replaced by its result; `made`: results by id of a call."""
         if isinstance(node, Mapping):
             return {key: self._made(value, made) for key, value in node.items()}
         if isinstance(node, list | tuple):
@@ -328,14 +328,14 @@ class SceneFile:
                 with self._located(*node.place):
                     found = node.function(**arguments)
             if key:
-                self._kept[key] = found  # at the end, as the most recently used
+                self._kept[key] = found  # moved to the end: most recently used
                 if len(self._kept) > _MOST_KEPT:
                     del self._kept[next(iter(self._kept))]
             made[id(node)] = found
         return made[id(node)]
 
     def simulate(self) -> Result | Run:
-        """Build the scene and run it; a Result of an impact, a Run of a scene.
+        """Build the bodies and run the file; return a Result for an impact, a Run for a scene.
 
         Examples
         --------
@@ -364,7 +364,7 @@ class SceneFile:
             return run
 
     def probes(self, result: Run) -> dict[str, FloatArray]:
-        """Return the values of each of the file's probes at the times of a result, in SI units.
+        """Return the history of each probe in the file, at the times of a result, in SI units.
 
         Parameters
         ----------
@@ -428,13 +428,13 @@ class SceneFile:
 
     @contextmanager
     def _located(self, *place: str | int) -> Iterator[None]:
-        """Add the line to errors of bad input; other errors keep their class."""
+        """Add the line to errors; those of bad input become `SceneFileError`."""
         try:
             yield
         except SceneFileError:
             raise
         except (InputError, InputTypeError) as error:
-            # The argument that a message begins with is usually a key of the table.
+            # The argument named at the beginning of a message is usually a key of the table.
             named = _ARGUMENT.match(str(error))
             word, number = named.groups() if named else ("", None)
             finer: list[Place] = [(*place, word, int(number or 0)), (*place, word), place]

@@ -1,7 +1,7 @@
-"""Line of every key and array entry of a TOML text, by means of tomllib, which reports no lines.
+"""Line numbers of keys and array entries in a TOML text; tomllib itself reports none.
 
-A place begins in the first line at which the text up to there, with open strings and brackets
-closed, contains the place.
+A place begins in the first line for which the text up to the line's end contains the place. To
+parse this text by tomllib, its open strings and brackets are closed.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import re
 import tomllib
 from typing import Any
 
-# Path to a value: names of tables and keys, and indices in arrays.
+# Path to a value in a file: names of tables and keys, and indices of array entries.
 Place = tuple[str | int, ...]
 
-# Tokens: strings of several lines, which may end with two more quotes, and of one line; comments;
-# brackets; ends of lines.
+# Pattern of tokens: multi-line strings, which may end with two more quotes; strings in one line;
+# comments; brackets; ends of lines.
 _TOKEN = re.compile(
     r'"""(?:[^"\\]|\\.|"{1,2}(?!"))*"{3,5}'
     r"|'''(?:[^']|'{1,2}(?!'))*'{3,5}"
@@ -27,16 +27,16 @@ _TOKEN = re.compile(
 )
 
 
-# Maximum length of a text in which lines are searched, characters: its parts are parsed some twenty
-# times, which takes half a second at this length.
+# Maximum length, characters, of a text in which lines are searched: the search parses some twenty
+# beginnings of the text, which takes half a second at this length.
 _LONGEST = 100_000
 
 
 def line_of(text: str, place: Place) -> int | None:
     """Return the line, from 1, where a place of a TOML text begins.
 
-    If the text does not contain the place, the line of the nearest enclosing table is returned. It
-    is None for the text as a whole, and in long texts.
+    If the text does not contain the place, the line of the nearest enclosing table is returned. The
+    result is None for the text as a whole, and if the text is too long to be searched.
     """
     if len(text) > _LONGEST:
         return None
@@ -46,7 +46,7 @@ def line_of(text: str, place: Place) -> int | None:
     if not place:
         return None
     lines = text.split("\n")
-    # Characters that close the string, arrays and braces open at the end of each line.
+    # For each line, the characters that close the strings and brackets open at its end.
     closings: list[str] = []
     brackets = ""
     for token in map(re.Match.group, _TOKEN.finditer(text)):
@@ -66,7 +66,7 @@ def line_of(text: str, place: Place) -> int | None:
 
 
 def holds(data: Any, place: Place) -> bool:
-    """Return whether tomllib's data contain a place."""
+    """Return whether the data that tomllib returned contain a place."""
     for part in place:
         try:
             data = data[part]

@@ -1,4 +1,4 @@
-"""Tables of a scene file, the functions that they call, and the values of a sweep."""
+"""Tables of a scene file, the functions that each table calls, and the values of a sweep."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from ..results import QUANTITIES, BodyResult, ContactResult, ErrorEstimate, Hand
 from .binding import PATH, READERS, Binder, Call, Numbers, Reader, Table, passes_on, table, typed
 from .lines import Place
 
-# Largest distance between a node and a plane of a support that it lies on, relative to the body's
-# size.
+# Largest ratio of a node's distance from a plane to the body's size for the node to lie on the
+# plane.
 _ON_PLANE = 1e-6
 
 Triple = tuple[float, float, float]
@@ -57,7 +57,7 @@ _MATERIALS = (
 
 
 def _named(which: str) -> Reader:
-    """Return the reader of the name of a material or body."""
+    """Return the reader of a name of a material or body; it returns the material or body."""
     return Reader(f"a name from [{which}]", (str,), lambda binder, *at: binder.entry(which, *at))
 
 
@@ -69,7 +69,7 @@ READERS.update(dict.fromkeys((fem.Material, fem.Orthotropic, Layers, fem.Beam), 
 
 @dataclass(frozen=True)
 class _MeshFile:
-    """A mesh file; `scale`, `force` and `time`: its units of length, force and time, in SI."""
+    """A mesh file and its units: `scale` of length, m, `force`, N, and `time`, s."""
 
     file: Annotated[Any, PATH]
     scale: float = 1.0
@@ -99,7 +99,7 @@ def _where(
     y: float | None = None,
     z: float | None = None,
 ) -> Any:
-    """Return nodes by name or number, or the function that selects nodes on all given planes."""
+    """Return `nodes` or, without these, the function that selects the nodes on all given planes."""
     planes = np.array([x, y, z], dtype=float)
     free = np.isnan(planes)
     if (nodes is None) == free.all():
@@ -198,7 +198,7 @@ _SIDE = Annotated[Any, table(_surface)]
 
 @cache
 def _of_surfaces(law: Callable[..., laws.ContactLaw]) -> Table:
-    """Return the table of a law between two surfaces."""
+    """Return the table that makes a law from the materials and radii of two surfaces."""
 
     @passes_on(law, "material_1", "radius_1", "material_2", "radius_2")
     def made(between: tuple[_SIDE, _SIDE], **more: Any) -> laws.ContactLaw:
@@ -208,7 +208,10 @@ def _of_surfaces(law: Callable[..., laws.ContactLaw]) -> Table:
 
 
 def _read_law(binder: Binder, value: Any, place: Place) -> Any:
-    """Return the call of a law, given parameters or restitution; k may come from two surfaces."""
+    """Return the call that makes a law from its parameters, or from a coefficient of restitution.
+
+    The stiffness k may be given by two surfaces.
+    """
     law, given = binder.tagged(value, place, _LAWS)
     if law is None:
         return None
@@ -256,7 +259,7 @@ def _place(body: _FINITE, point: Numbers, direction: Numbers) -> ContactPoint:
 
 
 def _read_sensor(binder: Binder, value: Any, place: Place) -> Any:
-    """Return the call of a sensor, or, without a type, of a place of measured displacement."""
+    """Return the call that makes a sensor; without `type`, a point that measures displacement."""
     if "type" not in value:
         return binder.bind(Table(_place), value, place)
     if "body" not in value:
@@ -269,13 +272,13 @@ _PROBES = Mapping[str, Annotated[Any, _SENSOR]]
 
 # ------------------------------------------------------------------------- impacts and scenes
 
-# Class of each part of a result, by the first word of its numbers' names.
+# Class of each part of a result, by the first word in the names of the part's numbers.
 _PARTS: dict[str, type] = dict.fromkeys(("bodies", "projectile", "target"), BodyResult)
 _PARTS |= {"contacts": ContactResult, "error": ErrorEstimate}
 
 
 def _read_number(binder: SceneBinder, name: str, place: Place) -> Any:
-    """Return the name of a number of the results; note a problem if there is no such number."""
+    """Return the name of a number of the results; record a problem if results do not have it."""
     try:
         keeper((name,))
     except InputError as error:
@@ -325,7 +328,7 @@ _MEMBER = Table(Scene.add, hints={"body": Annotated[Any, _named("bodies")]})
 def _read_member(binder: SceneBinder, value: Any, place: Place) -> Any:
     name = value.get("name", value.get("body", ""))
     found = binder.bind(_MEMBER, {"name": name, **value}, place)
-    if isinstance(name, str):  # else it has been noted as a problem
+    if isinstance(name, str):  # else a problem is recorded already
         if name in binder.handles:
             binder.say((*place, "name"), f"{name!r} is another body of the scene; give a new name")
         binder.handles[name] = found
@@ -338,7 +341,7 @@ def _port(body: Handle, port: int = 0) -> Handle:
 
 
 def _read_handle(binder: SceneBinder, value: Any, place: Place) -> Any:
-    """Return a body of the scene, or the call of one of its contact points."""
+    """Return the call for a body of the scene, or for one contact point of the body."""
     if isinstance(value, dict):
         return binder.bind(Table(_port), value, place)
     return binder.find(binder.handles, "the scene", value, place)
@@ -354,7 +357,7 @@ def _history(self: Scene, body: Handle, times: Numbers, forces: Numbers) -> None
 
 
 def _read_wanted(binder: SceneBinder, value: Any, place: Place) -> Any:
-    """Return the quantity of a scene: a name, a body, one of its contact points, or a sensor."""
+    """Return a scene's quantity: its name, a body, a contact point of a body, or a sensor."""
     if isinstance(value, str):
         return binder.handles.get(value, value)
     return (_read_handle if "port" in value else _read_sensor)(binder, value, place)
@@ -381,12 +384,12 @@ _SCENE = Table(_scene, hints={"quantity": _WANTED | Sequence[_WANTED]}, owner=Sc
 
 # ------------------------------------------------------------------------------------- sweeps
 
-# Largest number of values of one place in a sweep; more are taken for a mistake.
+# Largest number of values for one parameter of a sweep; more values are taken for a mistake.
 _MOST_VALUES = 1_000_000
 
 
 def _range(start: float, to: float, count: int, spacing: str = "linear") -> list[Any]:
-    """Return `count` values from `start` to `to`; integers if the linear steps are whole."""
+    """Return `count` values from `start` to `to`; integers if ends and linear steps are whole."""
     integer("count", count, low=1, high=_MOST_VALUES)
     log = choice("spacing", spacing, ("linear", "log")) == "log"
     for name, end in (("from", start), ("to", to)):
@@ -400,7 +403,7 @@ _RANGE = Table(_range, {"from": "start"})
 
 
 def _read_over(binder: Any, value: Any, place: Place) -> dict[str, Any]:
-    """Return a sweep's values, lists or calls of ranges, by the dotted name of their place."""
+    """Return a sweep's values by dotted place: a list, or the call that makes a range."""
     found: dict[str, Any] = {}
     for key, entry in value.items():
         at = (*place, key)
@@ -422,12 +425,12 @@ OVER = Reader("a table", (dict,), _read_over)
 
 
 def place_of(data: Mapping[str, Any], kind: str, name: str) -> Place:
-    """Return the place in a file of a dotted name; it starts in the impact or scene by default.
+    """Return the place that a dotted name denotes, by default within the impact or scene.
 
     Raises
     ------
     InputError
-        If there is no such table.
+        If the file has no table of such a name.
     """
     parts = name.split(".")
     if parts[0] not in (kind, "title", "materials", "bodies"):
@@ -437,7 +440,7 @@ def place_of(data: Mapping[str, Any], kind: str, name: str) -> Place:
     for i, part in enumerate(parts):
         table = isinstance(inside, dict)
         known = {key: key for key in inside} if table else dict(_numbered(inside))
-        if part not in known and not (table and i == len(parts) - 1):  # where a key may be new
+        if part not in known and not (table and i == len(parts) - 1):  # else it may be a new key
             there = f"; there are {', '.join(known)}" if known else ""
             raise InputError(f"the file has no {part!r} there{nearest(part, known) or there}")
         place.append(known.get(part, part))
@@ -446,7 +449,7 @@ def place_of(data: Mapping[str, Any], kind: str, name: str) -> Place:
 
 
 def _numbered(entries: Any) -> Iterator[tuple[str, int]]:
-    """Yield names and indices of a list's entries: each index, and for a body its name as well."""
+    """Yield pairs of name and index for a list's entries: index as text, and the body's name."""
     entries = entries if isinstance(entries, list) else []
     for i, entry in enumerate(entries):
         yield str(i), i
@@ -463,14 +466,14 @@ def _sweep(
     workers: int = 1,
     checkpoint: str | None = None,
 ) -> Any:
-    """Return the grid; `batch` reads the other settings."""
+    """Return the grid of a sweep; `batch` reads the other settings."""
     integer("workers", workers, low=1)
     keeper(keep)
     return over
 
 
 def _read_each(binder: SceneBinder, value: Any, place: Place) -> None:
-    """Bind all materials or bodies, whether they take part or not."""
+    """Bind all materials or bodies in the file, whether a run uses them or not."""
     for name in value:
         binder.entry(str(place[0]), name, place)
 
@@ -487,7 +490,7 @@ def _file(
     sweep: Annotated[Any, table(_sweep)] = None,
     title: str = "",
 ) -> None:
-    """Top-level tables of a file, as the parameters of a function."""
+    """Declare the top-level tables of a file as parameters."""
 
 
 _FILE = Table(_file)
@@ -495,18 +498,18 @@ _UNFINISHED = object()
 
 
 class SceneBinder(Binder):
-    """Binds the tables of a file.
+    """Binds all tables of a scene file to functions.
 
     Attributes
     ----------
     data : mapping
         Content of the file as tomllib gives it.
     taking : list of (str, Call)
-        Bodies that take part, by name, in the order of the run.
+        Name of each body that takes part, and the call that makes it, in the order of the run.
     handles : dict of str to Call
-        Bodies in the scene, by their names there.
+        Calls that add the bodies to the scene, by their names in the scene.
     swept : dict of str to tuple
-        Places in the file of the swept values, by dotted name.
+        For each dotted name of a swept parameter, the place of its values in the file.
     """
 
     def __init__(self, data: Mapping[str, Any], folder: Path) -> None:
@@ -521,7 +524,7 @@ class SceneBinder(Binder):
             self.say((), "the file needs either an [impact] or a [scene]")
 
     def entry(self, which: str, name: str, place: Place) -> Any:
-        """Return a material or body of the file, named at a place; it is bound once."""
+        """Return the material or body called `name` in a table; it is bound only once."""
         entries = self.data.get(which)
         given = self.find(entries if isinstance(entries, dict) else {}, f"[{which}]", name, place)
         at = which, name
