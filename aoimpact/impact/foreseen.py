@@ -1,6 +1,7 @@
 """Estimates from rigid bodies: the duration of a scene, and the radii of its contacts.
 
-They determine the patches of contact points whose radius was left out, and the contact laws.
+These estimates determine the patches of contact points whose radius was left out, and the contact
+laws.
 """
 
 from __future__ import annotations
@@ -36,8 +37,8 @@ class Foreseen:
 
     def __init__(self, plan: Scenario, solver: Solver = "auto") -> None:
         self._plan, self._solver = plan, solver
-        # Bodies have only weak references to their solvers; this dict keeps solvers until models
-        # are made.
+        # Bodies have only weak references to their solvers; this dict keeps the solvers alive until
+        # models are made.
         self._solvers: dict[Any, LinearSolver] = {}
 
     def record(self) -> RecordLength:
@@ -69,9 +70,9 @@ class Foreseen:
         names : sequence of str
             Names of the bodies, for messages.
         eased : mapping of int to str
-            Remedy for each contact whose law is stiffer than its meshes, by number: "wider" for a
-            wider patch than an impact of two bodies needs, "whole" for a wider patch and no
-            compliance taken out of the law; see `Contact.of_models`.
+            Remedy for each contact whose law is stiffer than its meshes, by the contact's number:
+            "wider" for a wider patch than an impact of two bodies needs, "whole" for a wider patch
+            and no compliance taken out of the law; see `Contact.of_models`.
         """
         plan, bodies = self._plan, list(self._plan.bodies)
         if not plan.meshed:
@@ -127,7 +128,7 @@ class Foreseen:
         return (own_law(contact.law), 1.0 / share, speed) if share > 0.0 < speed else None
 
     def _fit(self, body: BodyModel, port: int, number: int, wider: bool) -> BodyModel:
-        """Return the body with a patch, if none is given, and its contact point's compliance."""
+        """Return the body with a patch, if it has none, and the compliance at the contact."""
         if not isinstance(body, FullModel) or not ((tip := body.tips[port]).automatic or tip.patch):
             return body
         if (lasting := self._times[number]) is None or (width := self._widths[number]) is None:
@@ -146,7 +147,7 @@ class Foreseen:
 
 
 def _known(find: Callable[..., float | None], met: Any) -> float | None:
-    """Return ``find(*met)``; None if `met` is None, or beyond the range of the contact's law."""
+    """Return ``find(*met)``; None if `met` is None, or the result is beyond the law's range."""
     try:
         return None if met is None else find(*met)
     except AOImpactError:
@@ -154,7 +155,7 @@ def _known(find: Callable[..., float | None], met: Any) -> float | None:
 
 
 def goes_against(tip: ContactPoint | None, *, outward: bool) -> bool:
-    """Return whether a direction is reversed: into the body, or out of it if not `outward`."""
+    """Return whether a direction is reversed: into the body if `outward`, out of it if not."""
     if tip is None or tip.normal is None or tip.direction is None:
         return False
     return (float(tip.direction @ tip.normal) > 0.0) != outward
@@ -178,7 +179,7 @@ def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
             sides.setdefault(plan.bodies[body].touched_at(port), set()).add(outward)
     around: list[tuple[int, ...]] = [()] * len(plan.bodies)
     for (body, port), ways in roles.items():
-        if len(ways) > 1:  # the first body of one contact and the second of another
+        if len(ways) > 1:  # first body of one contact, second of another
             continue
         tip, outward = plan.bodies[body].touched_at(port), True in ways
         if tip is None or tip.point is None or not goes_against(tip, outward=outward):
@@ -186,7 +187,7 @@ def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
         assert tip.direction is not None
         assert tip.normal is not None
         around[body] = (*around[body], port)
-        like = len(sides[tip]) > 1  # two equal bodies share the contact point
+        like = len(sides[tip]) > 1  # two equal bodies share this contact point
         if tip.directed and tip.thin is None and not like:
             way, opposite = ("out of", "into") if outward else ("into", "out of")
             raise InputError(

@@ -17,11 +17,12 @@ from ..contact import ContactPoint
 from ..mesh import plane_of
 from ..reduction import Body, BodyModel, FullModel, turning
 
-# Least cosine of the angle between the directions of travel of two contacts (_ONE_FRAME), and
-# between the direction of travel at a contact point and its normal (_ALONG).
+# Smallest cosine of an angle: _ONE_FRAME: between the directions of travel of two contacts; _ALONG:
+# between the direction of travel at a contact point and the normal there.
 _ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
 
-# Signs of the side on which a body is touched: as the first and as the second body of a contact.
+# Sign of the side on which a body is touched: ROLES[0] for the first body of a contact, ROLES[1]
+# for the second.
 ROLES = (1.0, -1.0)
 
 # Direction of travel if no body has a mesh: against the outward normal of the second body, z.
@@ -60,7 +61,7 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
             along = _direction(name, tip)
             if found is None:
                 found = along
-                if both[-1][0] != name and tip.normal is not None:  # out of the first body
+                if both[-1][0] != name and tip.normal is not None:  # points out of the first body
                     found = math.copysign(1.0, along @ tip.normal) * along
             elif abs(float(along @ found)) < _ONE_FRAME:
                 raise InputError(
@@ -73,7 +74,7 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
 
 
 def _direction(name: str, tip: ContactPoint) -> FloatArray:
-    """Return the direction of a contact point; raise InputError unless it is along the normal."""
+    """Return a contact point's direction; raise InputError if it is not along the normal."""
     if tip.direction is None or tip.thin is not None:
         why = (
             "it has none" if tip.direction is None else "shells and beams have no such contact yet"
@@ -125,7 +126,7 @@ def with_functionals(
     assert isinstance(model, Body)
     if model.numbers is not None and model.kind in ("rigid", "wall"):
         return turning(model.numbers, axes, roles or ROLES[:1])
-    given = [tip.tangents for tip in model.tips[::3]]  # of an earlier oblique impact
+    given = [tip.tangents for tip in model.tips[::3]]  # those of an earlier oblique impact
     if given and all(one is not None and np.allclose(one, axes[1:], atol=0.1) for one in given):
         return model
     raise InputError(

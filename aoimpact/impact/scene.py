@@ -109,7 +109,8 @@ class Scene:
         self._members: list[Member] = []
         self._contacts: list[Contact] = []
         self._loads: list[Load] = []
-        # Copies and pickles keep the mark, so that handles stay valid. An impact's mark is empty.
+        # Copies and pickles of a scene keep its mark, so that handles stay valid. The mark of an
+        # impact of two bodies is empty.
         self._mark = Mark(uuid.uuid4().hex)
 
     def __repr__(self) -> str:
@@ -176,7 +177,7 @@ class Scene:
         position: float = 0.0,
         name: str = "",
     ) -> Member:
-        """Add a body that the caller gave as `argument`, and return it with its velocity."""
+        """Add a body given as the argument `argument`; return it and its velocity as a `Member`."""
         model, motion = body_model(argument, body), number_or_vector("velocity", velocity, "m/s")
         turns = None if spin is None else finite_array("spin", spin, shape=(3,), unit="rad/s")
         own, role = name or model.name, f"body {len(self._members)}"
@@ -247,7 +248,7 @@ class Scene:
         name: str = "",
         friction: float | None = None,
     ) -> int:
-        """Add a contact of two (body, port) with the initial distance `gap`, m."""
+        """Add a contact between two ports, given as (body, port), with the initial gap `gap`, m."""
         if law is not None and not isinstance(law, ContactLaw):
             raise InputTypeError(f"law must be a contact law such as Hertz(k=...), got {law!r}")
         ends = [(self._members[body].body, port) for body, port in (first, second)]
@@ -534,7 +535,7 @@ class Scene:
                         record=record,
                         linear_solver=linear_solver or "auto",
                     )
-                # The last run is not part of the models' cost.
+                # The cost of the models does not include the last run.
                 spent = perf_counter() - began - run.recorder.seconds
                 run = replace(run, modelled=max(spent, 0.0))
                 break
@@ -578,7 +579,7 @@ class Scene:
         )
 
     def _quantity(self, quantity: Any, plan: Scenario) -> Quantity:
-        """Return the quantity of interest; the default without contacts is a displacement."""
+        """Return the quantity of interest; without contacts, by default a displacement."""
         bodies = plan.bodies
         if isinstance(quantity, Handle):
             self._known("quantity", quantity)
@@ -613,7 +614,7 @@ class Scene:
 
 
 def number_or_vector(name: str, value: Any, unit: str) -> tuple[float, FloatArray | None]:
-    """Return a number and None, or a vector's length and the vector."""
+    """Return a number and None or, given a vector, its length and the vector."""
     number, vector = value, None
     if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
         vector = finite_array(name, value, shape=(3,), unit=unit)

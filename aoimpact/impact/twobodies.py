@@ -46,8 +46,8 @@ def simulate(
         Body given by its contact point (``body.contact(...)``), which is reduced as far as the
         quantity of interest allows, or by a model; ``full(tip)`` is the full finite-element model.
         The best model of a given number of oscillators is
-        ``antioscillators(tip, n, method="krylov", contact_time=)``. A patch whose radius was left
-        out is 1.4 times as wide as the contact of rigid bodies.
+        ``antioscillators(tip, n, method="krylov", contact_time=)``. If the radius of a patch was
+        left out, it is 1.4 times the contact radius of rigid bodies.
     velocity : float or array_like, shape (3,)
         Speed of the projectile along the direction of travel, m/s, not zero; negative only if the
         projectile is constrained, so that it swings back. Or its velocity vector in the axes of the

@@ -1,8 +1,8 @@
 """Time integration of a `scene.Scenario`, which returns a recorder of the run.
 
 There are two methods: Newmark's rule with fixed steps, and an adaptive method to a tolerance. Their
-recorders have a common interface (recorder.py). `results` runs plans with both methods (solve.py);
-other folders use the solvers' settings and `Events`.
+recorders have a common interface (recorder.py). `results` runs plans with either method (solve.py);
+other folders only use the settings of the methods, and `Events`.
 """
 
 from .comparison import touch_alike

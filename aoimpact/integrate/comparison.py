@@ -1,9 +1,9 @@
 """Comparison of two adaptive runs of one scene, in the quantities that a tolerance bounds.
 
 Touches with at most a hundredth of the largest impulse of their contact do not count: rounding
-errors decide if bodies that move on side by side graze each other. Neither do gaps of at most a
-hundredth of the duration of the touches beside them: rounding errors decide if a body leaves the
-one that it rests on, while the force swings between zero and twice its weight.
+errors decide if bodies that move on side by side graze each other. Nor do gaps of at most a
+hundredth of the duration of the touches beside them: rounding errors decide if a body leaves its
+support while the force swings between zero and twice the weight.
 """
 
 from __future__ import annotations
@@ -18,19 +18,20 @@ from .dense import DenseRecorder
 from .events import Events
 from .settings import LESSER
 
-# Least pace (see `Events.touches`) of touches whose starts are compared. Slower ones, of bodies at
-# rest side by side that a wave reaches, have no definite start. With values of 0.001 to 0.1 none of
-# 54 chains of bodies in front of a wall gives a warning; 25 do if all starts are compared.
+# Smallest pace (see `Events.touches`) of touches whose starts are compared. Touches of smaller
+# pace, of bodies at rest side by side that a wave reaches, have no definite start. With values of
+# 0.001 to 0.1 none of 54 chains of bodies in front of a wall gives a warning; 25 do if all starts
+# are compared.
 _SUDDEN = 0.01
 
-# Ratio of the least velocity that errors are relative to, to the velocity that the largest impulse
-# of a contact would give the lightest body. Bodies that loads hold together move only by rounding
+# Errors of velocities are relative to at least this share of the velocity that a contact's largest
+# impulse would give the lightest body. Bodies that loads hold together move only by rounding
 # errors.
 _AT_REST = 1e-3
 
 
 def most_touches(run: DenseRecorder) -> int:
-    """Return the largest number of touches of a contact that count.
+    """Return the number of touches that count, for the contact with most of them.
 
     Touches that together have at most a hundredth of the impulse of the largest one do not count.
     """
@@ -48,7 +49,8 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
     """Return the largest relative difference of the quantities that a tolerance bounds.
 
     These are each contact's peak force and impulse, the start and end of its touches, and the
-    velocities of the centres of mass after the last touch. Infinite if one run has more touches.
+    velocities of the centres of mass after the last touch. The result is infinite if one run has
+    more touches than the other.
 
     Parameters
     ----------
@@ -81,7 +83,7 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
 
 
 def touch_alike(one: Events, other: Events) -> bool:
-    """Return whether a contact has equally many touches in two runs; all count with fixed steps."""
+    """Return whether two runs have as many touches of a contact; with fixed steps all count."""
     if not (one.touches and other.touches):
         return one.contact_count == other.contact_count
     least = LESSER * max(impulse for of in (one, other) for impulse, _ in of.touches)
@@ -132,7 +134,7 @@ def _touches(of: Events, least: float) -> _Touches:
 
 
 def _times_apart(ones: _Touches, others: _Touches) -> float:
-    """Return the largest difference of start, end or sum of gaps, relative to the touch's end."""
+    """Return the largest difference of the touches' starts, ends or gaps, relative to their end."""
     if not ones.start.size:
         return 0.0
     latest = np.maximum(ones.end, others.end)

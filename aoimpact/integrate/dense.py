@@ -26,12 +26,12 @@ _PER_STEP = 8
 _IN_FREE_MOTION = 240
 
 # Intervals of central differences, relative to the shortest contact: _DIFFERENCE: for the rates of
-# forces; over it a smooth force changes nearly linearly and far more than its rounding errors.
-# _RESOLUTION: for accelerations; relative errors are 1e-7 due to the rates of the forces and 1e-6
-# due to the curvature of smooth forces.
+# forces; in this interval a smooth force changes nearly linearly, and by far more than its rounding
+# errors. _RESOLUTION: for accelerations; the rates of forces cause relative errors of 1e-7, and the
+# curvature of smooth forces 1e-6.
 _DIFFERENCE, _RESOLUTION = 1e-6, 1e-3
 
-# Largest number of values in a curve's record, to limit memory; no screen shows more.
+# Largest number of values in a curve's record, a limit of memory; no screen shows more.
 _MOST_VALUES = 2e7
 
 
@@ -108,7 +108,7 @@ class DenseRecorder:
 
     @property
     def _steps(self) -> FloatArray:
-        """Start and length, s, and number of contacts of each row of the track, shape (3, rows)."""
+        """Start, s, length, s, and number of contacts of each row of the track, shape (3, rows)."""
         return np.frombuffer(_core.track_rows(self.track)).reshape(-1, 3).T
 
     # ------------------------------------------------------------------- values
@@ -189,7 +189,7 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
 
 
 def _filled(times: FloatArray, duration: float) -> FloatArray:
-    """Return ascending times, with evenly spaced ones added in intervals long for the record."""
+    """Return ascending times, with evenly spaced times added between those that are far apart."""
     apart = np.diff(times)
     parts = 1 + (_IN_FREE_MOTION * (apart / duration)).astype(np.intp)
     number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -219,10 +219,10 @@ def _slips(
 
 
 def _most_times(rows: int) -> int:
-    """Return the approximate largest number of times of a record with `rows` rows."""
+    """Return the approximate largest number of times that a record with `rows` rows may have."""
     return max(1000, int(_MOST_VALUES / rows))
 
 
 def _thinned(times: FloatArray, most: int) -> FloatArray:
-    """Return every k-th time, with the least k that leaves about `most` times or fewer."""
+    """Return every k-th time; k is the smallest number that leaves about `most` times or fewer."""
     return times[:: 1 + len(times) // most]

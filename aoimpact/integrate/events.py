@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from ..base import ROUNDING, ArrayPair, FloatArray
 
 # A parabola is fitted to a peak if the ratio of the curvature at either neighbouring sample to that
-# at the peak is at least this. If both ratios are less, the force jumps or is not resolved. A jump
-# changes the curvature only at the samples next to it. Half a sine of N steps has the ratio
-# cos(π/N), so that four steps suffice.
+# at the peak is at least this. If both ratios are smaller than this, the force jumps or is not
+# resolved. A jump changes the curvature only at the samples next to it. Half a sine of N steps has
+# the ratio cos(π/N), so that four steps suffice.
 _LEAST_CURVATURE = 0.5
 
 
@@ -80,14 +80,14 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     Each local maximum is the top of the parabola through its sample and the two beside it; the
     error is then O(dt²) in the time and O(dt³) in the force. If the curvature at both neighbours is
     less than half that at the maximum, the force has a jump or kink, whose height a parabola does
-    not show, and the sample itself is taken. The curvature at one neighbour may be smaller: a law
-    may be stiffer in unloading than in loading.
+    not show, and the sample itself is taken. The curvature at one of the neighbours may be that
+    small, as a law may be stiffer in unloading than in loading.
     """
     best = int(np.argmax(force))
     if force[best] <= 0.0:
         return 0.0, float(t[0])
     here, bend = force[1:-1], np.diff(force, 2)
-    beside = np.pad(bend, 1, constant_values=np.inf)  # unknown at the ends of the record
+    beside = np.pad(bend, 1, constant_values=np.inf)  # curvature unknown at both ends
     beside = np.minimum(beside[:-2], beside[2:])  # the stronger curvature, which is negative
     peaks = (here >= force[:-2]) & (here >= force[2:]) & (beside <= _LEAST_CURVATURE * bend)
     middle = 1 + np.flatnonzero(peaks)
@@ -114,9 +114,9 @@ def find_contacts(
     """Return start and end of every interval in which the force acts.
 
     A contact starts and ends at a zero of the indentation, located between two samples by cubic
-    Hermite interpolation. If a law's force vanishes at a positive indentation, the contact ends at
-    the zero of the falling force, extrapolated linearly. Contacts or gaps shorter than a step are
-    not detected.
+    Hermite interpolation. If the force of a law vanishes at a positive indentation, the contact
+    ends where the falling force, extrapolated linearly, is zero. Contacts or gaps shorter than a
+    step are not detected.
     """
     closed = force != 0.0  # also while a law pulls
     change = np.diff(closed.astype(np.int8))
@@ -135,7 +135,7 @@ def find_contacts(
 def _zeros(
     t: FloatArray, indentation: FloatArray, rate: FloatArray, steps: NDArray[np.intp]
 ) -> FloatArray:
-    """Return the time in [t_i, t_(i+1)] of zero indentation for each step; t_i if there is none.
+    """Return the time of zero indentation in each step [t_i, t_(i+1)]; t_i if there is none.
 
     There is no zero if bodies touch from the start, or if the law gives no force at first.
     """
@@ -159,8 +159,8 @@ def find_slips(
 ) -> tuple[tuple[float, float], ...]:
     """Return start and end of every interval of full slip within `contacts`.
 
-    Full slip begins at the zero of `stuck`, extrapolated linearly from before or, if the contact
-    was in full stick, at that of `left`. It ends at a zero of `ahead`.
+    Full slip begins where `stuck` or, after full stick, `left` falls to zero, extrapolated linearly
+    from earlier steps. It ends at a zero of `ahead`.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def find_slips(
                 turns.append(_drawn_on(t, stuck if stuck[i - 1] < 1.0 else left, i))
             else:
                 before, after = float(ahead[i - 1]), float(ahead[i])
-                # The share is negative if the sign has changed before the steps show stick.
+                # `share` is negative if `ahead` has changed its sign before the step.
                 share = before / (before - after) if after < before else 0.0
                 step = float(t[i] - t[i - 1])
                 turns.append(float(t[i - 1]) + step * max(-1.0, min(share, 1.0)))
@@ -196,7 +196,7 @@ def find_slips(
 
 
 def _drawn_on(t: FloatArray, values: FloatArray, i: int) -> float:
-    """Return the time in [t_(i-1), t_i] at which earlier values, extrapolated linearly, vanish."""
+    """Return the time in [t_(i-1), t_i] at which a linear extrapolation of earlier values is 0."""
     before, last = float(values[i - 2]) if i > 1 else 0.0, float(values[i - 1])
     if last >= before:
         return float(t[i])

@@ -31,17 +31,17 @@ from .motion import SteppedMotion
 from .settings import DRAWN, Newmark
 from .steperror import StepError, time_error
 
-# Largest size of a record: a larger one most likely comes from a wrong dt.
+# Largest size of a record, bytes: a larger size most likely comes from a wrong dt.
 _MOST_BYTES = 4 * GIB
 
 # Number of steps within a contact in the first attempt, if no dt is given.
 _FIRST_STEPS = 50
 
-# Relative precision of friction's stretches (`Contact.for_core`): _PRECISION: with the first step;
-# _ROUGHEST: largest one that the core accepts. The precision is proportional to the square of the
-# step, so that the error estimate includes the resulting error, a hundredth of the rule's. With
-# _PRECISION = 0.02 it would be a third, and springs that are left out would give back 4e-8 of the
-# energy.
+# Relative precision of the contacts' tangential stretches (`Contact.for_core`). _PRECISION: with
+# the first step; _ROUGHEST: largest one that the core accepts. The precision is proportional to the
+# square of the step, so that the error estimate includes the error of the stretches, a hundredth of
+# the rule's. With _PRECISION = 0.02 it would be a third of the rule's, and springs that are left
+# out would give back 4e-8 of the energy.
 _PRECISION, _ROUGHEST = 4e-4, 0.1
 
 # Largest number of halvings of the step. An error of second order falls by a factor of 4^16 = 4e9;
@@ -53,9 +53,9 @@ _MOST_HALVINGS = 16
 _INSTANT = 2.0**-10
 
 # _SHORTENED: factor on the step that finds the forces at t = 0; _MOST_SHORTENED: largest number of
-# shortenings; _SAME_START: relative change of the forces, proportional to the square of the step,
-# at which to stop. Of 132 random runs with massless points 104 need no second shortening, 19 up to
-# five, and 9 all six.
+# shortenings; _SAME_START: relative change of the forces at which shortening ends; the change is
+# proportional to the square of the step. Of 132 random runs with massless points 104 need no second
+# shortening, 19 up to five, and 9 all six.
 _SHORTENED, _MOST_SHORTENED, _SAME_START = 2.0**-4, 6, 1e-6
 
 
@@ -132,7 +132,7 @@ class SteppedRecorder(Frozen):
         return tuple(found)
 
     def rates(self, contact: int) -> FloatArray:
-        """Return the rates of a contact's indentation and slides, m/s, (contact.size, times)."""
+        """Return the relative velocities of a contact's ports, m/s, shape (contact.size, times)."""
         of = self.plan.contacts[contact]
         one, other = (
             self.plan.layout.body(self.record, body).port_velocities[port : port + of.size]
@@ -207,7 +207,7 @@ def _to_tolerance(
 def _trial(
     step: Callable[..., SteppedRecorder], dt: float, *, energies: bool = False
 ) -> SteppedRecorder | ConvergenceError:
-    """Return a run, or the error of one whose step is too long to be solved."""
+    """Return a run or, if its step is too long to be solved, the error of the run."""
     try:
         return step(dt, energies=energies)
     except (IterationError, NotFiniteError) as error:
@@ -215,7 +215,7 @@ def _trial(
 
 
 def _error(*runs: SteppedRecorder | ConvergenceError) -> StepError:
-    """Return the error of the first of three runs, with steps dt, 2 dt and 4 dt."""
+    """Return the error estimate of the first of three runs, with steps dt, 2 dt and 4 dt."""
     solved = [run for run in runs if isinstance(run, SteppedRecorder)]
     if len(solved) < len(runs):
         failed = next(run for run in runs if isinstance(run, ConvergenceError))
@@ -307,8 +307,8 @@ def _start(plan: Scenario, rule: Newmark) -> _Start:
     The bodies' state does not determine the displacement of a massless contact point, or with a
     damper its velocity: it follows from the balance of all forces. It is found by two very short
     steps, of which the first contains the jump, if there is one, and the second gives the rates.
-    Since a damper's force may decay fast, both are shortened until the forces change no more, or
-    only by rounding errors.
+    Since a damper's force may decay fast, both steps are shortened until the forces no longer
+    change, or change only by rounding errors.
     """
     found: _Start = None, None
     if not any(body.massless for body in plan.bodies):

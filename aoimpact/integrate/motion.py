@@ -51,7 +51,7 @@ class Motion:
         return found
 
     def force_rate(self, times: FloatArray) -> FloatArray:
-        """Return the rates of `force`, N/s, (p, times)."""
+        """Return the rates of the forces of `force`, N/s, (p, times)."""
         after = np.minimum(times + self.instant, self.duration)
         before = np.maximum(times - self.instant, 0.0)
         rate: FloatArray = (self.force(after) - self.force(before)) / (after - before)
@@ -82,8 +82,8 @@ class SteppedMotion(Motion):
     def _seen(self, rows: Any, times: FloatArray) -> FloatArray:
         """Return the products of `rows` with q, q̇ and q̈, shape (3, rows, times).
 
-        They are interpolated linearly between two steps. The linear equations of motion hold there
-        as at the steps, and the error has the order of the rule.
+        They are interpolated linearly between the steps. Interpolated values satisfy the linear
+        equations of motion as those at the steps do, and their error is of the order of the rule.
         """
         last = len(self.run.times) - 1
         place = np.clip(times / self.run.dt, 0.0, float(last))

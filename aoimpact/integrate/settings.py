@@ -1,9 +1,9 @@
 """The settings of both methods of time integration, and constants that they share.
 
 Constants were measured on random impacts and scenes with a known solution; tests repeat some of the
-measurements on fewer. Tolerances are divided in two other places: accuracy/choice.py divides the
-tolerance of a quantity of interest between models and time integration, csrc/adaptive the tolerance
-of a run between the errors of a step (see the table in csrc/README.md).
+measurements on fewer cases. Tolerances are divided in two other places: accuracy/choice.py divides
+the tolerance of a quantity of interest between models and time integration, csrc/adaptive the
+tolerance of a run between the errors of a step (see the table in csrc/README.md).
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ TIGHTEST = 1e-13
 # other. The core has the same rule (step.h).
 LESSER = 0.01
 
-# Finest precision of a contact's tangential stretches, relative to the largest one. It takes some
-# 700 of the 2048 springs that the core has room for; a ball that has rolled for 1800 periods of its
-# tangential vibration, each of which leaves two springs, takes 1150. The relative error of an
-# impact's friction is 0.01 to 0.14 of the precision for motion along one line, and up to 0.7 of it
-# for a slide that changes its direction.
+# Finest precision of a contact's tangential stretches, relative to the largest stretch. It takes
+# some 700 of the 2048 springs that the core has room for; a ball that has rolled for 1800 periods
+# of its tangential vibration, each of which leaves two springs, takes 1150. The relative error of
+# an impact's friction is 0.01 to 0.14 of the precision for motion along one line, and up to 0.7 of
+# it for a slide that changes its direction.
 DRAWN = 1e-5
 
 

@@ -2,11 +2,11 @@
 
 Newmark's rule is of second order for smooth forces. Touches or releases within a step, laws that
 jump and massless contact points reduce the order, and errors of two steps may agree by chance.
-Therefore runs with three steps are compared, in the peak force, the force around the peak and the
-impulse, and in the same of friction. The precision of its stretches is proportional to the square
-of the step, as the error of the rule. Errors that no comparison shows are bounded separately: jumps
-of the force at a touch, touches between steps or in vibration that steps do not resolve, and
-changes of loads between steps.
+Therefore runs with three steps are compared, in the peak, the vicinity of the peak and the impulse
+of the normal force and of friction. The precision of tangential stretches is proportional to the
+square of the step, like the error of the rule. Errors that no comparison shows are bounded
+separately: jumps of the force at a touch, touches between steps or in vibration that steps do not
+resolve, and changes of loads between steps.
 """
 
 from __future__ import annotations
@@ -108,13 +108,13 @@ def time_error(
 
 
 def _scales(sizes: FloatArray) -> FloatArray:
-    """Return the values that errors are divided by: sizes, or 1/100 of the largest if less."""
+    """Return the values that errors are divided by: sizes, but at least 1/100 of the largest."""
     least = LESSER * np.maximum(sizes.max(axis=0), np.finfo(float).tiny)
     return np.asarray(np.maximum(sizes, least))
 
 
 def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
-    """Return the largest relative change from a run to one of twice the step; None if too short."""
+    """Return the largest relative change with twice the step; None if the runs are too short."""
     shared = min(len(theirs.times), (len(ours.times) + 1) // 2)
     if shared < 3:
         return None
@@ -134,7 +134,7 @@ def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
 
 
 def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Return change and size of the peak, then of the impulse, of a force, shape (axes, times)."""
+    """Return change and size of peak, then of impulse, of a force of shape (axes, times)."""
     every, rubs = t[::2], len(ours) > 1
     size, other = (np.linalg.norm(of, axis=0) if rubs else of[0] for of in (ours, theirs))
     # Friction has a kink at the start of full slip, where a parabola does not give the peak.
@@ -176,7 +176,7 @@ def _touch_error(run: SteppedRecorder, contact: int) -> float:
         impulse = run.dt * float(np.add.reduceat(force, first).max())
         worst.append(2.0 * float(jump.max()) * run.dt / impulse)
         top = int(force.argmax())
-        if top in first or top - 1 in first:  # the first sample may only be a rounding error
+        if top in first or top - 1 in first:  # the first force may be a rounding error
             worst.append(abs(float(force[min(top + 1, len(force) - 1)]) - peak) / peak)
     return min(1.0, max(0.0, *worst))
 
@@ -216,11 +216,11 @@ def _unseen_loads(run: SteppedRecorder) -> float:
 def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray:
     """Return bounds of each contact's force between steps minus its largest force at a step, N.
 
-    Between steps the indentation follows the parabola through three steps, with an error of at most
-    its change for twice the step. A load f displaces a mode by r f / ω². The amplitude of the
-    vibration caused by the load is at most r / ω² times the sum of changes of f, and at most r / ω³
-    times the sum of changes of its slope. Steps longer than the mode's period show only the
-    displacement.
+    Between steps the indentation follows the parabola through three steps. Its error is at most the
+    difference of the indentations with steps dt and 2 dt. A load f displaces a mode by r f / ω².
+    The amplitude of the vibration caused by the load is at most r / ω² times the sum of changes of
+    f, and at most r / ω³ times the sum of changes of its slope. Steps longer than the mode's period
+    show only the displacement.
     """
     plan, missed = fine.plan, np.zeros(len(fine.plan.contacts))
     size = [_unresolved(plan, body, fine.dt) for body in range(len(plan.bodies))]

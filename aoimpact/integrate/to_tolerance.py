@@ -14,8 +14,8 @@ from .comparison import difference, most_touches
 from .dense import DenseRecorder, adaptive_run
 from .settings import TIGHTEST, Adaptive
 
-# Smallest tolerance of a run at which its error still decreases; it shows the error of a run at
-# TIGHTEST.
+# Smallest tolerance at which the error of a run still decreases. A run with this tolerance shows
+# the error of a run with TIGHTEST.
 FLOOR = 0.01 * TIGHTEST
 
 # Largest difference of two adaptive runs for which errors are assumed proportional to their causes;
@@ -25,32 +25,33 @@ FLOOR = 0.01 * TIGHTEST
 LINEAR = 0.03
 
 # Safety factor of the comparison of two adaptive runs: errors are proportional to the tolerance,
-# but those of single contacts may deviate by this factor. A second run, with a tolerance smaller by
-# this factor and the number of touches, confirms itself unless errors multiply. Over 61 scenes of 2
-# to 58 touches and five tolerances the largest true error is 0.19 of the tolerance; with a factor
-# of 3 it is 1.7; a factor of 30 costs 8 % more steps.
+# but those of single contacts may deviate by this factor. A second run, whose tolerance is smaller
+# by this factor times the number of touches, meets the tolerance unless errors multiply. Over 61
+# scenes of 2 to 58 touches and five tolerances the largest true error is 0.19 of the tolerance;
+# with a factor of 3 it is 1.7; a factor of 30 costs 8 % more steps.
 SPREAD = 10.0
 
-# Share of the tolerance to which a scene of several contacts is run. Bodies that meet after other
-# contacts at a twentieth of their speeds multiply these contacts' errors by twenty: with a share of
-# 1, errors of two of 6000 scenes were 11 and 17 times the tolerance. The share of 0.3 costs 13 %
-# more steps over 306 such scenes. A share of 0.1 costs 22 %, and in one of 30 scenes of dashpots on
-# a massless point no step meets it at a tolerance of 1e-9.
+# Share of the tolerance to which a scene of several contacts is run. Bodies that after other
+# contacts meet at a twentieth of their speeds multiply the errors of these contacts by twenty: with
+# a share of 1, errors of two of 6000 scenes were 11 and 17 times the tolerance. The share of 0.3
+# costs 13 % more steps over 306 such scenes. A share of 0.1 costs 22 %, and in one of 30 scenes of
+# dashpots on a massless point no step meets it at a tolerance of 1e-9.
 SEVERAL = 0.3
 
-# Relative rounding error per contact. It adds up over equal contacts, and is the same in tighter
-# runs. The largest one found was 2.0e-15 per bounce, for 200 balls on a floor with a closed form.
+# Relative rounding error per contact. It adds up over equal contacts, and a smaller tolerance does
+# not reduce it. The largest one found was 2.0e-15 per bounce, for 200 balls on a floor with a
+# closed form.
 ROUNDING = 12.0 * float(np.finfo(float).eps)
 
-# Largest tolerance of a tighter run. With larger ones two runs may take the same steps through a
-# first touch that is hardly longer than a step. Both then have the same error, which later touches
-# multiply: in one of 3000 scenes by 1e5. This limit costs 13 % more steps over 1200 scenes with a
-# tolerance of 6e-5, and none with tolerances of 1e-6 or less.
+# Largest tolerance of a tighter run. With a larger tolerance two runs may take the same steps
+# through a first touch that is hardly longer than a step. Both then have the same error, which
+# later touches multiply: in one of 3000 scenes by 1e5. This limit costs 13 % more steps over 1200
+# scenes with a tolerance of 6e-5, and none with tolerances of 1e-6 or less.
 OTHER_STEPS = 1e-7
 
 # Largest number of steps of a tighter run, in units of the first run's: twice what a method of
-# order 15 needs for fifteen digits. With 3, six of 305 results are lost that another run confirms;
-# larger values wait proportionally longer for runs that confirm nothing.
+# order 15 needs for fifteen digits. With a value of 3, six of 305 results that another run confirms
+# are lost. Larger values waste proportionally more time on runs that confirm nothing.
 PATIENCE = 20
 
 # Least error of friction at any tolerance, relative to its bound, if directions change: the core's
@@ -134,11 +135,11 @@ def _refuse_gain(plan: Scenario, run: DenseRecorder) -> None:
 def _confirmed(
     plan: Scenario, first: DenseRecorder, rtol: float, touches: int
 ) -> tuple[DenseRecorder, float | None]:
-    """Run with smaller tolerances until two runs agree; return the last and its error, if known."""
+    """Run with smaller tolerances until two runs agree; return the last run and its error."""
     speed = max(map(abs, plan.velocities))
     rounding = ROUNDING * touches
     best, tolerance, error = first, first.rtol, math.inf
-    # Errors at least add up from touch to touch.
+    # The tolerance is divided by the number of touches, as errors at least add up over touches.
     wanted = min(rtol / (SPREAD * touches), OTHER_STEPS)
     while True:
         wanted = max(wanted, FLOOR)

@@ -1,8 +1,9 @@
 """Contact laws, one family per file, and their registry `LAWS`.
 
 To add a law, write its class in a file of this folder and import it here: scene files and the tests
-common to all laws read `LAWS`. Laws know no bodies; `effective_law` removes the compliance of the
-bodies' meshes, for `scene`. `integrate` hands laws to the core; `fem` and `reduction` use none.
+common to all laws read `LAWS`. Laws know no bodies. `scene` removes the compliance of the bodies'
+meshes by `effective_law`, and `integrate` hands laws to the core; `fem` and `reduction` use no
+laws.
 """
 
 from .curvature import RoundContact, round_contact

@@ -116,7 +116,7 @@ def elliptic_contact(modulus: float, low: float, high: float) -> tuple[float, fl
         complete, d = integrals(complement)
         return math.log((complete - d) / (complement * d)) - math.log(high / low)
 
-    # (b/a)² falls a little slower than (A/B)^(4/3), and is 1 for A = B.
+    # The ratio (b/a)² falls a little more slowly than (A/B)^(4/3), and is 1 for A = B.
     bottom = 2.0 * math.log(low / high) - 1.0
     complement = min(1.0, math.exp(scipy.optimize.brentq(excess, bottom, 1e-3, xtol=1e-15)))
     complete, d = integrals(complement)
@@ -134,7 +134,7 @@ class RoundContact(NamedTuple):
     modulus : float
         Contact modulus E* of the pair, Pa.
     radius : float
-        Relative radius of curvature R, m; of an elliptic contact that of spheres of the same k.
+        Relative radius of curvature R, m; for an elliptic contact that of spheres with the same k.
     eccentricity : float
         Eccentricity √(1 - b²/a²) of an elliptic contact.
     """
@@ -155,13 +155,13 @@ class RoundContact(NamedTuple):
         return wider * math.sqrt(math.sqrt(1.0 - square))
 
     def width(self, force: npt.ArrayLike) -> FloatArray:
-        """Return the radius of the contact, m: a³ = 3 F R/(4 E*); √(a b) of an ellipse."""
+        """Return the contact radius, m, from a³ = 3 F R/(4 E*); for an ellipse √(a b)."""
         radius = np.cbrt(0.75 * np.asarray(force) * self.radius / self.modulus)
         return self.narrowing * radius
 
 
 def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> RoundContact | None:
-    """Return the Hertz contact with which a law begins; None if it is not known.
+    """Return the Hertz contact k δ^(3/2) that a law starts with; None if it is not known.
 
     Parameters
     ----------

@@ -84,7 +84,7 @@ class Hertz(HertzianLaw, kind="hertz"):
             half_space("material_1", material_1), half_space("material_2", material_2)
         )
         k, eccentricity = elliptic_contact(modulus, *relative_curvatures(radius_1, radius_2, angle))
-        radius = (0.75 * k / modulus) ** 2  # radius of spheres with the same law
+        radius = (0.75 * k / modulus) ** 2  # that of two spheres with the same k
         return cls(k, relative_radius=radius, eccentricity=eccentricity)
 
 
@@ -106,7 +106,7 @@ class PowerLaw(ContactLaw, kind="power"):
     """
 
     k: float
-    n: float = field(metadata=parameter(within, low=1.0))  # below 1, infinite stiffness at 0
+    n: float = field(metadata=parameter(within, low=1.0))  # below 1 the stiffness at 0 is infinite
 
 
 @dataclass(frozen=True, repr=False)

@@ -91,7 +91,7 @@ class Tabulated(ContactLaw, kind="table"):
     def _table(self) -> FloatArray:
         """The core's table, shape (4, n): indentations, forces, slopes, energies."""
         depth, push = np.array(self.indentation), np.array(self.force_values)
-        with np.errstate(all="ignore"):  # extreme slopes overflow and are refused
+        with np.errstate(all="ignore"):  # extreme slopes overflow, and are refused below
             try:
                 through = scipy.interpolate.PchipInterpolator(depth, push)
             except ValueError:  # slopes overflow
@@ -183,7 +183,7 @@ class UserLaw(ContactLaw, kind="user", by_caller=True):
         return tuple(found)
 
     def for_core(self) -> CoreLaw:
-        # The functions themselves are included to keep them alive during the call.
+        # The functions are passed too, which keeps them alive during the call.
         functions = (self.function, self.stiffness, self.damping, self.energy)
         data = self._entries(), self.depends_on_rate, self.pulls, functions
         return super().for_core()._replace(data=data)

@@ -1,7 +1,8 @@
 """Interface of all contact laws, and laws with the compliance of the bodies' meshes removed.
 
-The bodies' meshes have a local compliance c at the contact (`contact/extraction.py`). The law, made
-for half-spaces, contains it already, so that it is removed from the law: F = law(δ + c F).
+The bodies' meshes have a local compliance c at the contact (`contact/extraction.py`). The law of
+half-spaces already contains the local indentation, so that c is removed from the law:
+F = law(δ + c F).
 """
 
 from __future__ import annotations
@@ -74,12 +75,12 @@ class Dent(NamedTuple):
     diameter: float
 
 
-# Ratio of residual to deepest indentation up to which the residual indentation is rounding.
+# Largest ratio of residual to deepest indentation at which the residual one is a rounding error.
 _NO_DENT = 1e-12
 
-# Largest c dF/dδ at which the compliance c is removed from a law, as in csrc/law/law.c. The
-# remaining law is then twenty times as stiff. Between two equal bodies, the contact radius is 0.8
-# of the patch's radius.
+# Largest c dF/dδ at which the compliance c is removed from a law, as in csrc/law/law.c. At this
+# value the remaining law is twenty times as stiff as the given one and, between equal bodies, the
+# contact radius is 0.8 of the patch's radius.
 MOST_SHARE = 0.95
 
 # Eccentricity e up to which summaries omit it: √(a b) differs from a circle's radius by about e⁴.
@@ -88,23 +89,24 @@ _ROUND = 0.1
 # Symbols of some parameters in summaries.
 _SYMBOLS = {"relative_radius": "R", "yield_force": "F_y"}
 
-# Points per decade in _INDENTATIONS, m, among which c dF/dδ = MOST_SHARE is searched.
+# Number of points per decade of _INDENTATIONS, m, among which c dF/dδ = MOST_SHARE is searched.
 _DECADE = 40
 _INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
 
-# Smallest restitution: below it, a rebound velocity in double precision has less than four digits.
+# Smallest restitution for which a rebound velocity in double precision has at least four digits.
 _LEAST_RESTITUTION = 1e-12
 
-# Smallest energy of a rigid impact, J, for which no power of its quantities underflows.
+# Smallest energy of a rigid impact, J: at lower energies, powers of mass or velocity may underflow.
 _LEAST_ENERGY = 1e-250
 
 _NO_NOTE = np.full(3, math.nan)
 
-# Start and step, in log δ, of the search for the stroke; a user's law may end not far beyond the
-# indentations that it is meant for.
+# Start and step, in log δ, of the search for the stroke. Steps are short, as a user's law may not
+# be defined far beyond the indentations that it is meant for.
 _SHALLOW, _STRIDE = -28.0, 0.35
 
-# Largest magnitude of log δ in the search for the stroke; least work, J, that counts as positive.
+# `_LONGEST`: largest magnitude of log δ in the search for the stroke. `_LEAST_WORK`: smallest work,
+# J, whose logarithm is taken.
 _LONGEST, _LEAST_WORK = 300.0, 1e-300
 
 
@@ -126,9 +128,9 @@ class ContactLaw:
     """The force between two bodies as a function of indentation, its rate, and its history.
 
     Every law is a frozen dataclass; its formulas are in the core (csrc/law). The field `k` is
-    positive; other fields have `parameter` metadata. The numbers that are not keyword-only are the
-    parameters of the law's row in csrc/law. Keywords of the class statement give the name of that
-    row, `kind`, and other class attributes.
+    positive; other fields have `parameter` metadata. Numerical fields that are not keyword-only are
+    the parameters of the law's row in csrc/law. Keywords of the class statement set the name of
+    that row, `kind`, and other class attributes.
 
     Attributes
     ----------
@@ -158,15 +160,15 @@ class ContactLaw:
     # True if the force may be negative: the contact then ends where the indentation reaches 0.
     pulls: bool = False
 
-    # Exponents of the indentation: on loading, of a law without a parameter n; on unloading, of a
-    # law with memory.
+    # `power`: exponent of the indentation on loading, for laws without a parameter n.
+    # `unloading_power`: exponent on unloading, for laws with memory.
     power: ClassVar[float] = 1.5
     unloading_power: ClassVar[float] = 1.5
 
-    # Name of the parameter that the damping is proportional to, of a law with `_closed_form`.
+    # Name of the parameter that the damping is proportional to, for laws with `_closed_form`.
     damped_by: ClassVar[str] = ""
 
-    # Relative radius of curvature R, m, of a law with a contact radius, √(R δ).
+    # Relative radius of curvature R, m, for laws with a contact radius √(R δ).
     relative_radius: float | None = None
 
     def __init_subclass__(cls, **traits: Any) -> None:
@@ -187,7 +189,7 @@ class ContactLaw:
             raise InputError(self._refused()) from None
 
     def _refused(self) -> str:
-        """Return why the core cannot make the law."""
+        """Return the text of the error that the core cannot make the law."""
         return f"{self!r} has powers of parameters beyond the range of numbers"
 
     def _fields(self) -> tuple[Field[Any], ...]:
@@ -204,7 +206,7 @@ class ContactLaw:
         return units | {"k": "N/m" if power == 1.0 else f"N/m^{power:g}"}
 
     def _given(self) -> dict[str, Any]:
-        """Return the fields by name; keyword-only fields come last, and only if they are set."""
+        """Return the fields by name, keyword-only fields last and only if they are set."""
         entries = {e.name: getattr(self, e.name) for e in self._fields() if not e.kw_only}
         options = {e.name: getattr(self, e.name) for e in self._fields() if e.kw_only}
         return entries | {name: value for name, value in options.items() if value}
@@ -339,7 +341,7 @@ class ContactLaw:
         return PatchLaw(self, c, limit)
 
     def _stiffest(self, indentation: FloatArray) -> FloatArray:
-        """Return dF/dδ, N/m, of loading or, where that is steeper, of unloading."""
+        """Return the larger slope dF/dδ, N/m, of loading and unloading at indentations, m."""
         force, steepest, _ = self._evaluate(indentation, np.zeros(indentation.shape))
         if self.has_memory:  # unloading by F* x^n begins with the slope n F*/(δ* - δ_p)
             n = self.unloading_power
@@ -348,7 +350,7 @@ class ContactLaw:
         return steepest
 
     def _steepest(self, compliance: float) -> float:
-        """Return the law's own indentation δ + c F, m, up to which c dF/dδ is below MOST_SHARE."""
+        """Return the indentation δ + c F of the law, m, up to which c dF/dδ is below MOST_SHARE."""
 
         def excess(delta: FloatArray | float) -> Any:
             return compliance * self._stiffest(np.asarray(delta)) - MOST_SHARE
@@ -358,7 +360,7 @@ class ContactLaw:
             try:
                 with np.errstate(all="ignore"):
                     beyond = excess(within[start : start + _DECADE]) >= 0.0
-            except Exception:  # a user's law may fail deeper than any run goes
+            except Exception:  # a user's law may fail at depths that no run reaches
                 if start == 0:
                     raise
                 break
@@ -369,7 +371,7 @@ class ContactLaw:
                 ends = within[high - 1], within[high]
                 try:
                     return float(scipy.optimize.brentq(excess, *ends, xtol=1e-18))
-                except ValueError:  # no change of sign: a law with noise returns different values
+                except ValueError:  # excess has no change of sign: a noisy law
                     return float(ends[0])
         return math.inf
 
@@ -501,7 +503,7 @@ class ContactLaw:
         return min(delivered, 1.0)
 
     def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
-        """Return e as a function of a damping number, and the ratio of this to `damped_by`."""
+        """Return e as a function of a damping number, and that number's ratio to `damped_by`."""
         raise NotImplementedError
 
     def _delivering(
@@ -631,7 +633,7 @@ def effective_law(law: ContactLaw, compliance: float) -> ContactLaw:
     Raises
     ------
     InputError
-        If the law is stiffer than the compliance from the first touch on.
+        If the law is stiffer than the bodies' meshes from the first touch on.
     """
     if compliance == 0.0 or isinstance(law, PatchLaw):
         return law
@@ -650,6 +652,6 @@ def own_law(law: ContactLaw) -> ContactLaw:
 
 
 def check_width(law: ContactLaw, indentation: FloatArray, contact: int) -> None:
-    """Refuse indentations at which contact number `contact` is stiffer than the meshes."""
+    """Refuse indentations at which the contact of number `contact` is stiffer than the meshes."""
     if isinstance(law, PatchLaw) and float(indentation.max(initial=0.0)) > law.limit:
         raise LawLimitError("the contact is stiffer than the meshes there", contact)

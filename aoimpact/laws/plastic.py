@@ -1,4 +1,4 @@
-"""Contact laws with a residual indentation: of metals, and of laminates under an impactor."""
+"""Contact laws with a residual indentation: for metals, and for laminates under an impactor."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .curvature import contact_modulus
 from .elastic import Hertz
 from .law import HertzianLaw, parameter
 
-# Ratio of hardness to yield strength of a metal that no longer strain-hardens (Tabor).
+# Ratio of hardness to yield strength of a fully strain-hardened metal (Tabor).
 _CONSTRAINT = 2.8
 
 
@@ -67,7 +67,7 @@ def yield_pressure(material: Material) -> float:
 
 @dataclass(frozen=True, repr=False)
 class _Yielding(HertzianLaw, has_memory=True):
-    """A law F = k δ^(3/2) up to a yield force, and a line or the subclass's curve beyond."""
+    """A law F = k δ^(3/2) up to a yield force; beyond, a line or a curve of the subclass."""
 
     k: float
     yield_force: float = field(metadata=parameter(positive, "N"))
@@ -79,11 +79,11 @@ class _Yielding(HertzianLaw, has_memory=True):
 
     @property
     def plastic_indentation(self) -> float:
-        """Indentation from which on the force is a straight line, m."""
+        """Indentation above which the force is a straight line, m."""
         return self.yield_indentation
 
     def yield_velocity(self, mass: float) -> float:
-        """Return the velocity, m/s, up to which a rigid pair of reduced mass, kg, is elastic.
+        """Return the largest velocity, m/s, at which a rigid pair of reduced mass, kg, is elastic.
 
         m V_y²/2 = 2/5 k δ_y^(5/2).
 
@@ -101,7 +101,7 @@ class _Yielding(HertzianLaw, has_memory=True):
         elastic = min(indentation, start)
         work = 0.4 * self.k * math.pow(elastic, 2.5)
         for low, high in ((start, min(indentation, full)), (max(start, full), indentation)):
-            if high > low:  # two points of Gauss: exact for cubics
+            if high > low:  # two-point Gauss rule: exact for cubics
                 middle, half = 0.5 * (low + high), 0.5 * (high - low)
                 work += half * sum(
                     self.force(middle + side * half / math.sqrt(3.0)) for side in (-1.0, 1.0)
@@ -122,7 +122,7 @@ class Thornton(_Yielding, kind="thornton"):
     The law is for indentations of a few times δ_y. Its line has the slope π R p_y, whereas a fully
     plastic contact has 2 π R p₀ with the hardness p₀ ≈ 2.8 σ_y: the force measured on spheres
     pressed together by 0.1 to 0.3 mm in a Hopkinson bar was 3.4 to 4.6 times that of the law with
-    p_y = 1.6 σ_y. Take `ElasticPlastic` there.
+    p_y = 1.6 σ_y. For such indentations take `ElasticPlastic`.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ class Thornton(_Yielding, kind="thornton"):
             Radius of the surface, m; ``math.inf`` means flat, a negative radius hollow.
         yield_pressure : float
             Largest pressure at yield p_y, Pa: yield begins at 1.6 times the yield stress of the
-            softer body (Johnson, *Contact Mechanics*, section 6.1); with more, it yields late.
+            softer body (Johnson, *Contact Mechanics*, section 6.1); a larger p_y delays yield.
 
         Examples
         --------
@@ -245,10 +245,11 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     ) -> ElasticPlastic:
         """Return the law of two spheres, or of a sphere and a flat or a cup.
 
-        Both bodies are under the same pressure: yield begins at the lower yield pressure, 1.6 yield
-        strengths, and the contact becomes fully plastic at the lower hardness. A material without a
-        hardness has 2.8 yield strengths (Tabor), one without a yield strength its hardness over
-        2.8. Metals that harden, by strain or its rate, have more than 2.8: give their hardness.
+        Both bodies are under the same pressure: yield begins at the lower of their yield pressures,
+        1.6 yield strengths, and the contact becomes fully plastic at the lower hardness. A hardness
+        that is not given is 2.8 yield strengths (Tabor), and a yield strength that is not given is
+        the hardness divided by 2.8. For metals that harden with strain or strain rate the ratio
+        exceeds 2.8: give their hardness.
 
         Parameters
         ----------
@@ -311,7 +312,7 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
 
 
 def _hardness(material: Material) -> float:
-    """Return the hardness of a material, Pa, infinite if it is not known."""
+    """Return the hardness of a material, Pa; infinity if it is not known."""
     return material.hardness or _CONSTRAINT * (material.yield_strength or math.inf)
 
 

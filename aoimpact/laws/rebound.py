@@ -1,7 +1,7 @@
 """Restitution e of a rigid mass on a damped contact law: closed forms, else by integration.
 
-A mass m moves according to m δ'' = -F(δ, δ') from δ = 0 at the speed V until the force ends; e is
-the ratio of its speed then to V.
+A mass m moves according to m δ'' = -F(δ, δ'), from δ = 0 with the speed V until the force ends; e
+is the ratio of its final speed to V.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def oscillator_restitution(ratio: float) -> float:
     e = exp(-2 ζ arccos ζ / √(1-ζ²)), with arcosh and √(ζ²-1) where ζ > 1: from T. Schwager,
     T. Pöschel, Granular Matter 9 (2007) 465-469, with its branches joined.
     """
-    sine = math.sqrt(abs((1.0 - ratio) * (1.0 + ratio)))  # loses no digits near 1
+    sine = math.sqrt(abs((1.0 - ratio) * (1.0 + ratio)))  # accurate in all digits near ratio = 1
     angle = math.atan2(sine, ratio) if ratio < 1.0 else math.asinh(sine)
     return math.exp(-2.0 * ratio * (angle / sine if sine else 1.0))
 
@@ -48,8 +48,8 @@ def _lead(x: float) -> float:
 def hunt_crossley_restitution(damping: float) -> float:
     """Return e of F = k δⁿ (1 + χ δ') for χ V = `damping`, whatever k, n and the mass.
 
-    u - log(1+u) = -u e - log(1 - u e), u = χ V: from the energy in the phase plane; the Lambert W
-    form of it is e = (1 + W(-(1+u) exp(-(1+u)))) / u.
+    u - log(1+u) = -u e - log(1 - u e), u = χ V: from the energy in the phase plane. In terms of the
+    Lambert W function, e = (1 + W(-(1+u) exp(-(1+u)))) / u.
     """
     if damping < 1e-17:  # e = 1 - 2/3 χ V to first order
         return 1.0
@@ -58,7 +58,7 @@ def hunt_crossley_restitution(damping: float) -> float:
     if damping > _SMALL:
         kept = 1.0 + float(scipy.special.lambertw(-math.exp(-1.0 - wanted)).real)
     # Newton steps restore the digits that W loses near its branch point, kept = 0. Near kept = 1,
-    # where 1 - kept is rounding, they might overshoot it.
+    # where 1 - kept consists of rounding errors, a step might exceed 1.
     for _ in range(3 if kept < 0.5 else 0):
         kept -= (_lead(-kept) - wanted) * (1.0 - kept) / kept
     return kept / damping
@@ -117,7 +117,7 @@ def _integrated(
     return float(-run.y[1, -1]) if run.t_events[0].size else 0.0
 
 
-@lru_cache(maxsize=16)  # takes some 20 integrations if there is no closed form
+@lru_cache(maxsize=16)  # without a closed form, a call takes some 20 integrations
 def damping_for(restitution: Callable[[float], float], wanted: float) -> float:
     """Return the damping number x at which `restitution` gives the `wanted` e, 0 < e ≤ 1.
 

@@ -12,16 +12,18 @@ from ..base import ROUNDING, InputError, unit_vector
 from ..contact import ContactSurface
 from .elastic import Hertz
 
-# Both directions of travel are in one frame if their cosine is at least this: 5°.
+# Directions of travel count as given in one frame if the cosine of their angle is at least this:
+# 5°.
 _ONE_FRAME = math.cos(math.radians(5.0))
 
-# Largest relative change of k with the angle between the surfaces for which any angle is taken.
+# If the relative change of k over all angles between the surfaces is at most this, any angle will
+# do.
 _NO_MATTER = 0.01
 
 _CURE = "give law="
 
-# If there is no law, the message names the mesh as the reason above this relative error of the
-# largest curvature.
+# Relative error of the largest curvature above which the message that there is no law names the
+# mesh as the reason.
 _DOUBT = 0.3
 
 

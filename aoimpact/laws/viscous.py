@@ -1,7 +1,7 @@
 """Contact laws with a damping force that depends on the rate of indentation.
 
-Unless a law states otherwise, negative forces are cut to zero: it never pulls, and the contact ends
-where the force reaches zero. `from_restitution` finds the damping for a given restitution of a
+Unless a law states otherwise, negative forces are set to zero: the law never pulls, and the contact
+ends where the force reaches zero. `from_restitution` finds the damping for a given restitution of a
 rigid pair.
 """
 
@@ -21,7 +21,7 @@ from .rebound import (
     swing_restitution,
 )
 
-# Published formulas for χ V as a function of the nominal restitution e.
+# Published formulas for χ V, each a function of the nominal restitution e.
 _FORMULAS: dict[str, Callable[[float], float]] = {
     "lankarani-nikravesh": lambda e: 0.75 * (1.0 - e) * (1.0 + e),
     "flores": lambda e: 1.6 * (1.0 - e) / e,
@@ -146,7 +146,8 @@ class Tsuji(HertzianLaw, kind="tsuji", depends_on_rate=True, damped_by="alpha"):
     ) -> Tsuji:
         """Return the law with which a rigid pair of reduced mass `mass` delivers `restitution`.
 
-        In y ∝ δ^(5/4) the phase plane is that of a linear oscillator of damping ratio α/√5.
+        With y ∝ δ^(5/4) the trajectory in the phase plane is that of a linear oscillator with the
+        damping ratio α/√5.
 
         Parameters
         ----------
@@ -235,7 +236,7 @@ class KuwabaraKono(HertzianLaw, kind="kuwabara_kono", depends_on_rate=True, damp
         return law._delivering(restitution, mass, velocity)
 
     def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
-        # (k/m)^(2/5) V^(1/5), without k/m, which might overflow.
+        # (k/m)^(2/5) V^(1/5), in a form without k/m, which might overflow.
         return kuwabara_kono_restitution, 1.5 * self.k**0.4 * mass**-0.4 * velocity**0.2
 
 

@@ -622,7 +622,7 @@ def with_shapes(
 
 
 def _tensor_of_inertia(name: str, value: Any) -> FloatArray:
-    """Return the tensor of inertia, kg m², from it, one moment for all axes, or three moments."""
+    """Return the inertia tensor, kg m², given as a tensor, three moments or one for all axes."""
     given = finite_array(name, value, unit="kg m²")
     tensor = inertia_tensor(name, given if given.ndim else np.full(3, given), most=HUGE)
     if np.linalg.eigvalsh(tensor)[0] <= 0.0:

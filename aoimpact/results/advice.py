@@ -1,10 +1,10 @@
 """Every warning about a run: its models, its contacts, and the limits of linear elasticity.
 
 `RULES` is the table of the limits of linear elasticity. For a contact each rule returns a `Limit`:
-the largest force, speed or energy, relative to a scale, and the warning above this limit. Limits
-give the rows (`Advice`) of a run, which are its warnings and lines of its summary, and the force
-and speed up to which none of many impacts needs a warning. Unknown properties of a body are not
-checked, so that models given by numbers cost nothing.
+the largest force, speed or energy, relative to a scale, and the warning above this limit. From the
+limits follow the rows (`Advice`) of a run, which are its warnings and lines of its summary, and the
+force and speed up to which none of many impacts needs a warning. Unknown properties of a body are
+not checked, so that models given by numbers cost nothing.
 
 A model fitted to a contact of duration T has the receptance of its body at the frequency i s,
 s ~ 10/T. Its accuracy for a contact of another duration is judged by the forces that it leaves
@@ -44,8 +44,8 @@ if TYPE_CHECKING:
 
 # ------------------------------------------------------------------- limits of linear elasticity
 
-# _WIDTH: largest ratio of contact radius to radius of curvature. _STRAIN: ratio of the strain to
-# that ratio (Tabor). The force on Sneddon's spherical punch is 1 % less than on Hertz's paraboloid
+# _WIDTH: largest ratio of contact radius to radius of curvature. _STRAIN: strain divided by the
+# same ratio (Tabor). The force on Sneddon's spherical punch is 1 % less than on Hertz's paraboloid
 # at the ratio _WIDTH, and 3 % less at .5.
 _WIDTH, _STRAIN = 0.3, 0.2
 
@@ -59,8 +59,8 @@ _SPEED = 0.01
 # Plates and Shells*, section 100).
 _THICKNESS, _SIZE = 0.5, 0.1
 
-# Largest abs(cosine) between an axis and the contact's direction at which supports along the axis
-# count as in-plane: they stop the edges from being drawn in.
+# Largest |cos| of the angle between an axis and the contact's direction at which supports along the
+# axis count as in-plane: such supports stop the edges from being drawn in.
 _ACROSS = 0.5
 
 # Ratios of projectile to plate mass. Below _WAVES the impact is over before waves return from the
@@ -157,14 +157,14 @@ def limits(plan: Scenario, contact: Contact) -> dict[str, Limit]:
 
 
 def advice(run: Run, number: int, *, exceeded: bool = False) -> Iterator[Advice]:
-    """Yield the rows of one contact; with `exceeded`, only those of exceeded limits."""
+    """Yield the `Advice` on one contact; if `exceeded`, only that on exceeded limits."""
     plan, events, contact = run.plan, run.events[number], run.plan.contacts[number]
     if not events.contacts:
         return
     both = zip(plan.bodies, run.velocities_before.tolist(), strict=True)
     moving = [(math.inf if of.known_mass is None else of.known_mass, v) for of, v in both if v]
     before = run.velocities_before
-    if len(plan.contacts) > 1:  # other contacts may have come first
+    if len(plan.contacts) > 1:  # other contacts may have changed velocities before
         before = run.mean_velocities(events.contacts[0][0])
     reached = {
         "force": events.peak_force,
@@ -325,7 +325,7 @@ def _shell(joint: _Joint) -> Limit | None:
 
 _UNITS = {"force": "N", "speed": "m/s", "energy": "J"}
 
-# In the order of a summary.
+# The order of rules is that of the rows of a summary.
 RULES: dict[str, Callable[[_Joint], Limit | None]] = {
     "yield": _yield,
     "width": _width,
@@ -425,12 +425,12 @@ def _touches(run: Run, body: int) -> list[tuple[float, float]]:
 # massless contact are negligible. For a body of one oscillator, the relative errors at this ratio
 # are 2e-4 (peak force) and 9e-4 (rebound velocity).
 _LAGS = 1e-4
-# Ratio of the mass that a warning proposes for a massless contact to the body's mass. Its effect is
-# as small as that of dashpots at _LAGS.
+# Ratio of the mass that a warning proposes for a massless contact to the body's mass. The effect of
+# this mass is as small as that of dashpots at the ratio _LAGS.
 _LIGHT = 1e-6
 
-# Least cosine of the angle between a contact's direction and normal without a warning. The angle of
-# 10° allows for the facets of coarse meshes.
+# Smallest cosine of the angle between a contact's direction and normal at which no warning is
+# given. The angle of 10° allows for the facets of coarse meshes.
 _OBLIQUE = math.cos(math.radians(10.0))
 
 # Largest distance between two contact points that count as one, relative to the first body's size.
@@ -475,7 +475,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     for (number, tip), law in laws.items():
         along, normal = tip.direction, tip.normal
         cosine = 1.0 if along is None or normal is None else abs(float(normal @ along))
-        if along is not None and cosine < _OBLIQUE:  # smooth bodies meet by their normal velocity
+        if along is not None and cosine < _OBLIQUE:  # smooth: only the normal velocity counts
             angle = math.degrees(math.acos(cosine))
             warn(
                 f"{names[number]} is touched along {plain(along)}, {angle:.0f}° off the "
@@ -527,11 +527,11 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
 
 # ------------------------------------------------------------------- errors
 
-# _DRIFT: largest ratio of energy drift to the error of time integration. _LEAST_ERROR: least value
-# of that error, which allows for rounding.
+# _DRIFT: largest ratio of energy drift to the error of time integration. _LEAST_ERROR: smallest
+# value of that error, which allows for rounding errors.
 _DRIFT, _LEAST_ERROR = 100.0, 1e-12
 
-# Largest relative error due to a mesh or a contact law without a warning.
+# Largest relative error due to a mesh or a contact law at which no warning is given.
 MESH_LIMIT = 0.1
 
 
@@ -581,8 +581,8 @@ def _as_a_shell(tip: ContactPoint) -> str:
 def warn_of_ledger(energy: float, error: float | None) -> None:
     """Warn where the energy drifts by far more than the error of time integration allows.
 
-    Over 600 random scenes the drift was at most 0.3 times that error; 10 times with massless
-    contacts.
+    Over 600 random scenes the drift was at most 0.3 times that error, and at most 10 times with
+    massless contacts.
     """
     if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
         warn(
@@ -591,12 +591,12 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
         )
 
 
-# ------------------------------------------------------------------- limits and misses
+# ------------------------------------------------------------------- limits and missed contacts
 
-# Largest ratio of element length in the finer mesh to the length (D/(m s²))^(1/4) of bending waves,
-# s = 5 / (rise time of the force), at which that mesh gives an error estimate. Before refinement,
-# elements of shells and beams are twice as long: 0.9 of half the length of a wave whose quarter
-# period is the rise time.
+# Largest ratio of the length of a refined element to the length (D/(m s²))^(1/4) of bending waves,
+# s = 5 / (rise time of the force), at which the refined mesh gives an error estimate. Before
+# refinement, elements of shells and beams are twice as long: 0.9 times half the length of a wave
+# whose quarter period is the rise time.
 _BENDING = 2.5
 
 
@@ -668,7 +668,7 @@ def _missed(run: Run) -> str:
     gap, contact = gaps[number], run.plan.contacts[number]
     at = int(gap.argmin())
     moved = float(np.abs(layout.body(rows, contact.first).port_displacements).max())
-    if gap.max() <= ROUNDING * moved:  # the bodies move on in touch, without a force
+    if gap.max() <= ROUNDING * moved:  # the bodies stay in touch, without a force
         return ""
     least, when, cure = float(gap[at]), float(t[at]), "take a smaller gap, or a larger velocity"
     if at == 0:

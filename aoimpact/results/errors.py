@@ -44,7 +44,7 @@ class LeftOut:
         Error from contacts whose width changes and, for a law found from the surfaces, from
         inexact curvatures.
     worst_time : float or None
-        Time at which the history of interest has the largest of these errors, s.
+        Time at which the history of interest has the largest error from mesh and contact, s.
     """
 
     mesh: Mapping[str, float] = field(default_factory=dict, hash=False)
@@ -136,8 +136,8 @@ class ErrorEstimate(ErrorParts):
     """Relative errors of a run, such as ``error["restitution"].total``, by the number's name.
 
     ``error.mesh``, ``.contact``, ``.model``, ``.time`` and ``.total`` are the errors of the first
-    quantity of interest, or of the force if none was given. The tolerance bounds only the model's
-    part of the quantities of interest; all other errors are only estimated. Iteration yields the
+    quantity of interest, or of the force if none was given. The tolerance bounds only the `model`
+    errors of the quantities of interest; all other errors are only estimated. Iteration yields the
     names.
 
     Attributes
@@ -146,7 +146,7 @@ class ErrorEstimate(ErrorParts):
         Errors by the name of the number: "restitution" or, in a scene, "contacts.0.impulse".
     energy : float or None
         Range of the total energy over the record, relative to the largest sum of kinetic, elastic
-        and contact energy. No solver uses it, so it checks the run independently.
+        and contact energy. No solver uses this range, so it is an independent check of the run.
     quantity : str or None
         First quantity of interest; None if none was given.
     rtol : float or None

@@ -49,7 +49,7 @@ _SIZE = 0.35
 
 
 def shown(run: AnyRun, during: During) -> AnyRun:
-    """Return a run read at enough times within a time span for smooth curves.
+    """Return a run at enough times within a time span for smooth curves.
 
     Runs with fixed steps, or read at chosen times, keep their times. Any other run is evaluated as
     finely as its fastest natural mode requires.

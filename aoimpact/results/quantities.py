@@ -40,11 +40,10 @@ _LEAST_CONTACT = 0.1
 # either.
 _LEAST_REBOUND = 0.1
 
-# Number of times at which two runs' momenta are compared while bodies touch.
+# Number of times during a contact at which the momenta of two runs are compared.
 _ON_THE_WAY = 400
 
-# Number of times around the maximum of a record at which the largest friction force is searched
-# again.
+# Number of times around the maximum of a record in the search for the largest friction force.
 _BETWEEN = 65
 
 
@@ -124,7 +123,7 @@ class Quantity:
     lasting : bool
         True if the motion after the last contact affects the quantity.
     memory : float
-        Time by which the record must exceed the impact, s.
+        Time by which the record must be longer than the impact, s.
     least : callable, optional
         Returns the least value that errors are divided by, from the initial velocities, m/s.
     sliding : bool
@@ -210,7 +209,8 @@ class Quantity:
     def span(self, run: Run) -> float:
         """Return the duration of the motion that affects the quantity, s.
 
-        Bodies without gravity, loads or preload do not deform before the first contact.
+        The motion before the first contact counts only under gravity, loads or preload, which
+        deform bodies.
         """
         first, last = run.touching or (0.0, 0.0)
         if run.plan.preload or run.plan.weighed or run.plan.loads:
@@ -337,7 +337,7 @@ def number_errors(
     ----------
     run : Run
     others : sequence of (Run, float)
-        Runs to compare with, and the factor of the difference from each.
+        Runs to compare with, and the factor by which the difference from each is multiplied.
     known : mapping of str to float, optional
         Errors that are known already.
     on_the_way : bool, optional
@@ -384,7 +384,7 @@ def _momentum_apart(run: Run, other: Run) -> FloatArray:
 
 
 def number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
-    """Return a name's quantity, the number's index and all numbers; raise KeyError if unknown."""
+    """Return the quantity of a name, its number's index and all its numbers, or raise KeyError."""
     *_, at, last = ("", "", *name.split("."))
     quantity, place = QUANTITIES[last], int(at) if at.isdigit() else 0
     known = not quantity.is_history and name == quantity.called(run, place)
@@ -412,8 +412,9 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
 def _allowed(run: Run, momenta: FloatArray) -> FloatArray:
     """Return uncertainties of contacts' momenta, N s, bounded by the energy left in the bodies.
 
-    Two bodies that part with e times their velocity keep 1 - e² of their energy as vibration. If
-    all of it is uncertain, the relative uncertainty of the impulse is (1 - e)/(2 e).
+    Two bodies that part with e times their approach velocity keep 1 - e² of their energy as
+    vibration. If all of this energy is uncertain, the relative uncertainty of the impulse is
+    (1 - e)/(2 e).
     """
     e = QUANTITIES["restitution"].compared(run).max(initial=0.0)
     if run.plan.weighed or run.plan.loads or e == 0.0:
@@ -425,7 +426,7 @@ def _allowed(run: Run, momenta: FloatArray) -> FloatArray:
 def _of_bodies(run: Run, momenta: FloatArray) -> FloatArray:
     """Return each body's change of velocity, m/s, due to changes of momentum at contacts, N s.
 
-    It is 0 for bodies held at rest.
+    The change is 0 for bodies held at rest.
     """
     found = np.zeros(len(run.plan.bodies))
     for contact, momentum in zip(run.plan.contacts, _allowed(run, momenta), strict=True):
@@ -472,7 +473,7 @@ def _friction_peaks(run: Run) -> FloatArray:
     It is searched again, at closely spaced times, around the maximum of the record: the force may
     have a kink there, at the start of slip.
     """
-    found, run = list[float](), replace(run, asked=None)  # at the solver's own times
+    found, run = list[float](), replace(run, asked=None)  # read at the solver's own times
     for number, contact in enumerate(run.plan.contacts if run.plan.oblique is not None else ()):
         if contact.friction is None:
             found.append(0.0)

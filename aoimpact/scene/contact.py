@@ -19,9 +19,9 @@ from .rows import ContactRows
 def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> Compliance | None:
     """Return a body's compliances at a contact; None if none is taken out of the law.
 
-    A law that is not like Hertz's, such as of a spring or buffer, does not contain the indentation
-    of a solid at a node, so that none is taken out. Shells and beams have a compliance to take out
-    under any law.
+    A law that is not like Hertz's, such as that of a spring or buffer, does not contain the
+    indentation of a solid at a node, so that no compliance is taken out. Shells and beams have a
+    compliance to take out under any law.
 
     Raises
     ------
@@ -54,7 +54,7 @@ class Port(NamedTuple):
 # relative error of the friction force is a tenth of this precision.
 _PRECISION = 1e-4
 
-# Poisson's ratio that G*/E* is computed from if both materials are unknown, and assumed equal.
+# Poisson's ratio for G*/E* if both materials are unknown; both are then assumed to be equal.
 _USUAL = 0.3
 
 
@@ -81,8 +81,9 @@ class Friction(NamedTuple):
     ) -> Friction:
         """Return the friction with the stiffness ratio and compliance of two bodies.
 
-        1/E* = Σ (1 - ν²)/E and 1/G* = Σ (2 - ν)/(4G) (K. L. Johnson, Contact Mechanics, 7.2). One
-        unknown material is assumed to be rigid, two to be equal.
+        1/E* = Σ (1 - ν²)/E and 1/G* = Σ (2 - ν)/(4G) (K. L. Johnson, Contact Mechanics, 7.2). If
+        one material is unknown, that body is assumed to be rigid; if both are, they are assumed to
+        be equal.
         """
         ratio, there = 2.0 * (1.0 - _USUAL) / (2.0 - _USUAL), [of for of in materials if of]
         if there:
@@ -94,9 +95,9 @@ class Friction(NamedTuple):
     def for_core(self, law: ContactLaw, precision: float) -> tuple[Any, ...]:
         """Return the core's tuple; the normal compliance is that of `law`.
 
-        If it differs from that of the meshes, due to the contact's width or an altered law, the
-        difference divided by `ratio` is added to the tangential compliances. `precision` is as for
-        `_PRECISION`.
+        If it differs from the normal compliance of the meshes, due to the contact's width or an
+        altered law, the difference divided by `ratio` is added to the tangential compliances.
+        `precision` is as for `_PRECISION`.
         """
         if self.compliance is None:
             return self.mu, self.ratio, precision, None
@@ -145,7 +146,7 @@ class Contact(NamedTuple):
     law_error: float = 0.0
 
     def of_models(self, bodies: Sequence[BodyModel], *, bounded: bool = False) -> Contact:
-        """Return the contact between models: with the compliance of their meshes taken out.
+        """Return the contact between models, the compliance of their meshes taken out of its law.
 
         Parameters
         ----------
@@ -153,8 +154,8 @@ class Contact(NamedTuple):
             Models of the scene.
         bounded : bool, optional
             True to take nothing out of the law of a contact that is stiffer than its meshes. On a
-            shell, the resulting force is one bound; the other is the force with as much taken out
-            as possible.
+            shell, the resulting force is one bound of the true force; the other bound results from
+            a law with as much compliance taken out as possible.
 
         Raises
         ------
@@ -165,7 +166,7 @@ class Contact(NamedTuple):
         friction = self.friction and self.friction.between(self.materials(bodies), known)
         removed = tuple(0.0 if of is None else of.removed_for(self.width) for of in known)
         left = bounded and math.fsum(removed) > 0.0
-        if left or isinstance(self.law, PatchLaw):  # a PatchLaw lacks the compliance already
+        if left or isinstance(self.law, PatchLaw):  # a PatchLaw already lacks the compliance
             return self._replace(friction=friction)
         law = effective_law(self.law, math.fsum(removed))
         return self._replace(law=law, removed=removed, friction=friction)
@@ -179,7 +180,7 @@ class Contact(NamedTuple):
         ]
 
     def own_indentation(self, rows: ContactRows) -> FloatArray:
-        """Return the indentation of the law, m: δ + c F, c being the compliance taken out of it.
+        """Return the indentation of the law, m: δ + c F with the compliance c taken out of the law.
 
         With friction, c also couples the indentation to the tangential forces.
         """

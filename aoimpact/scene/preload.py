@@ -31,23 +31,23 @@ _EPSILON = float(np.finfo(np.float64).eps)
 # Largest number of steps. Towers of a thousand balls take up to 400.
 _MOST_STEPS = 1000
 
-# _TIGHTER: factor on the damping after a full step; _LOOSER: that after a shortened one. Values of
-# 0.02 to 0.2 of the former and 1 to 10 of the latter change the number of steps by up to a third.
-# _LEAST_DAMPING: least damping.
+# _TIGHTER: factor on the damping after a full step; _LOOSER: factor after a shortened step. Values
+# of _TIGHTER from 0.02 to 0.2 and of _LOOSER from 1 to 10 change the number of steps by up to a
+# third. _LEAST_DAMPING: smallest damping.
 _TIGHTER, _LEAST_DAMPING, _LOOSER = 0.1, 1e-12, 2.0
 
-# _TOO_FAR: a step is too long if the forces at its end do negative work along it of more than this
-# share of the work of the forces at its start. _SHORTER: range of the factor by which the secant
-# method then shortens the step.
+# _TOO_FAR: a step is too long if the forces at its end oppose it, and their work along it exceeds
+# this share of the work of the forces at its start. _SHORTER: range of the factor by which the
+# secant method then shortens the step.
 _TOO_FAR, _SHORTER = 0.5, (0.1, 0.5)
 
-# Number of steps after the forces are balanced to rounding errors: each step squares the error.
+# Number of further steps once the forces are balanced to rounding errors: each squares the error.
 _MORE_STEPS = 2
 
-# _BARELY: stiffness, relative to the contacts', of springs to the ground at coordinates without
-# stiffness: negligible, but it keeps matrices regular. _FALLS: least relative change of the
-# imbalance in a step with the least damping. Such a step is longer than any gap; if it changes the
-# imbalance less, a body is held by these springs alone.
+# _BARELY: stiffness, relative to that of the contacts, of springs to the ground at coordinates
+# without stiffness: negligible, but it keeps matrices regular. _FALLS: smallest relative change of
+# the imbalance in a step with the least damping. Such a step is longer than any gap; if it changes
+# the imbalance by less, only these springs hold a body.
 _BARELY, _FALLS = 1e-12, 1e-3
 
 # Largest imbalance in equilibrium: _BALANCED: relative to the forces on the same coordinate;
@@ -55,15 +55,16 @@ _BARELY, _FALLS = 1e-12, 1e-3
 # values, or a tenth of _BALANCED, give the same results.
 _BALANCED, _SETTLED = 1e-12, 1e-14
 
-# _UNITS: rounding error of positions in units in the last place, one for each term of an
-# indentation (with 16, determinate rows of bodies are refused). _DETERMINED: largest relative error
-# of forces due to rounding: six digits, as in a run (with 1e-8, such rows are refused).
+# _UNITS: rounding error of positions, in units in the last place, one unit for each term of an
+# indentation (with 16 units, determinate rows of bodies are refused). _DETERMINED: largest relative
+# error of forces due to rounding: six digits, as in a run (with 1e-8, such rows are refused).
 # _NEGLIGIBLE: negligible force, relative to the forces of the initial overlap (1e-6 has the same
 # effect).
 _UNITS, _DETERMINED, _NEGLIGIBLE = 4.0, 1e-6, 1e-9
 
-# First and largest indentation, m, in the search for the indentation under a load. It proceeds by
-# doubling, so as not to evaluate a user's law much deeper than the run will.
+# First and largest indentation, m, in the search for the indentation under a load. The search
+# doubles the indentation, so that a user's law is not evaluated at much larger indentations than in
+# the run.
 _SHALLOWEST, _DEEPEST = 2.0**-50, 2.0**30
 
 
@@ -105,7 +106,7 @@ class _Springs:
         return np.where(depth > 0.0, force + slope * (depth - within), 0.0), slope
 
     def stiffness_under(self, load: float) -> FloatArray:
-        """Return the tangent or, if larger, secant stiffness of each spring, N/m, at `load`, N."""
+        """Return the larger of tangent and secant stiffness of each spring, N/m, at `load`, N."""
         depth = np.full(len(self.limits), _SHALLOWEST)
         while (deeper := (depth < _DEEPEST) & (self.force(2.0 * depth)[0] <= load)).any():
             depth[deeper] *= 2.0
@@ -172,7 +173,7 @@ class _Statics:
             )
             more = none, 1.0 / compliance[soft], none
             values = [np.concatenate(both) for both in zip(own, more, strict=True)]
-            held = (body.omega > 0.0) | body.shape.any(axis=0)  # has a stiffness or a contact
+            held = (body.omega > 0.0) | body.shape.any(axis=0)  # by a stiffness or by a contact
             movable = np.concatenate([held & (body.inertia > 0.0), none == 0.0])
             columns.append([*values, movable, np.full(len(movable), number)])
         self.inertia, self.stiffness, weight, self.movable, self.owner = map(
@@ -216,7 +217,7 @@ class _Statics:
         return self.springs.stiffness_under(max(float(np.abs(self.load).sum()), overlap))
 
     def at(self, x: FloatArray) -> _Configuration:
-        """Return the configuration with coordinates x."""
+        """Return the configuration of the bodies with coordinates x."""
         depth = self.directions @ x - self.gaps
         force, slope = self.springs.force(depth)
         own = self.stiffness * x
@@ -245,7 +246,7 @@ class _Statics:
         return float(max(np.abs(self.load).max(initial=0.0), at.force.max(initial=0.0)))
 
     def check(self, at: _Configuration, slopes: FloatArray, size: float) -> None:
-        """Raise if a contact exceeds its law, or rounding errors are large beside `size`, N."""
+        """Raise if a law's limit is exceeded, or rounding errors are large beside `size`, N."""
         limits, rounding = self.springs.limits, self.rounding(at.x, slopes)
         for i in np.flatnonzero(at.depth > limits)[:1]:
             raise LawLimitError(
@@ -261,18 +262,18 @@ class _Statics:
 
     @cached_property
     def _constant(self) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array, FloatArray]:
-        """D for coordinates with and without stiffness, contacts' compliance, ground springs."""
+        """Constants of steps: D with and without stiffness, D K⁻¹ Dᵀ, ground stiffnesses, N/m."""
         own, free = self.directions[:, self.sprung], self.directions[:, self.free]
         between = own @ sp.diags_array(1.0 / self.stiffness[self.sprung]) @ own.T
         ground = (free**2).T @ self.slopes
         return own, free, between, _BARELY * np.where(ground > 0.0, ground, 1.0)
 
     def step(self, at: _Configuration, damping: float) -> FloatArray:
-        """Return a step s of Newton's method, damped by raised stiffnesses of contacts and bodies.
+        """Return a Newton step s, damped by raised stiffnesses of contacts and bodies.
 
         K s + Dᵀ S D s = balance is solved for the forces S D s and the coordinates without
         stiffness; the other coordinates follow one by one. The cost depends on the number of
-        contacts, and a soft spring beside a stiff one loses no digits.
+        contacts, and a soft spring loses no digits beside a stiff one.
         """
         own, free, between, ground = self._constant
         contacts = sp.diags_array(1.0 / (at.slope + damping * self.slopes))
@@ -308,7 +309,7 @@ class _Statics:
         return at
 
     def floating(self, at: _Configuration) -> Iterator[tuple[IntArray, FloatArray]]:
-        """Yield the bodies that no force keeps in place, and their displacements back.
+        """Yield the bodies that no force keeps in place, and the displacements that return them.
 
         Yields
         ------

@@ -127,7 +127,8 @@ class RecordLayout:
     def pushes(self, record: FloatArray) -> FloatArray:
         """Return all forces of the contacts, N, shape (pushes, times).
 
-        A contact has one row, with friction two more for the forces along its tangents.
+        Each contact has one row for the normal force and, with friction, two for the forces along
+        its tangents.
         """
         return record[self._pushes]
 

@@ -138,7 +138,7 @@ class Scenario:
         return any(map(attrgetter("tips"), self.bodies))
 
     def touched(self, contact: Contact) -> list[tuple[int, int, ContactPoint]]:
-        """Return number, port and contact point of a contact's finite-element bodies."""
+        """Return number, port and contact point of each finite-element body of a contact."""
         if not self.meshed:
             return []
         known = [(of, at, self.bodies[of].touched_at(at)) for of, at in contact.ports]
@@ -172,7 +172,7 @@ class Scenario:
         ours = self._loads_of.get(body) if self.loads else None
         if ours is None:
             return None
-        times = ours[0].times  # ascending: sorting two million again takes a tenth of a second
+        times = ours[0].times  # ascending already; sorting two million takes 0.1 s
         if len(ours) > 1:
             times = np.unique(np.concatenate([load.times for load in ours]))
         forces = np.zeros((len(times), self.bodies[body].ports))
