@@ -1,18 +1,19 @@
-/* The contact equation of a step. All else in a step is linear, so the Newton-Raphson iteration of the
- * paper's section 3.1 reduces to this one equation, whatever the number of degrees of freedom. */
+/* Solution of the contact equation of a step. All else in a step is linear, so that the Newton-Raphson iteration
+ * of the paper's section 3.1 reduces to this one equation, whatever the number of degrees of freedom. */
 #include "law/equation.h"
 #include "law/law.h"
 
 #include <float.h>
 #include <math.h>
 
-/* FEW_ITERATIONS: number of iterations after which a residual within rounding suffices; MOST_ITERATIONS: limit.
- * Newton's method takes few iterations from a near guess; far above the root of a law of power n, each reduces the
- * distance by a share 1/n only. Tried: FEW_ITERATIONS = 17 changes 1 run by Newmark's rule, by 2e-12, and 150 none. */
+/* FEW_ITERATIONS: number of iterations after which a residual within rounding suffices. MOST_ITERATIONS: limit.
+ * Newton's method takes few iterations from a good guess; far above the root of a law of power n, each reduces the
+ * distance to the root only by 1/n of it. Tried: FEW_ITERATIONS = 17 changes 1 run by Newmark's rule, by 2e-12,
+ * and 150 none. */
 enum { FEW_ITERATIONS = 50, MOST_ITERATIONS = 2000 };
 
-/* Ratio of the terms of a force to the force itself above which digits count as lost by cancellation. Tried: 12 runs
- * by Newmark's rule change, by 7e-13. */
+/* Largest ratio of the terms of a force to the force itself at which its digits are trusted: above it,
+ * cancellation loses digits. Tried: 12 runs by Newmark's rule change, by 7e-13. */
 static const double CANCELS = 16.0;
 
 typedef struct search {
@@ -28,7 +29,7 @@ static double rate_at(const search *s, double x)
     return e->rate_free + s->rate_per_indentation * (x - e->indentation_free);
 }
 
-/* Residual of the contact equation at indentation x; positive where x is too deep. */
+/* Returns the residual of the contact equation at indentation x, m; positive if x is too large. */
 static double excess_at(const search *s, double x, aoi_law_value *value)
 {
     const aoi_contact_equation *e = s->equation;
@@ -36,8 +37,8 @@ static double excess_at(const search *s, double x, aoi_law_value *value)
     return x - e->indentation_free + e->compliance * value->force;
 }
 
-/* Rounding error of the residual of excess_at. The last digits are lost where x is far below the free indentation,
- * or where a damper has almost stopped the rate. */
+/* Returns the rounding error of the residual of excess_at, m. The residual is inaccurate if x is far below the
+ * free indentation, or if a damper has almost stopped the bodies. */
 static double rounding_at(const search *s, const aoi_law_value *value)
 {
     const aoi_contact_equation *e = s->equation;
@@ -45,14 +46,14 @@ static double rounding_at(const search *s, const aoi_law_value *value)
     return 4.0 * DBL_EPSILON * (fabs(e->indentation_free) + fabs(stopped));
 }
 
-/* The force at indentation x, without its derivatives. */
+/* Returns the force at indentation x, N, without its derivatives. */
 static double force_at(const search *s, double x)
 {
     return aoi_law_push_only(s->law, s->memory, x, rate_at(s, x));
 }
 
-/* A force that depends on the rate may jump at the touch to more than is needed to stop the bodies. The solution is
- * then indentation = rest, with the force that holds the bodies there. Returns 1 if this, or no contact, is the
+/* Handles a rate-dependent force that jumps at the touch to more than is needed to stop the bodies: the solution
+ * is then indentation = rest, with the force that holds the bodies there. Returns 1 if this, or no contact, is the
  * solution. */
 static int ends_at_rest(const search *s, double *force, double *indentation)
 {
@@ -69,7 +70,7 @@ static int ends_at_rest(const search *s, double *force, double *indentation)
     return 1;
 }
 
-/* Upper bound of the solution: the free indentation, or a larger one for a law that pulls. */
+/* Returns an upper bound of the solution, m: the free indentation, or a larger one for a law that pulls. */
 static double upper_end(const search *s)
 {
     const aoi_contact_equation *e = s->equation;
@@ -84,8 +85,8 @@ static double upper_end(const search *s)
     return high;
 }
 
-/* The force at the solution x. If it is a small difference of large terms, one of which depends on the
- * rate, the law loses more digits to the rounding of x than the contact equation solved for it. */
+/* Returns the force at the solution x, N. If it is a small difference of large terms, one of which depends on the
+ * rate, the force is taken from the contact equation: the law would lose more digits by the rounding of x. */
 static double force_found(const search *s, double x)
 {
     const aoi_contact_equation *e = s->equation;
@@ -102,7 +103,8 @@ static double force_found(const search *s, double x)
                                                                               : value.force;
 }
 
-/* Finds the root between low and high by Newton's method, with bisection where an iterate would lie outside. */
+/* Finds the root between low and high by Newton's method, with bisection where an iterate would lie outside the
+ * bracket. */
 static int find_root(const search *s, double low, double high, double *force, double *indentation)
 {
     const aoi_contact_equation *e = s->equation;
@@ -120,11 +122,12 @@ static int find_root(const search *s, double low, double high, double *force, do
         } else {
             low = x;
         }
-        /* An infinite slope would make any guess the root: bisect instead. */
+        /* With an infinite slope any guess would pass as the root: bisect instead. */
         const double newton = isinf(slope) && excess != 0.0 ? HUGE_VAL : excess / slope;
         const double enough = 4.0 * DBL_EPSILON * x;
         double next = x - newton;
-        /* Strictly inside, or Newton could jump from end to end of the bracket for ever. */
+        /* Iterates lie strictly inside: otherwise Newton's method could jump from end to end of the bracket for
+         * ever. */
         if (!(fabs(newton) <= enough || (next > low && next < high))) {
             next = 0.5 * (low + high);
         }
@@ -165,7 +168,7 @@ int aoi_contact_solve(const aoi_law *law, const double *memory,
             return status;
         }
     }
-    /* The last step of the search ends where the law has not been evaluated before. */
+    /* The search ends at an indentation at which the law has not been evaluated before. */
     if (isnan(*force)) {
         return AOI_ERROR_LAW;
     }

@@ -1,15 +1,17 @@
-/* Friction of a contact: the stretches of springs that stick or slip, as a function of their depth.
+/* Friction of a contact: the stretches of springs that stick or slip, as a function of the depth at which each is
+ * touched.
  *
- * The spring of depth x has the bound r = mu/ratio (d - x) on its stretch s. On a straight path the indentation d and
- * the slide grow evenly, and so does r. A spring follows the slide while |s| <= r. Once it slips, it slips to the
- * path's end, with s = r n. Its direction n turns towards that of the slide: dn/dt = (I - n n) u/r for the rate u of the
- * slide, so that the angle between the two has tan(angle/2) = tan(angle_0/2) exp(-integral of |u|/r dt).
+ * The spring of depth x has the bound r = mu/ratio (d - x) on its stretch s, at the indentation d. On a straight
+ * path the indentation and the slide change at constant rates, and so does r. A spring follows the slide while |s|
+ * <= r. Once it slips, it slips up to the path's end, with s = r n. Its direction n turns towards the slide: dn/dt
+ * = (I - n n) u/r for the rate u of the slide. The angle between n and u follows tan(angle/2) = tan(angle_0/2)
+ * exp(-integral of |u|/r dt).
  *
  * If s is piecewise linear in x, it remains so after straight motion along one line: springs slip beyond one depth
  * (Cattaneo 1938, Mindlin and Deresiewicz 1953), where s = r n. With K = dF/dd and s(d) = 0,
  *     force = ratio * integral of s dK = -ratio * sum of (change of s / change of x) * (change of F),
- * which is the superposition of normal forces of Jaeger (1993) and Ciavarella (1998), for any elastic law. For a law
- * with a rate, F is its force at rate 0, and the bound is multiplied by the ratio of the whole force to F. */
+ * which is the superposition of normal forces of Jaeger (1993) and Ciavarella (1998), for any elastic law. For a
+ * rate-dependent law, F is its force at rate 0, and the bound is multiplied by the ratio of the whole force to F. */
 #include "aoimpact.h"
 
 #include <float.h>
@@ -18,32 +20,33 @@
 
 #define NONE {0.0, 0.0, 0.0, 0.0}
 
-/* Largest number of successive halvings of an interval between springs in one step: 64 parts. */
+/* Largest number of times that an interval between two springs is halved in one step, into 64 parts at most. */
 enum { MOST_PARTINGS = 6 };
 
-/* Width of an interval, as a share of its depth, below which the mean of the stiffnesses at its
- * ends is more accurate than the difference of the forces over the width: the cube root of the
- * rounding. */
+/* Least width of an interval, relative to its depth, for which its mean stiffness is the difference of the forces
+ * divided by the width. In a narrower interval the mean of the stiffnesses at its ends is more accurate. The value
+ * is the cube root of the rounding. */
 static const double NARROW = 6e-6;
 
-/* Squares above this are far enough from underflow to keep their digits. */
+/* Smallest square from which length_of takes the root directly: it is far enough from underflow to keep its
+ * digits. */
 static const double LEAST_SQUARE = 1e-280;
 
-/* Largest mu/ratio; its square does not overflow. */
+/* Largest mu/ratio accepted; its square does not overflow. */
 static const double STEEPEST = 1e140;
 
-/* Limit of tan(angle/2), for angles of 180 degrees; its square does not overflow. */
+/* Value of tan(angle/2) for angles of 180 degrees; its square does not overflow. */
 static const double STRAIGHT_BACK = 1e150;
 
-/* hypot, but faster where squares neither overflow nor underflow. */
+/* Returns hypot(x, y), faster where squares neither overflow nor underflow. */
 static double length_of(double x, double y)
 {
     const double square = x * x + y * y;
     return square > LEAST_SQUARE && square < HUGE_VAL ? sqrt(square) : hypot(x, y);
 }
 
-/* A knot of the curve of stretches at the end of a path. by, s_by: derivatives of its depth and of its stretch with
- * respect to the slide (two), the indentation and the share. */
+/* A knot of the curve of stretches at the end of a path. by, s_by: derivatives of its depth and of its stretch
+ * with respect to both slides, the indentation and the share. */
 typedef struct knot {
     aoi_stretch at;
     double by[4], s_by[2][4];
@@ -55,11 +58,11 @@ typedef struct path {
     int derive; /* 1: the knots' derivatives are computed */
     const aoi_friction *friction;
     const aoi_stretch *spring;
-    aoi_stretch touch; /* the spring of depth 0, if the path begins without contact */
+    aoi_stretch touch; /* the spring of depth 0 at the touch, if the path begins without contact */
     size_t count;
     double from, to, slide[2];
-    double length, along[2]; /* length and direction of the slide; (0, 0) without length */
-    double first, slope; /* slopes of the bound at start and end: mu/ratio times share */
+    double length, along[2]; /* length and direction of the slide; direction (0, 0) if the length is 0 */
+    double first, slope; /* ratio of the bound to d - x at start and end: mu/ratio times share */
 } path;
 
 int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision)
@@ -87,7 +90,7 @@ static aoi_law_value normal(const aoi_friction *friction, double depth)
     return value;
 }
 
-/* The part of a path that is in contact: all of it, or what is left after the first touch. */
+/* Returns the part of a path that is in contact: all of the path, or what is left after the first touch. */
 static path path_of(const aoi_friction *friction, const aoi_friction_state *state, double indentation, double share,
                     const double slide[2])
 {
@@ -114,7 +117,7 @@ static aoi_stretch spring_of(const path *p, size_t i)
     return p->spring && p->from > 0.0 ? p->spring[i] : p->touch;
 }
 
-/* The stretch of a state at a depth between the springs i and i + 1, interpolated linearly. */
+/* Returns the spring of a state at a depth between the springs i and i + 1, with interpolated stretch. */
 static aoi_stretch between(const path *p, size_t i, double depth)
 {
     const aoi_stretch a = spring_of(p, i), b = spring_of(p, i + 1);
@@ -125,8 +128,8 @@ static aoi_stretch between(const path *p, size_t i, double depth)
     return found;
 }
 
-/* Onset of a spring's slip: the share of the path before it, the bound, and the stretch along the
- * slide (x) and across it (y). */
+/* Onset of a spring's slip: the share of the path before it, the bound at that point, and the components of the
+ * stretch along the slide (x) and across it (y). */
 typedef struct entry {
     double share, radius, x, y;
 } entry;
@@ -141,7 +144,7 @@ static entry entry_of(double x, double y, double u, double r, double r_by)
     return found;
 }
 
-/* Sets k to a spring that slips at the end of the path, where its bound is r1 > 0. */
+/* Sets k to the knot of a spring that slips at the end of the path, where its bound is r1 > 0. */
 static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
 {
     const double r0 = fmax(p->first * (p->from - spring->depth), 0.0);
@@ -189,7 +192,7 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
 
 static double bound_of(const path *p, const aoi_stretch *at) { return p->slope * (p->to - at->depth); }
 
-/* Stretch of a spring at the end of the path if it sticks; slips_at then tells if it slips instead. */
+/* Returns a spring as it is at the end of the path if it sticks; slips_at then tells if it slips instead. */
 static aoi_stretch stuck_at(const path *p, const aoi_stretch *spring)
 {
     aoi_stretch at = *spring;
@@ -203,7 +206,7 @@ static int slips_at(const path *p, const aoi_stretch *at)
     return length_of(at->along[0], at->along[1]) > bound_of(p, at) * (1.0 + 2.0 * DBL_EPSILON);
 }
 
-/* Sets k to a spring at the end of the path, whether it sticks or slips. */
+/* Sets k to the knot of a spring at the end of the path, whether the spring sticks or slips. */
 static void move_to(const path *p, const aoi_stretch *spring, knot *k)
 {
     k->at = stuck_at(p, spring);
@@ -221,9 +224,9 @@ static void move_to(const path *p, const aoi_stretch *spring, knot *k)
     }
 }
 
-/* The curve of stretches between two springs, which is straight before the path. If all springs in between stick,
- * the stretch at a distance z inside the rim is e - z g, and the bound slope z: springs slip where a z^2 - 2 b z + c
- * > 0. */
+/* The curve of stretches between two springs, which is a straight line before the path. If all springs in between
+ * stick, the stretch at a distance z inside the rim is e - z g. The bound there is z times its slope: springs slip
+ * where a z^2 - 2 b z + c > 0. */
 typedef struct piece {
     double depth, least, most, g[2], e[2], a, b, c, root;
 } piece;
@@ -242,14 +245,15 @@ static piece piece_of(const path *p, const aoi_stretch *inner, const aoi_stretch
     return q;
 }
 
-/* 1 if some springs between two slipping ones stick, for example because the bound has fallen with the rate. */
+/* Returns 1 if some springs between two slipping ones stick, for example because the bound has fallen with the
+ * rate. */
 static int dips(const piece *q)
 {
     return q->a > 0.0 && q->root > 0.0 && q->b > q->least * q->a && q->b < q->most * q->a;
 }
 
-/* Knot at which slip begins, or ends, going outward. Its root is computed so as to keep its digits
- * where all of the slip is next to the rim. */
+/* Returns the knot at which slip begins (begins = 1) or ends (0) with increasing depth. The root is computed in a
+ * form that keeps its digits where all of the slip is next to the rim. */
 static knot front(const path *p, const piece *q, int begins)
 {
     const double *e = q->e, *g = q->g;
@@ -271,18 +275,19 @@ static knot front(const path *p, const piece *q, int begins)
     return k;
 }
 
-/* Iterator over the knots at the end of a path: the springs, fronts of slip between two, and the rim. */
+/* Iterator over the knots at the end of a path: the springs, the borders between sticking and slipping springs,
+ * and the rim. */
 typedef struct walk {
     const path *p;
     size_t next;    /* index of the next spring                      */
-    aoi_stretch last; /* the last spring, at the path's start          */
-    int sticks, slips; /* 1 if the last spring does; both 0 before the first */
-    int pending;    /* number of knots in `after` still to be returned, its last ones */
+    aoi_stretch last; /* the last spring, as it is at the path's start */
+    int sticks, slips; /* sticks, slips: 1 if the last spring sticks, or slips; both 0 before the first */
+    int pending;    /* number of knots still to be returned, the last ones of `after` */
     int done;
     knot after[2];
 } walk;
 
-/* Knot at the rim of the contact, whose springs are not stretched. */
+/* Returns the knot at the rim of the contact, where springs are not stretched. */
 static knot rim_of(const path *p, int slips)
 {
     const aoi_law_value law = normal(p->friction, p->to);
@@ -290,15 +295,15 @@ static knot rim_of(const path *p, int slips)
     return rim;
 }
 
-/* 1 if the law is a straight line between two depths: springs in between have no stiffness. */
+/* Returns 1 if the law is a straight line between two depths, so that springs in between have no stiffness. */
 static int is_line(const aoi_stretch *a, const aoi_stretch *b)
 {
     const double risen = a->force + b->stiffness * (b->depth - a->depth);
     return a->stiffness == b->stiffness && fabs(b->force - risen) <= 4.0 * DBL_EPSILON * b->force;
 }
 
-/* 1 if the law is a straight line from the spring before to the end of the path, so that spring i
- * has no stiffness. */
+/* Returns 1 if the law is a straight line from the spring `before` to the end of the path, so that spring i has no
+ * stiffness. */
 static int is_untouched(const path *p, const aoi_stretch *before, size_t i)
 {
     if (!(i < p->count && spring_of(p, i).depth < p->to && spring_of(p, i).stiffness == before->stiffness)) {
@@ -308,8 +313,8 @@ static int is_untouched(const path *p, const aoi_stretch *before, size_t i)
     return is_line(before, &rim.at);
 }
 
-/* Sets k to the next knot; returns 0 after the last. There is no front between springs where the
- * law is a straight line. */
+/* Sets k to the next knot; returns 0 after the last knot. Where the law is a straight line, no border between
+ * sticking and slipping springs is sought. */
 static int step(walk *w, knot *k)
 {
     const path *p = w->p;
@@ -355,8 +360,9 @@ static int step(walk *w, knot *k)
     return 1;
 }
 
-/* Adds the force of the springs between two depths. Returns their mean stiffness, in a narrow
- * interval that of its ends, since the difference of the forces has lost its digits. */
+/* Adds the force of the springs between two depths. Returns their mean stiffness, N/m: the difference of the
+ * forces divided by the width or, in a narrow interval where that difference has lost its digits, the mean of the
+ * stiffnesses at both ends. */
 static double pull(double ratio, const aoi_stretch *a, const aoi_stretch *b, aoi_friction_value *value)
 {
     const double width = b->depth - a->depth;
@@ -370,7 +376,7 @@ static double pull(double ratio, const aoi_stretch *a, const aoi_stretch *b, aoi
     return mean;
 }
 
-/* Adds the force of the springs between two knots, and its derivatives. */
+/* Adds the force of the springs between two knots, and the derivatives of that force. */
 static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *value)
 {
     const double width = b->at.depth - a->at.depth;
@@ -392,8 +398,8 @@ static void add(double ratio, const knot *a, const knot *b, aoi_friction_value *
     }
 }
 
-/* Number of sticking springs before the first that slips or at which the law becomes a straight line. The path only
- * shifts the stretches of these springs. */
+/* Returns the number of sticking springs before the first spring that slips or at which the law becomes a straight
+ * line. The path changes the stretches of these springs by the slide alone. */
 static size_t sticking(const path *p)
 {
     size_t i = 0;
@@ -406,8 +412,8 @@ static size_t sticking(const path *p)
     return i;
 }
 
-/* Starts a walk at the sticking spring next - 1, or, if next is 0, at the first spring. k: set to the knot of this
- * spring. */
+/* Starts an iteration over knots at the sticking spring next - 1 or, if next is 0, at the first spring. k: set to
+ * the knot of this spring. */
 static walk walk_from(const path *p, size_t next, knot *k)
 {
     walk w = {.p = p, .next = next, .sticks = next > 0};
@@ -447,8 +453,8 @@ void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *st
         slips = slips || slide_both;
     }
     value->stuck = slips ? value->stuck : indentation;
-    /* Rounding: bounds are differences of depths, stretches sums of many slides. Only bounds that a
-     * stretch can reach count. */
+    /* Rounding error of the force: bounds are differences of depths, stretches are sums of many slides. A bound
+     * counts only if a stretch can reach it. */
     const double stretches = friction->ratio * reach * a->at.stiffness;
     value->terms += fmin(friction->mu * share * a->at.force, stretches) + stretches;
 }
@@ -461,17 +467,17 @@ static void swap(aoi_friction_state *state, size_t count)
     state->count = count;
 }
 
-/* Tolerance of the curve of stretches, m: `precision` times the largest stretch since the touch, or
- * times the largest possible one if that is smaller. A slide starts or ends with a stretch of at
- * least half its length, unless all springs slip. */
+/* Returns the tolerance of the curve of stretches, m: `precision` times the smaller of the largest stretch since
+ * the touch and the largest possible one. Unless all springs slip, the largest stretch before or after a slide is
+ * at least half the slide. */
 static double enough_of(const path *p, const aoi_friction_state *state)
 {
     const double reach = fmax(state->count > 0 ? state->reach : 0.0, 0.5 * p->length);
     return p->friction->precision * fmin(reach, p->slope * p->to);
 }
 
-/* Copies the state's springs to its spare array, with an additional one in the middle between two where the path
- * bends the curve; returns their count, or 0 if there is no room. */
+/* Copies the state's springs to its spare array, with an additional spring midway between two springs if the path
+ * bends the curve between these. Returns the number of springs, or 0 if there is no room. */
 static size_t parted(const aoi_friction_state *state, const path *p)
 {
     const double enough = enough_of(p, state);
@@ -517,10 +523,10 @@ int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state,
     return AOI_OK;
 }
 
-/* 1 if spring b between a and c may be left out: the curve is nearly straight there, or the law is
- * straight, so that springs have no stiffness. (Change of slope) x width is four to eight times the
- * distance of the curve from its chord, however closely it was drawn. Between close springs a
- * change of slope may be rounding of their depths. slope: that of the bound. */
+/* Returns 1 if spring b between a and c may be left out: the curve is nearly straight there, or the law is, so
+ * that springs have no stiffness. (Change of slope) x width is four to eight times the distance of the curve from
+ * its chord, whatever the spacing of the springs. Between close springs a change of slope may be rounding of their
+ * depths. slope: ratio of the bound to d - x. */
 static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough, double slope)
 {
     if (is_line(a, b) && is_line(b, c)) {
@@ -537,8 +543,8 @@ static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretc
     return 1;
 }
 
-/* Appends a spring to the spare array, and leaves out the one before if it is not needed; returns 0
- * if there is no room. Of two at one depth the later stays: the rim replaces a spring. */
+/* Appends a spring to the spare array, and removes the spring before it if that is not needed. Returns 0 if there
+ * is no room. Of two springs at one depth the later stays, as the rim replaces a spring. */
 static int draw(aoi_friction_state *state, const path *p, double enough, const aoi_stretch *here, size_t *count)
 {
     aoi_stretch *spring = state->spare;

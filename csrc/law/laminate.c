@@ -10,10 +10,10 @@
 #include <math.h>
 
 enum { STIFFNESS, CRITICAL, BETA };
-enum { DEEPEST, TOP }; /* memory: d* and d1; both zero until touched */
+enum { DEEPEST, TOP }; /* memory: d* and d1; both zero before the first touch */
 enum { LOADING, RELOADING, UNLOADING };
 
-/* d* - d_p. */
+/* Returns d* - d_p, the recovery from the deepest indentation d*, m. */
 static double recovered(const aoi_law *law, double deepest)
 {
     const double *p = law->parameter;

@@ -1,5 +1,5 @@
-/* Functions common to all contact laws: creation by name, the choice of a smooth piece, the removal
- * of a patch's compliance, and the cut of negative forces. */
+/* Functions common to all contact laws: creation by name, the choice of a smooth piece, the removal of a patch's
+ * compliance, and the replacement of negative forces by zero. */
 #include "law/kinds.h"
 #include "law/law.h"
 #include "linear/vector.h"
@@ -8,16 +8,16 @@
 #include <math.h>
 #include <string.h>
 
-/* HALLEYS: limit of Halley's iterations, of which few are needed; MOST_ITERATIONS: limit including the bisections
- * after these. Tried: HALLEYS from 13 to 120 changes no run. */
+/* HALLEYS: largest number of iterations of Halley's method, of which few are needed; MOST_ITERATIONS: largest
+ * number including the bisections that follow. Tried: HALLEYS from 13 to 120 changes no run. */
 enum { HALLEYS = 40, MOST_ITERATIONS = 200 };
 
-/* Relative residual up to which an indentation is accepted, since user laws may be accurate to only six digits.
- * Tried: no run changes. */
+/* Relative residual up to which an indentation is accepted, since laws written by the caller may be accurate to
+ * only six digits. Tried: no run changes. */
 static const double LAW_NOISE = 1e-6;
 
-/* Limit of c dF/dd. Taking a compliance c out of a law divides its stiffness by 1 - c dF/dd. Beyond
- * the limit, as the stiffness grows to infinity, the law is continued as a straight line. */
+/* Limit of c dF/dd. Taking a compliance c out of a law divides its stiffness by 1 - c dF/dd, which tends to zero.
+ * Where the limit is reached, the law is continued as a straight line. */
 static const double MOST_SHARE = 0.95;
 
 static int create(aoi_law *law, const aoi_law_kind *kind, size_t count, const double *parameter)
@@ -66,7 +66,7 @@ int aoi_law_check(const aoi_law *law)
     return usable ? AOI_OK : AOI_ERROR_ARGUMENT;
 }
 
-/* Notes a NaN, and the state that gave it. */
+/* Records a NaN of a law, and the indentation and rate that gave it, in the law's note. */
 static void note_nan(const aoi_law *law, double indentation, double rate,
                      const aoi_law_value *value)
 {
@@ -77,7 +77,7 @@ static void note_nan(const aoi_law *law, double indentation, double rate,
     }
 }
 
-/* The law's own force on a piece. */
+/* Sets `value` to the law's own force and slopes on a piece, at its own indentation. */
 static void own_force(const aoi_law *law, const double *memory, int piece, double indentation,
                       double rate, aoi_law_value *value)
 {
@@ -85,7 +85,8 @@ static void own_force(const aoi_law *law, const double *memory, int piece, doubl
     note_nan(law, indentation, rate, value);
 }
 
-/* Converts derivatives with respect to the law's own indentation d to those for the total indentation d - c F. */
+/* Converts derivatives with respect to the law's own indentation d to derivatives with respect to the total
+ * indentation d - c F. */
 static void stiffen(double compliance, aoi_law_value *value)
 {
     const double share = compliance * value->stiffness;
@@ -94,7 +95,8 @@ static void stiffen(double compliance, aoi_law_value *value)
     value->damping *= stiffer;
 }
 
-/* Finds d with c dF/dd = MOST_SHARE by bisection. c dF/dd is below MOST_SHARE at `low`, and not below it at `high`. */
+/* Returns d with c dF/dd = MOST_SHARE, by bisection. c dF/dd is below MOST_SHARE at `low`, and not below it at
+ * `high`. */
 static double steepest(const aoi_law *law, const double *memory, int piece, double rate, double low,
                        double high, aoi_law_value *value)
 {
@@ -111,7 +113,7 @@ static double steepest(const aoi_law *law, const double *memory, int piece, doub
     return low;
 }
 
-/* The search for d with d - c F(d) = indentation, on one piece at one rate. */
+/* Search for the d that solves d - c F(d) = indentation, on one piece of the law at one rate. */
 typedef struct search {
     const aoi_law *law;
     const double *memory;
@@ -120,10 +122,10 @@ typedef struct search {
     double low, high;
 } search;
 
-/* Decides how to go on from d below the root where c dF/dd has reached MOST_SHARE. Past the start of a law that is
- * steep only there (d^(1/4)), d is increased. If the root is below the indentation of MOST_SHARE, the bracket is
- * reduced. In both cases 0 is returned. Else the law is continued as a straight line from MOST_SHARE on: returns 1,
- * with the force on this line, and d = indentation + c F. */
+/* Continues the search from a d below the root at which c dF/dd has reached MOST_SHARE. If the law is less steep
+ * further on (as d^(1/4), steep only at its start), d is increased. If the root is below the indentation of
+ * MOST_SHARE, the bracket is reduced. Both return 0. Otherwise the law is continued as a straight line from
+ * MOST_SHARE on, and 1 is returned, with the force on this line and d = indentation + c F. */
 static int too_steep(search *s, double *d, aoi_law_value *value)
 {
     const double c = s->law->compliance, further = s->indentation + c * value->force;
@@ -145,8 +147,8 @@ static int too_steep(search *s, double *d, aoi_law_value *value)
     return 1;
 }
 
-/* Halley's step from d, with the curvature of a power law: n = d F'/F, F'' = (n - 1) F'/d. Newton's
- * step where the law is unlike a power. */
+/* Returns the step of Halley's method from d, m, with the curvature of a power law: n = d F'/F, F'' = (n - 1)
+ * F'/d. If the law is unlike a power, the step is Newton's. */
 static double step_of(double c, double missing, double d, const aoi_law_value *value)
 {
     const double slope = value->stiffness, force = value->force;
@@ -159,8 +161,8 @@ static double step_of(double c, double missing, double d, const aoi_law_value *v
     return missing / (give - (bend < 0.5 * give ? bend : 0.5 * give));
 }
 
-/* Next iterate after d, whose total indentation is too small by `missing`; inside the bracket once
- * both its ends are known. */
+/* Returns the next iterate after d, whose total indentation is too small by `missing`. The iterate lies inside the
+ * bracket once both ends of the bracket are known. */
 static double next_of(const search *s, double missing, double d, int iteration,
                       const aoi_law_value *value)
 {
@@ -170,10 +172,10 @@ static double next_of(const search *s, double missing, double d, int iteration,
     return closed && !inside ? 0.5 * (s->low + s->high) : next;
 }
 
-/* Solves d - c F(d) = indentation for the law's own indentation d; value: the law there. Halley's
- * method from d = indentation, with the curvature of a power law; a bracket keeps it safe for
- * others. AOI_ERROR_PATCH if the law was continued as a straight line; AOI_ERROR_LAW_JUMPS if no
- * such d exists, since the force drops. NaN is passed on with AOI_OK. */
+/* Solves d - c F(d) = indentation for the law's own indentation d (own); value: set to the law there. Halley's
+ * method starts at d = indentation, with the curvature of a power law; for other laws a bracket makes it safe.
+ * Returns AOI_ERROR_PATCH if the law was continued as a straight line, and AOI_ERROR_LAW_JUMPS if no such d exists
+ * because the force drops. A NaN of the law is passed on with AOI_OK. */
 static int own_indentation(const aoi_law *law, const double *memory, int piece,
                            double indentation, double rate, double *own, aoi_law_value *value)
 {
@@ -196,13 +198,13 @@ static int own_indentation(const aoi_law *law, const double *memory, int piece,
             continue;
         }
         if (fabs(missing) <= 2.0 * DBL_EPSILON * fmax(fabs(*d), fabs(indentation))) {
-            /* rounding of the larger term: d is the smaller one under a force that pulls */
+            /* rounding relative to the larger term, which is the indentation under a force that pulls */
             return AOI_OK;
         }
         *(missing > 0.0 ? &s.low : &s.high) = *d;
         const double next = next_of(&s, missing, *d, i, value);
         if (next == *d || next == s.low || next == s.high) {
-            break; /* no number in between */
+            break; /* no floating-point number lies between */
         }
         *d = next;
     }
@@ -210,7 +212,7 @@ static int own_indentation(const aoi_law *law, const double *memory, int piece,
                                                                            : AOI_ERROR_LAW_JUMPS;
 }
 
-/* Sets and notes NaN, at which the integrators stop, where a law has no force. */
+/* Sets the force to NaN, at which the integrators stop, and records where the law has no force. */
 static void no_force(const aoi_law *law, double indentation, double rate, aoi_law_value *value)
 {
     *value = (aoi_law_value){(double)NAN, (double)NAN, (double)NAN};
@@ -230,7 +232,7 @@ void aoi_law_force(const aoi_law *law, const double *memory, int piece, double i
     } else if (own_indentation(law, memory, piece, indentation, rate, &own, value) == AOI_ERROR_LAW_JUMPS) {
         no_force(law, indentation, rate, value);
     } else if (law->compliance < 0.0 && own < aoi_law_rest(law, memory)) {
-        /* The law begins with a jump that the spring's force has not reached: only the spring deforms. */
+        /* The law begins with a jump, which the force has not reached: only the compliance in series deforms. */
         const double rest = aoi_law_rest(law, memory);
         *value = (aoi_law_value){(rest - indentation) / law->compliance, -1.0 / law->compliance, 0.0};
     } else {
@@ -242,7 +244,7 @@ void aoi_law_forces(const aoi_law *law, const double *memory, int piece, const d
                     const double *rate, aoi_law_values *values)
 {
     if (law->together && law->compliance == 0.0) {
-        law->together(law, indentation, rate, values); /* never NaN: nothing to note */
+        law->together(law, indentation, rate, values); /* never NaN, so that nothing is recorded */
         return;
     }
     for (size_t k = 0; k < AOI_NODES; k++) {
@@ -259,9 +261,9 @@ double aoi_law_rest(const aoi_law *law, const double *memory)
     return law->rest ? law->rest(law, memory) : 0.0;
 }
 
-/* Converts the end of a piece from the law's own indentation to the total one. If c dF/dd is too
- * large there and `upwards` is set, the piece has no end: the law's limit is below it, and the
- * total indentation may even fall beyond. */
+/* Returns the total indentation at an end of a piece, given by the law's own indentation, m. If c dF/dd is too
+ * large there, the upper end (upwards = 1) is infinite: the law's limit is below it, and beyond the limit the
+ * total indentation may even decrease. */
 static double total_at(const aoi_law *law, const double *memory, int piece, double end, int upwards)
 {
     aoi_law_value value;
@@ -272,8 +274,9 @@ static double total_at(const aoi_law *law, const double *memory, int piece, doub
     return upwards && !(law->compliance * value.stiffness < MOST_SHARE) ? HUGE_VAL : end - law->compliance * value.force;
 }
 
-/* For a negative compliance, d < indentation: goes down from a piece to the one that contains the
- * total indentation. Within rounding of its end, only a falling motion goes on to the next. */
+/* Goes down from a piece to the piece that contains the total indentation, for a negative compliance, for which d
+ * < indentation. Within rounding of an end, only a falling motion goes on to the next piece. Returns the piece,
+ * and its ends. */
 static int lower_piece(const aoi_law *law, const double *memory, double indentation, int rising,
                        int piece, double *low, double *high)
 {
@@ -307,8 +310,8 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
     if (law->compliance < 0.0) {
         return lower_piece(law, memory, indentation, rising, piece, low, high);
     }
-    /* With a positive compliance, d > indentation: goes up to the piece that contains the total indentation. Within
-     * rounding of its end, only a rising motion goes on to the next. */
+    /* For a positive compliance, d > indentation: go up to the piece that contains the total indentation. Within
+     * rounding of an end, only a rising motion goes on to the next piece. */
     double end = total_at(law, memory, piece, *high, 1);
     const double rounding = (rising ? 64.0 : -64.0) * DBL_EPSILON * indentation;
     while (end <= indentation + rounding && *high < HUGE_VAL) {
@@ -324,7 +327,7 @@ int aoi_law_piece(const aoi_law *law, const double *memory, double indentation, 
     return piece;
 }
 
-/* As own_indentation, on the piece that the motion is on. */
+/* Solves as own_indentation, on the piece that the motion is on. */
 static int own_at(const aoi_law *law, const double *memory, double indentation, double rate, double *own,
                   aoi_law_value *value)
 {
@@ -391,7 +394,7 @@ int aoi_law_stands(const aoi_law *law, const double *memory, double indentation,
     return own_at(law, memory, indentation, rate, &own, &value) != AOI_ERROR_PATCH;
 }
 
-/* Potential of a law with a compliance, J, at an indentation up to the law's limit. */
+/* Returns the potential of a law with a compliance, J, at a total indentation up to the law's limit. */
 static double inner_potential(const aoi_law *law, const double *memory, double indentation)
 {
     aoi_law_value value;

@@ -1,5 +1,5 @@
-/* Newton's method for the normal and the tangential contact forces of one step together: the bodies couple them where a
- * normal force moves the surface sideways, and friction by Coulomb's bound. */
+/* Newton's method for the normal and the tangential contact forces of one step together. These are coupled by
+ * bodies whose surface a normal force moves sideways, and by Coulomb's bound on friction. */
 #include "law/oblique.h"
 
 #include <float.h>
@@ -11,10 +11,10 @@ enum { MOST_ITERATIONS = 100, MOST_HALVINGS = 30 };
 /* Rounding error of the sum of an equation's terms, relative to their magnitudes. */
 static const double ROUNDING = 16.0 * DBL_EPSILON;
 
-/* Residual, as a share of Coulomb's bound, that is accepted as a jump of friction if no step
- * reduces it. Where slipping springs turn at once, the smallest slide takes the front of slip
- * across many of them, and friction jumps by the error of its straight pieces: up to 1e-4 of its
- * bound was seen, whatever the step. */
+/* Residual, relative to Coulomb's bound times the compliance, that is accepted as a jump of friction if no step
+ * reduces it. Where slipping springs all turn at once, even the smallest slide moves the border of slip across
+ * many of them, and friction jumps by the error of its straight pieces: up to 1e-4 of the bound was seen, whatever
+ * the step. */
 static const double JUMP = 1e-3;
 
 typedef struct point {
@@ -25,7 +25,7 @@ typedef struct point {
     double stuck, share, rate;
 } point;
 
-/* Inverts a 3 x 3 matrix, stored by rows, by its cofactors. */
+/* Sets `inverse` to the inverse of a 3 x 3 matrix, stored by rows, by cofactors. */
 static void invert(const double *a, double *inverse)
 {
     for (int i = 0; i < 3; i++) {
@@ -43,7 +43,7 @@ static void invert(const double *a, double *inverse)
 
 static double dot(const double x[3], const double y[3]) { return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]; }
 
-/* A row times a matrix. */
+/* Sets `product` to a row vector times a 3 x 3 matrix. */
 static void times(const double x[3], const double *matrix, double product[3])
 {
     for (int j = 0; j < 3; j++) {
@@ -51,7 +51,8 @@ static void times(const double x[3], const double *matrix, double product[3])
     }
 }
 
-/* Forces at a place, and their derivatives. terms: magnitudes that their rounding is relative to, N. */
+/* Finds the forces at a place (indentation and two slides), and their derivatives. terms: set to the magnitudes to
+ * which their rounding is relative, N. */
 static void find_forces(const aoi_friction *friction, const aoi_friction_state *state, const aoi_oblique_equation *e,
                         const double rate_by[3], point *p, double terms[3])
 {
@@ -113,21 +114,22 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
             }
         }
         p->residual[i] = p->place[i] - e->free[i] + sum;
-        /* The rounding of each residual is relative to its own terms: slides may be much smaller than the
-         * indentation. */
+        /* The rounding of each residual is relative to the terms of its own equation, since slides may be much
+         * smaller than the indentation. */
         const double beyond = fabs(p->residual[i]) - ROUNDING * all; /* NaN stays NaN */
         p->size += beyond <= 0.0 ? 0.0 : beyond * beyond;
     }
     p->size = sqrt(p->size);
 }
 
-/* Residual that is accepted as a jump of friction, m. */
+/* Returns the residual that is accepted as a jump of friction, m. */
 static double jump_of(const aoi_friction *friction, const aoi_oblique_equation *e, const point *p)
 {
     return JUMP * friction->mu * p->force[0] * fmax(fabs(e->compliance[1][1]), fabs(e->compliance[2][2]));
 }
 
-/* Fills in the solution: by_free = by slope^-1; by_rate from the derivative at a given place. */
+/* Fills in the solution from the last iterate: by_free = by slope^-1, and by_rate from the derivative at constant
+ * place. */
 static void give(const aoi_oblique_equation *e, const point *p, aoi_oblique_solution *solution)
 {
     double inverse[9], moved[3];
@@ -150,7 +152,7 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
                       const aoi_oblique_equation *equation, aoi_oblique_solution *solution)
 {
     point now;
-    /* rate_by: derivatives of the rate with respect to the place, with the forces eliminated */
+    /* rate_by: derivatives of the rate with respect to indentation and slides, with the forces eliminated */
     double inverse[9], rate_by[3] = {0.0, 0.0, 0.0};
     if (friction->law.depends_on_rate && equation->rate_compliance[0] > 0.0) {
         invert(equation->compliance[0], inverse);
@@ -158,7 +160,7 @@ int aoi_oblique_solve(const aoi_friction *friction, const aoi_friction_state *st
     }
     memcpy(now.place, equation->guess, sizeof now.place);
     evaluate(friction, state, equation, rate_by, &now);
-    for (int iteration = 0; !(now.size <= 0.0); iteration++) { /* NaN enters the loop */
+    for (int iteration = 0; !(now.size <= 0.0); iteration++) { /* a NaN enters the loop, which returns an error */
         if (!isfinite(now.size)) {
             return isnan(now.force[0]) ? AOI_ERROR_LAW : AOI_ERROR_NOT_FINITE;
         }

@@ -17,18 +17,18 @@
 
 #include <math.h>
 
-/* Parameters. YIELD: indentation of yield; FULL, FULL_FORCE: where the straight line begins;
- * SQUARE, CUBIC: coefficients of the cubic; FITTED: d_r. */
+/* Parameters of the laws. YIELD: indentation of yield; FULL, FULL_FORCE: indentation and force at which the
+ * straight line begins; SQUARE, CUBIC: coefficients of the cubic; FITTED: d_r. */
 enum { STIFFNESS, YIELD_FORCE, SLOPE, YIELD, FULL, FULL_FORCE, SQUARE, CUBIC, FITTED };
-enum { DEEPEST, REACH };                    /* memory, REACH: d* - d_p; both zero while all was elastic */
+enum { DEEPEST, REACH };                    /* memory: d* and d* - d_p; both zero while all deformation was elastic */
 enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces of the laws */
 
-/* Least FULL/YIELD. Where the hardness is less than about 1.25 times the pressure of yield, the
- * recovery at d_f is above 5/6 of d_f, and unloading would give back more than loading takes. */
+/* Least ratio of FULL to YIELD. If the hardness is less than about 1.25 times the pressure of yield, the recovery
+ * at d_f exceeds 5/6 of d_f, and unloading would return more energy than loading takes. */
 static const double LEAST_FULL = 3.5;
 
-/* (d* - d_p)/d* by Etsion, Kligerman and Kadin. w: ratio of d* to the indentation of yield; *power: exponent m of d*
- * - d_p ~ d*^m there. */
+/* Returns (d* - d_p)/d* by Etsion, Kligerman and Kadin. w: ratio of d* to the indentation of yield; *power: set to
+ * the exponent m of d* - d_p ~ d*^m there. */
 static double fitted(double w, double *power)
 {
     const double first = pow(w, -0.28), second = pow(w, -0.69), own = first + second - first * second;
@@ -41,7 +41,8 @@ static void thornton_prepare(aoi_law *law)
     double *p = law->parameter;
     p[YIELD] = cbrt(p[YIELD_FORCE] / p[STIFFNESS]);
     p[YIELD] *= p[YIELD];
-    p[SLOPE] = p[YIELD] > 0.0 ? 1.5 * p[STIFFNESS] * sqrt(p[YIELD]) : HUGE_VAL; /* not finite: refused */
+    /* if not finite, the law is refused */
+    p[SLOPE] = p[YIELD] > 0.0 ? 1.5 * p[STIFFNESS] * sqrt(p[YIELD]) : HUGE_VAL;
     p[FULL] = p[YIELD];
     p[FULL_FORCE] = p[YIELD_FORCE];
 }
@@ -53,20 +54,20 @@ static void elastic_plastic_prepare(aoi_law *law)
     thornton_prepare(law);
     const double start = p[SLOPE], length = root * root - p[YIELD];
     p[SLOPE] = slope;
-    p[FULL] = root * root >= LEAST_FULL * p[YIELD] ? root * root : HUGE_VAL; /* not finite: refused */
+    p[FULL] = root * root >= LEAST_FULL * p[YIELD] ? root * root : HUGE_VAL; /* if not finite, the law is refused */
     p[FULL_FORCE] = 0.5 * slope * p[FULL];
     const double rise = (p[FULL_FORCE] - p[YIELD_FORCE]) / length;
     p[SQUARE] = (3.0 * rise - 2.0 * start - slope) / length;
     p[CUBIC] = (start + slope - 2.0 * rise) / (length * length);
     p[FITTED] = p[FULL];
-    for (int i = 0; i < 30; i++) { /* each iteration adds a digit, since the power hardly changes */
+    for (int i = 0; i < 30; i++) { /* each iteration adds a digit, since the exponent hardly changes */
         double power;
         fitted(p[FITTED] / p[YIELD], &power);
         p[FITTED] = p[FULL] * power / (2.0 * power - 1.0);
     }
 }
 
-/* Force and stiffness of loading. */
+/* Sets `value` to force and stiffness of loading at indentation d, on a piece of the law. */
 static void load(const aoi_law *law, int piece, double d, aoi_law_value *value)
 {
     const double *p = law->parameter;
@@ -84,7 +85,7 @@ static void load(const aoi_law *law, int piece, double d, aoi_law_value *value)
     }
 }
 
-/* The force at a deepest indentation past yield. */
+/* Returns the force at a deepest indentation beyond yield, N. */
 static double top_force(const aoi_law *law, double deepest)
 {
     aoi_law_value top;
@@ -92,7 +93,7 @@ static double top_force(const aoi_law *law, double deepest)
     return top.force;
 }
 
-/* d* - d_p of a deepest indentation past yield. */
+/* Returns d* - d_p for a deepest indentation d* beyond yield, m. */
 static double recovered(const aoi_law *law, double deepest)
 {
     const double *p = law->parameter;
@@ -114,7 +115,7 @@ static void plastic_force(const aoi_law *law, const double *memory, int piece, d
         load(law, piece, indentation, value);
         return;
     }
-    /* Measured from the deepest point: after an impact far past yield, d - d_p is a small
+    /* d - d_p is computed from the distance to the deepest point: after an impact far beyond yield it is a small
      * difference. */
     const double reach = memory[REACH];
     const double past = reach - (memory[DEEPEST] - (indentation > 0.0 ? indentation : 0.0));

@@ -1,21 +1,21 @@
-/* A law through measured points: Hermite cubics between the knots of the caller's table, one piece
- * each, and a straight line past the last. */
+/* A law given by points, such as measured ones: Hermite cubics between the knots of the caller's table, one piece
+ * each, and a straight line beyond the last knot. */
 #include "aoimpact.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Relative tolerance of the given energies, compared with the integral. */
+/* Relative tolerance of the given energies, in comparison with the integral of the force. */
 static const double ENERGY_ROUNDING = 1e-6;
 
-/* The rows of the table. */
+/* Rows of the caller's table. */
 static const double *knots(const aoi_law *law) { return law->table; }
 static const double *forces(const aoi_law *law) { return law->table + law->table_count; }
 static const double *slopes(const aoi_law *law) { return law->table + 2 * law->table_count; }
 static const double *energies(const aoi_law *law) { return law->table + 3 * law->table_count; }
 
-/* Returns the number of the knot at which the piece of an indentation begins. At a knot, a rising
- * motion is on the piece above. */
+/* Returns the index of the knot at which the piece of an indentation begins. At a knot, a rising motion is on the
+ * piece above it. */
 static int table_piece(const aoi_law *law, const double *memory, double indentation, int rising,
                        double *low, double *high)
 {
@@ -35,7 +35,7 @@ static int table_piece(const aoi_law *law, const double *memory, double indentat
     return (int)first;
 }
 
-/* Hermite's cubic as F_i + x (s_i + x (square + x cubic)), x from the knot. */
+/* Coefficients of Hermite's cubic F_i + x (s_i + x (square + x cubic)), with x measured from the knot. */
 typedef struct cubic {
     double force, slope, square, cubic;
 } cubic;
@@ -52,8 +52,8 @@ static cubic cubic_of(const aoi_law *law, size_t i)
                    (s[i] + s[i + 1] - 2.0 * rise) / (length * length)};
 }
 
-/* Beyond its ends a piece is continued as a straight line: the cubic would turn, and give a
- * massless contact more than one equilibrium. */
+/* Beyond its ends a piece is continued as a straight line, since the cubic would bend back and give a massless
+ * contact point more than one equilibrium. */
 static void table_force(const aoi_law *law, const double *memory, int piece, double indentation,
                         double rate, aoi_law_value *value)
 {

@@ -1,11 +1,12 @@
-/* The caller's own law: its functions, and differences or quadrature for those that are not given. */
+/* The law written by the caller: calls of its functions, and finite differences or quadrature in place of those
+ * that are not given. */
 #include "aoimpact.h"
 
 #include <math.h>
 
-/* Relative steps of one-sided differences, each of which costs one more call. INDENTATION_STEP: eps^(1/2), for eight
- * digits. RATE_STEP: longer, since laws are nearly linear in the rate. LEAST_RATE, m/s: lower rates use its step,
- * which must not be 0 at rest. */
+/* Relative steps of one-sided differences, each of which costs one more call. INDENTATION_STEP: eps^(1/2), for
+ * eight digits. RATE_STEP: longer, since laws are nearly linear in the rate. LEAST_RATE, m/s: the step of this
+ * rate is also used for lower rates, since it must not be 0 at rest. */
 static const double INDENTATION_STEP = 1.5e-8, RATE_STEP = 6e-6, LEAST_RATE = 1e-3;
 
 static double ask(const aoi_law *law, int which, double indentation, double rate)
@@ -45,7 +46,7 @@ static double user_force_alone(const aoi_law *law, double indentation, double ra
     return ask(law, AOI_USER_FORCE, indentation, rate);
 }
 
-/* Gauss's rule with 16 points on (0, 1): the 8 of its right half, and their weights. */
+/* Gauss's quadrature rule with 16 points: the 8 positive abscissas on (-1, 1), and their weights. */
 enum { HALF_RULE = 8 };
 static const double ABSCISSA[HALF_RULE] = {
     0.0950125098376374402, 0.281603550779258913, 0.458016777657227386, 0.617876244402643748,
@@ -54,7 +55,8 @@ static const double WEIGHT[HALF_RULE] = {
     0.189450610455068496,  0.182603415044923589,  0.169156519395002538,  0.149595988816576732,
     0.124628971255533872,  0.0951585116824927848, 0.0622535239386478929, 0.0271524594117540949};
 
-/* int_0^d F dx by x = d s^2: powers n/2 of the indentation become polynomials. */
+/* Returns the potential, int_0^d F dx, J. With the substitution x = d s^2, powers n/2 of the indentation become
+ * polynomials. */
 static double user_potential(const aoi_law *law, const double *memory, double indentation)
 {
     const double d = indentation;

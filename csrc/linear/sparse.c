@@ -1,4 +1,4 @@
-/* Sparse symmetric matrices: operations that a finite-element body needs in every step. */
+/* Operations on sparse symmetric matrices that a finite-element body needs in every step. */
 #include "linear/sparse.h"
 
 static int starts_are_sound(size_t n, const int32_t *start, size_t stored_count)

@@ -1,4 +1,4 @@
-/* The version, and texts of the status codes. */
+/* The version of the library, and texts of the status codes. */
 #include "aoimpact.h"
 
 const char *aoi_version(void) { return AOI_VERSION; }

@@ -97,8 +97,8 @@ void aoi_band_substitute(size_t n, size_t band, const double *matrix, double *x)
         }
         x[k] = sum;
     }
-    /* The newest entry is used last, and nothing is divided, so that each step waits for only one product of the
-     * step before. */
+    /* The last component found is used last, and nothing is divided: each step then waits for only one product of
+     * the step before. */
     for (size_t k = n; k-- > 0;) {
         double sum = x[k];
         for (size_t q = k + band < n ? k + band : n - 1; q > k; q--) {

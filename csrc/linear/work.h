@@ -30,7 +30,8 @@ static inline size_t aoi_plus(size_t one, size_t other)
     return one < AOI_TOO_MUCH && other < AOI_TOO_MUCH - one ? one + other : AOI_TOO_MUCH;
 }
 
-/* A block of memory, aligned as malloc's. NULL to compute its size only: then all arrays are NULL, too. */
+/* A block of memory, aligned as by malloc, and the number of bytes used. If block is NULL only the size is
+ * counted, and all arrays are NULL. */
 typedef struct aoi_memory {
     char *block;
     size_t used;

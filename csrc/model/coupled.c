@@ -1,19 +1,20 @@
 /* The contact equations of a scene, coupled through the bodies that contacts share.
  *
- * With the other contacts' forces given, each contact has a scalar equation: its indentation without its own force is
- * z = free - sum of the other contacts' C F (its rate w likewise), and equation.c finds its force F(z, w), also for laws
- * with kinks and jumps. The remaining equations,
+ * With the forces of the other contacts given, each contact has a scalar equation. Its indentation without its own
+ * force is z = free - sum of the other contacts' C F (its rate w likewise), and equation.c finds its force F(z,
+ * w), also for laws with kinks and jumps. The remaining equations,
  *   z_i = free_i - sum_(j not i) C_ij F_j(z_j, w_j),
- * are solved by Newton's method for all contacts at once. Their functions are Lipschitz continuous: F rises with z by
- * no more than 1/C_ii, however steep the law. With the stiffness k and the damping c of the laws,
+ * are solved by Newton's method for all contacts at once. Their functions are Lipschitz continuous: F rises with z
+ * by no more than 1/C_ii, however steep the law. With the stiffness k and the damping c of the laws,
  *   dF = a dz + b dw,  a = k/(1 + k C_ii + c Cr_ii),  b = c/(1 + k C_ii + c Cr_ii),
- * and a = 1/C_ii, b = 0 where a jump holds the bodies at rest. (1 + a C' + b Cr') dF = -(a R + b S),
- * C' and Cr' without their diagonals, needs no pivoting. A step is shortened until the residual decreases. Where it
- * does not, contacts are solved in turn (Gauss-Seidel), which always decreases it, if slowly. Where that is too slow,
- * a few steps are taken at full length: if only one of two rigid contacts at a place can be closed, these find out which,
- * although the residual rises on the way.
+ * and a = 1/C_ii, b = 0 where a jump of the law holds the bodies at rest. Newton's equations (1 + a C' + b Cr') dF
+ * = -(a R + b S), with the residuals R of z and S of w, and C' and Cr' without their diagonals, need no pivoting.
+ * A step is shortened until the residual decreases. If no length does this, contacts are solved in turn
+ * (Gauss-Seidel), which always decreases the residual, though slowly. If that is too slow, a few steps are taken
+ * at full length: if only one of two rigid contacts at a place can be closed, these steps find out which, although
+ * the residual rises on the way.
  *
- * A contact with friction has three equations z, R, F, which oblique.c solves together, and a 3 x 3 matrix a = dF/dz. */
+ * A contact with friction has three equations, solved together in oblique.c, and a 3 x 3 matrix a = dF/dz. */
 #include "model/coupled.h"
 #include "linear/vector.h"
 #include "linear/work.h"
@@ -24,51 +25,50 @@
 #include <math.h>
 #include <string.h>
 
-/* Limits. FIRST_STEPS, MOST_STEPS: Newton's steps in the first attempt, and in later ones; MOST_HALVINGS: halvings
- * of a step; SWEEPS: sweeps over the contacts where no halving helps. Tried: 5 runs by Newmark's rule change, by
- * 2e-12; MOST_STEPS changes none. */
+/* FIRST_STEPS, MOST_STEPS: largest numbers of Newton steps in the first attempt, and in later attempts.
+ * MOST_HALVINGS: largest number of halvings of a step. SWEEPS: number of sweeps over the contacts if no halving
+ * helps. Tried: 5 runs by Newmark's rule change, by 2e-12; MOST_STEPS changes none. */
 enum { FIRST_STEPS = 20, MOST_STEPS = 500, MOST_HALVINGS = 6, SWEEPS = 4 };
 
-/* Relative tolerance of the last attempt, for equations that amplify rounding errors (dashpots too
- * stiff for the step). Without it one of 400 scenes by Newmark's rule, of 2 000 steps, finds no
- * solution. */
+/* Relative tolerance of the last attempt, for equations that amplify rounding errors (dashpots too stiff for the
+ * step). Without this attempt one of 400 scenes by Newmark's rule, of 2 000 steps, finds no solution. */
 static const double ROUGH = 1e-9;
 
-/* Factor on the slopes in the second attempt. Dashpots that are almost rigid have slopes 1/C, and
- * the matrix of two at one place would be singular. Measured, on 400 scenes with a dashpot and a
- * contact across a gap at one place under a sudden load: 1e-8 and 1e-6 below 1 solve all, 1e-4
- * leaves 15 unsolved, 1e-2 and none 64. */
+/* Factor on the slopes a, b in the second attempt. Almost rigid dashpots have the slope 1/C, with which the matrix
+ * of two of them at one place would be singular. Measured, on 400 scenes with a dashpot and a contact across a gap
+ * at one place under a sudden load: 1 - 1e-8 and 1 - 1e-6 solve all, 1 - 1e-4 leaves 15 unsolved, 1 - 1e-2 and 1
+ * leave 64. */
 static const double YIELD = 1.0 - 1e-6;
 
-/* Least value to which the error of an indentation is relative, as a share of the largest indentation. Tried: 2 runs
- * change, by 1e-14. */
+/* The error of an indentation is relative to at least this share of the largest indentation. Tried: 2 runs change,
+ * by 1e-14. */
 static const double SHARE = 1e-6;
 
-/* Ratio of the terms of a law's force to the force above which digits count as lost by cancellation. Tried: 15 runs
- * change, by 7e-13. */
+/* Largest ratio of the terms of a law's force to the force at which its digits are trusted: above it, cancellation
+ * loses digits. Tried: 15 runs change, by 7e-13. */
 static const double CANCELS = 16.0;
 
-/* An iterate: for each contact the indentation and rate without its own force, its solution and the residuals. In the
- * end indentation and force are the solution. */
+/* An iterate: for each contact its indentation and rate without its own force, the solution of its equation, the
+ * slopes of its force and its residuals. After the last iteration indentation and force are the solution. */
 typedef struct iterate {
-    double *unloaded, *unloaded_rate; /* z, w */
+    double *unloaded, *unloaded_rate; /* z and w of the equations above */
     double *indentation, *force;
-    double *of_place, *of_rate; /* a, b */
-    double *off, *rate_off;     /* R, S */
+    double *of_place, *of_rate; /* slopes a and b */
+    double *off, *rate_off;     /* residuals R and S */
 } iterate;
 
 typedef struct newton {
     const aoi_coupled *e;
     const aoi_contact_state *contact;
     size_t width;
-    double deepest; /* largest indentation, of find_deepest */
-    double ended;    /* adhesive contacts whose last indentation is at most this have separated */
+    double deepest; /* largest indentation, by find_deepest, m */
+    double ended;    /* adhesive contacts whose last indentation is at most this have separated, m */
     double rounding; /* relative error at which an equation counts as solved */
-    size_t failed;   /* the equation solved last */
-    double yield;    /* factor on the slopes in the matrix; below 1, steps are not shortened */
+    size_t failed;   /* index of the equation solved last */
+    double yield;    /* factor on the slopes in the matrix; if it is below 1, steps are not shortened */
     iterate now, trial;
     double *size, *rate_size;
-    double *matrix, *change; /* Newton's matrix, and its change of the forces */
+    double *matrix, *change; /* Newton's matrix; its solution, the changes of the forces */
     double *move, *rate_move;
 } newton;
 
@@ -96,7 +96,7 @@ static void lay_out(newton *s, const aoi_coupled *e, const aoi_contact_state *co
     s->matrix = work;
 }
 
-/* Row i has the columns first .. last-1; column j has the index i * width + band + j - i. */
+/* Columns of row i: first_of(i) to last_of(i) - 1. The element in column j has the index i * width + band + j - i. */
 static size_t first_of(const aoi_coupled *e, size_t i) { return i > e->band ? i - e->band : 0; }
 
 static size_t last_of(const aoi_coupled *e, size_t i)
@@ -109,12 +109,13 @@ static const double *row_of(const aoi_coupled *e, const double *matrix, size_t i
     return matrix + (i * (2 * e->band + 1) + e->band) - i; /* to be indexed by the column */
 }
 
-/* First equation of the contact that equation i belongs to. */
+/* Returns the index of the first equation of the contact that equation i belongs to. */
 static size_t begin_of(const aoi_contact_state *contact, size_t i) { return i - contact[i].axis; }
 
 static size_t size_of(const aoi_contact_state *contact) { return contact->rubbing ? 3 : 1; }
 
-/* Row i times x without the terms of the contact itself; size: the sum of the terms' magnitudes. */
+/* Returns row i of a matrix times x, without the columns of the contact itself. size: set to the sum of the terms'
+ * magnitudes. */
 static inline double neighbours(const aoi_coupled *e, const aoi_contact_state *contact, const double *matrix, size_t i,
                          const double *x, double *size)
 {
@@ -138,7 +139,7 @@ static double own(const aoi_coupled *e, const double *matrix, size_t i)
     return row_of(e, matrix, i)[i];
 }
 
-/* a and b of contact i at its solution. */
+/* Finds the slopes a and b of contact i at its solution. */
 static void find_slopes(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
@@ -153,12 +154,14 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
         return;
     }
     if (at->force[i] != 0.0) {
-        /* The slopes are those of the uncut law: a positive force may be below the rounding of its damping term. */
+        /* The slopes are those of the law before negative forces are replaced by zero: a positive force may be
+         * below the rounding error of its damping term. */
         double low, high;
         const int piece = aoi_law_piece(contact->law, contact->memory, at->indentation[i],
                                         speed > 0.0, &low, &high);
         aoi_law_force(contact->law, contact->memory, piece, at->indentation[i], speed, &value);
-        /* With a negative slope the matrix would need pivoting: it is replaced by zero, an approximate Newton step. */
+        /* A negative slope, with which the matrix would need pivoting, is replaced by zero; the Newton step is
+         * then approximate. */
         value.stiffness = fmax(value.stiffness, 0.0);
         value.damping = fmax(value.damping, 0.0);
     }
@@ -166,7 +169,7 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
     const double terms = value.stiffness * fabs(at->indentation[i]) +
                          value.damping * (fabs(at->unloaded_rate[i]) + fabs(rate * at->force[i]));
     if (whole > 2.0 && terms > CANCELS * fabs(at->force[i])) {
-        /* The law's force is a small difference of large terms; the force computed from the compliance has more
+        /* If the law's force is a small difference of large terms, the force computed from the compliance has more
          * digits. */
         at->force[i] = (at->unloaded[i] - at->indentation[i]) / compliance;
     }
@@ -174,8 +177,8 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
     at->of_rate[i] = isfinite(whole) ? value.damping / whole : 0.0;
 }
 
-/* Solves the equations i to i + 2 of a contact with friction. free: its place without its own
- * force; place: a guess on entry, the solution on return. */
+/* Solves the equations i to i + 2 of a contact with friction. free: indentation and slides without its own force;
+ * place: their guess on entry, the solution on return. */
 static int solve_three(const aoi_coupled *e, aoi_rubbing *rubbing, size_t i, const double free[3], double rate_free,
                        double place[3], double force[3])
 {
@@ -207,7 +210,7 @@ static int solve_one(newton *s, iterate *at, size_t i)
         at->of_rate[i] = contact->axis > 0 ? 0.0 : fmax(contact->rubbing->found.by_rate[0], 0.0);
         return status;
     }
-    /* An adhesive contact may have two solutions, closed and open: it stays closed if it was. */
+    /* An adhesive contact may have two solutions, closed and open. It stays closed if it was closed before. */
     const double pulled = contact->indentation > s->ended ? contact->indentation
                                                           : aoi_law_rest(contact->law, contact->memory);
     const aoi_contact_equation equation = {
@@ -230,7 +233,7 @@ static int solve_each(newton *s, iterate *at)
     return status;
 }
 
-/* Residuals R and S of contact i, and the sizes of their terms. */
+/* Finds the residuals R and S of contact i, and the magnitudes of their terms. */
 static void find_off(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
@@ -242,7 +245,8 @@ static void find_off(const newton *s, iterate *at, size_t i)
     s->rate_size[i] = fabs(e->rate_free[i]) + rate_size;
 }
 
-/* Rounding of the rates, propagated through the forces of damped laws and the matrix to indentation i (or rate i). */
+/* Returns the effect of the rounding errors of all rates on indentation i (with the matrix of compliances) or rate
+ * i (of rate compliances), through the forces of damped laws. */
 static double uncertainty(const newton *s, const iterate *at, const double *matrix, size_t i)
 {
     const double *row = row_of(s->e, matrix, i);
@@ -253,7 +257,7 @@ static double uncertainty(const newton *s, const iterate *at, const double *matr
     return sum;
 }
 
-/* Residual of all equations beyond rounding, as an energy, J; zero where they are solved. */
+/* Returns the residual of all equations beyond rounding, as an energy, J; zero if all are solved. */
 static double find_merit(const newton *s, iterate *at)
 {
     const aoi_coupled *e = s->e;
@@ -279,7 +283,7 @@ static double find_merit(const newton *s, iterate *at)
     return merit;
 }
 
-/* Row i of the matrix, of a contact with friction. */
+/* Fills row i of Newton's matrix, and its right-hand side, for a contact with friction. */
 static void fill_row(const newton *s, size_t i, const aoi_oblique_solution *found, size_t axis)
 {
     const aoi_coupled *e = s->e;
@@ -337,14 +341,15 @@ static int find_trial(newton *s, double share, double *merit)
         const double give = s->move[i] - own(e, e->compliance, i) * s->change[i];
         s->trial.unloaded[i] = s->now.unloaded[i] + share * s->move[i];
         s->trial.unloaded_rate[i] = s->now.unloaded_rate[i] + share * s->rate_move[i];
-        s->trial.indentation[i] = s->now.indentation[i] + share * give; /* a guess */
+        s->trial.indentation[i] = s->now.indentation[i] + share * give; /* guess of the search for the solution */
     }
     const int status = solve_each(s, &s->trial);
     *merit = status == AOI_OK ? find_merit(s, &s->trial) : 0.0;
     return status;
 }
 
-/* Makes the trial the present iterate; indentation and force stay in the caller's arrays. */
+/* Makes the trial the present iterate. Indentations and forces are copied, so that they stay in the caller's
+ * arrays. */
 static void accept(newton *s)
 {
     const size_t bytes = s->e->count * sizeof(double);
@@ -360,7 +365,7 @@ static void accept(newton *s)
     s->trial.force = spare.force;
 }
 
-/* Takes a Newton step, shortened until the residual decreases. nearer: 1 if the residual has decreased. */
+/* Takes a Newton step, which is shortened until the residual decreases. nearer: set to 1 if the step was taken. */
 static int newton_step(newton *s, double *merit, int *nearer)
 {
     int status = AOI_OK;
@@ -384,7 +389,7 @@ static int newton_step(newton *s, double *merit, int *nearer)
     return status;
 }
 
-/* Sets z and w of equation i, given the forces. */
+/* Sets z and w of equation i for given forces. */
 static void free_of_others(const newton *s, size_t i, const double *force)
 {
     const aoi_coupled *e = s->e;
@@ -393,7 +398,7 @@ static void free_of_others(const newton *s, size_t i, const double *force)
     s->now.unloaded_rate[i] = e->rate_free[i] - neighbours(e, s->contact, e->rate_compliance, i, force, &size);
 }
 
-/* A symmetric Gauss-Seidel sweep: all contacts in turn, forwards and backwards. */
+/* Makes a symmetric Gauss-Seidel sweep: solves the equations of all contacts in turn, forwards and backwards. */
 static int sweep(newton *s, double *merit)
 {
     const aoi_coupled *e = s->e;
@@ -409,7 +414,7 @@ static int sweep(newton *s, double *merit)
     return status;
 }
 
-/* Solves from the present forces and indentations, in at most most_steps steps. */
+/* Solves the equations from the present forces and indentations, in at most most_steps steps. */
 static int solve_from_here(newton *s, int most_steps)
 {
     for (size_t i = 0; i < s->e->count; i++) {
@@ -430,9 +435,10 @@ static int solve_from_here(newton *s, int most_steps)
     return status == AOI_OK && !(merit == 0.0) ? AOI_ERROR_NOT_FINITE : status;
 }
 
-/* The force of an adhesive contact ends with a jump. If the contact is coupled to others, its equation alone may
- * then have no consistent state, neither closed nor open, although all equations together have a solution with the
- * contact open. Opens the adhesive contact with the least indentation; returns 0 if no such contact is left. */
+/* Opens the adhesive contact with the least indentation; returns 0 if no such contact is left. The force of an
+ * adhesive contact ends with a jump. If the contact is coupled to others, its equation alone may then have no
+ * consistent state, neither closed nor open, although all equations together have a solution with the contact
+ * open. */
 static int end_next(newton *s)
 {
     double next = HUGE_VAL;
@@ -449,7 +455,8 @@ static int end_next(newton *s)
 
 static int has_failed(int status) { return status == AOI_ERROR_NO_CONVERGENCE || status == AOI_ERROR_NOT_FINITE; }
 
-/* Solves from zero contact forces, to the relative tolerance `rounding`, in at most most_steps steps. */
+/* Solves the equations from zero contact forces, to the relative tolerance `rounding`, in at most most_steps
+ * steps. */
 static int solve_from_apart(newton *s, double rounding, int most_steps)
 {
     const aoi_coupled *e = s->e;
@@ -465,7 +472,7 @@ static int solve_all(newton *s)
 {
     const aoi_coupled *e = s->e;
     int status = solve_from_here(s, FIRST_STEPS);
-    if (has_failed(status)) { /* again without the guess */
+    if (has_failed(status)) { /* second attempt, without the guess */
         s->yield = YIELD;
         status = solve_from_apart(s, AOI_COUPLED_ROUNDING, FIRST_STEPS);
         s->yield = 1.0;
@@ -481,7 +488,7 @@ static int solve_all(newton *s)
     return status;
 }
 
-/* Solves for one contact. Most steps of most runs are without contact and return early. */
+/* Solves the equation of a single contact. Most steps of most runs are without contact and return early. */
 static int solve_single(aoi_coupled *e, const aoi_contact_state *contact)
 {
     const aoi_law *law = contact->law;
@@ -503,12 +510,12 @@ static int solve_single(aoi_coupled *e, const aoi_contact_state *contact)
 
 /* -------------------------------------------- segments of neighbouring contacts that touch */
 
-/* A segment extends beyond its touching contacts by this many band widths, so that their neighbours may close, too.
- * Tried: from 2 to 12 no run changes. */
+/* Number of band widths by which a segment extends beyond its touching contacts, so that their neighbours can
+ * close as well. Tried: from 2 to 12 no run changes. */
 enum { REACH = 4 };
 
-/* The largest indentation of all contacts: for each, the one without contact forces, or its last one if it had a force
- * and that is larger. */
+/* Returns the largest indentation beyond rest of all contacts, m. That of one contact is the larger of its
+ * indentation without contact forces and, if it had a force, its last one. */
 static double find_deepest(const aoi_coupled *e, const aoi_contact_state *contact)
 {
     double deepest = 0.0;
@@ -520,11 +527,11 @@ static double find_deepest(const aoi_coupled *e, const aoi_contact_state *contac
     return deepest;
 }
 
-/* Indentation up to which a contact counts as open. */
+/* Returns the largest indentation of a contact that counts as open, m. */
 static double open_tolerance(double deepest) { return AOI_COUPLED_ROUNDING * SHARE * deepest; }
 
-/* Marks the contacts that may touch, and sets a first guess of their forces: the last two steps extrapolated; the
- * force is zero for all other contacts. */
+/* Marks the contacts that may touch, and sets a guess of their indentations and forces, extrapolated from the last
+ * two steps; the force of all other contacts is zero. */
 static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double deepest, double *active)
 {
     const double least = open_tolerance(deepest);
@@ -548,7 +555,7 @@ static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double
         e->rate[i] = e->rate_free[i];
         e->force[i] = 0.0;
         if (active[i] != 0.0 && ahead > rest && c->force != 0.0) {
-            /* At most twice the last force, or the force that would stop the bodies at rest. */
+            /* The guess is at most twice the last force, or the force that would keep the bodies at rest. */
             const double most = fmax(2.0 * fabs(c->force), free_end / own(e, e->compliance, i));
             aoi_law_value value;
             aoi_law_push(c->law, c->memory, ahead, c->rate, &value);
@@ -558,8 +565,8 @@ static void guess(const aoi_coupled *e, const aoi_contact_state *contact, double
     }
 }
 
-/* Finds the next segment from `from` on: contacts that may touch, and their neighbours. No two segments are coupled.
- * Returns 0 where there is none. */
+/* Finds the next segment, from contact `from` on: a range of contacts that may touch, and their neighbours. No two
+ * segments are coupled. Returns 0 if there is none. */
 static int next_segment(const aoi_coupled *e, const aoi_contact_state *contact, const double *active, size_t from,
                         size_t *low, size_t *high)
 {
@@ -609,7 +616,7 @@ static int solve_segment(aoi_coupled *e, const aoi_contact_state *contact, size_
     return status;
 }
 
-/* Solves for all segments with active contacts, and marks their contacts with 2. */
+/* Solves the equations of all segments with active contacts, and marks the contacts in these segments with 2. */
 static int solve_active(aoi_coupled *e, const aoi_contact_state *contact, double deepest,
                        double *active)
 {
@@ -624,14 +631,15 @@ static int solve_active(aoi_coupled *e, const aoi_contact_state *contact, double
     return status;
 }
 
-/* Updates the contacts outside the segments; returns whether one of them touches. */
+/* Updates the contacts outside the segments, whose forces are zero. Returns whether one of them touches. */
 static int activate(const aoi_coupled *e, const aoi_contact_state *contact, double deepest, double *active)
 {
     int changed = 0;
     for (size_t i = 0; i < e->count; i++) {
         if (active[i] != 2.0) {
             const double rest = aoi_law_rest(contact[i].law, contact[i].memory);
-            double size; /* without its own force, which is zero */
+            /* magnitude of the terms, not used; the contact's own force, which neighbours() omits, is zero */
+            double size;
             e->indentation[i] = e->free[i] - neighbours(e, contact, e->compliance, i, e->force, &size);
             e->rate[i] = e->rate_free[i] - neighbours(e, contact, e->rate_compliance, i, e->force, &size);
             active[i] = contact[i].axis > 0 ? active[i - 1]

@@ -1,20 +1,22 @@
-/* The loads on a body, at a time. */
+/* The loads on the ports of a body at a time. */
 #ifndef AOI_MODEL_LOAD_H
 #define AOI_MODEL_LOAD_H
 
 #include "aoimpact.h"
 
-/* Interval of a load that contains a time: forces on the ports at its start and end (the same where
- * the load is constant), time since its start and its length, s. */
+/* The interval of a load that contains a time. here, next: forces on the ports at its start and end (the same
+ * where the load is constant), N; into, length: time since its start, and its length, s. */
 typedef struct aoi_load_span {
     const double *here, *next;
     double into, length;
 } aoi_load_span;
 
-/* Span of a load with count > 0 at a time; at a jump of the load, the span after it. ports: number. */
+/* Returns the interval of a load (count > 0) that contains a time; at a jump of the load, the interval after it.
+ * ports: number of ports. */
 aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
 
-/* Time of the load's next bend after `time` if the first `skipped` bends are left out, s; HUGE_VAL: none. */
+/* Returns the time of a bend of the load after `time`, s: the next bend once `skipped` bends have been passed
+ * over. HUGE_VAL if there is none. */
 double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped);
 
 /* True if times ascend (equal neighbours are allowed) and all numbers are finite. */

@@ -1,4 +1,4 @@
-/* Defaults of the arrays that a body in modes may leave out, and whether it can move. */
+/* Defaults of the arrays that a body in modes may leave out, and a test whether the body can move. */
 #ifndef AOI_MODEL_MODES_H
 #define AOI_MODEL_MODES_H
 

@@ -1,4 +1,4 @@
-/* A system of bodies and contacts: its checks, its links, and the layout of its records. */
+/* A system of bodies and contacts: checks of its data, its links, and the layout of its records. */
 #include "model/load.h"
 #include "model/modes.h"
 #include "model/system.h"
@@ -8,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Largest difference between symmetric entries of a residual compliance, relative to the diagonal entries of both
- * ports: rounding of a reduction. */
+/* Largest difference between symmetric entries of a residual compliance, relative to the geometric mean of both
+ * diagonal entries. It allows for rounding errors of a reduction. */
 static const double SYMMETRY = 1e-6;
 
 /* True if an array, which may be missing, has finite values only. */
@@ -28,7 +28,8 @@ static int none_negative(const double *values, size_t count)
     return 1;
 }
 
-/* True if forces do no negative work on a residual compliance, as checked for each port and each pair of ports. */
+/* True if forces do no negative work on a residual compliance, which is checked for each port and each pair of
+ * ports. */
 static int residual_is_sound(const double *residual, size_t ports)
 {
     for (size_t p = 0; residual && p < ports; p++) {
@@ -86,7 +87,7 @@ static int body_is_sound(const aoi_modes *body)
            all_finite(body->centre, n) && all_finite(body->centre_residual, ports);
 }
 
-/* True if friction is as aoi_friction_create makes it of that law. */
+/* True if friction is what aoi_friction_create makes of the given law. */
 static int friction_is_sound(const aoi_friction *friction, const aoi_law *law)
 {
     aoi_friction made;
@@ -124,7 +125,7 @@ static int port_can_move(const aoi_modes *body, size_t port)
     return body->residual && body->residual[port * (body->ports + 1)] > 0.0;
 }
 
-/* True if every contact can deform or move a body, in each direction. */
+/* True if the force of every contact, in each of its directions, can deform or move a body. */
 static int contacts_can_move(const aoi_system *system)
 {
     for (size_t c = 0; c < system->contact_count; c++) {
@@ -157,7 +158,7 @@ static int is_sound(const aoi_system *system)
     return 1;
 }
 
-/* The caller's memory, as the arrays of a linked system: of bodies, then of contacts. */
+/* The arrays of a linked system in the caller's memory: first those for the bodies, then those for the contacts. */
 typedef struct links {
     size_t *first, *first_port, *first_contact, *contact_of, *first_force;
 } links;
@@ -188,7 +189,8 @@ static void link_contacts(const aoi_system *system, size_t *first_contact, size_
     for (size_t i = 0; i < ends; i++) {
         first_contact[system->contact[i / 2].body[i % 2]]++;
     }
-    for (size_t b = 0; b < system->body_count; b++) { /* now where the next body's contacts begin */
+    /* afterwards, first_contact[b] is the end of body b's contacts */
+    for (size_t b = 0; b < system->body_count; b++) {
         first_contact[b + 1] += first_contact[b];
     }
     for (size_t i = ends; i-- > 0;) {
