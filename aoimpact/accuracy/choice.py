@@ -18,16 +18,16 @@ from .hierarchy import fixed_model, only_models
 from .leftout import errors_left_out, finer_plan
 from .order import EASED, Search
 
-# _RTOL: default relative tolerance. _TIGHTEST: smallest one; reduced models do not agree to more
-# digits.
+# _RTOL: default relative tolerance. _TIGHTEST: smallest tolerance; reduced models do not agree to
+# more digits.
 _RTOL, _TIGHTEST = 2e-3, 1e-8
 
 # Largest error of the largest models that is accepted without a warning if no tolerance was given.
 _LOOSEST = 1e-2
 
-# Largest order of the models with a given tolerance (True) and with the default one (False), for
-# which the search ends with the error reached by then: a thin sheet that touches repeatedly would
-# need hundreds of vectors.
+# Largest order of the models if a tolerance is given (True) or not (False). Without a given
+# tolerance the search ends with the error reached: a thin sheet that touches repeatedly would need
+# hundreds of vectors.
 _MOST_ORDER = {True: 600, False: 80}
 
 # Shares of the tolerance for time integration by the adaptive method (_SHARE_OF_TIME), by fixed
@@ -119,7 +119,7 @@ def choose_models(
     tolerance, wanted = checked_rtol(rtol), interest()
     given = rtol is not None
     rule, in_time = time_rule(solver, tolerance, plan, given=given)
-    fixed = cache(fixed_model)  # equal bodies share one
+    fixed = cache(fixed_model)  # equal bodies share one hierarchy
     bodies = [
         body
         if body.reducible or (truncated and isinstance(body, Body) and body.ports == 1)
@@ -223,7 +223,7 @@ def time_rule(solver: Any, tolerance: float, plan: Scenario, *, given: bool) -> 
     rubs = any(tip.tangents is not None for body in plan.bodies for tip in body.tips)
     share = _SHARE_WITH_FRICTION if rubs else _SHARE_OF_TIME
     if solver is None and plan.oblique and any(of.law.depends_on_rate for of in plan.contacts):
-        solver = Newmark()  # `solve` refuses `Adaptive`
+        solver = Newmark()  # `solve` refuses `Adaptive` for damped friction
     if isinstance(solver, Newmark):
         share = _SHARE_OF_STEPS
     in_time = max(share * tolerance, TIGHTEST)

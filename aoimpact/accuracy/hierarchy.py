@@ -22,7 +22,7 @@ from ..reduction import Body, BodyModel, FullModel, KrylovSpace, rigid
 
 Models = tuple[Body, ...]
 
-# Number of oscillators of the model that shows if a body has modes slower than the contact.
+# Number of oscillators of the model that shows whether a body has modes slower than the contact.
 _FEW = 6
 
 
@@ -31,7 +31,7 @@ _sharing: ContextVar[bool] = ContextVar("sharing", default=False)
 
 @contextmanager
 def shared_models() -> Iterator[None]:
-    """Let similar impacts within this context share patches and models; see `alike`."""
+    """Let similar impacts share patches and models in a `with` block; see `alike`."""
     token = _sharing.set(True)
     try:
         yield
@@ -40,12 +40,12 @@ def shared_models() -> Iterator[None]:
 
 
 def alike(scale: float, *, up: bool = False) -> float:
-    """Return the time or length to fit models to; it is rounded within `shared_models`.
+    """Return the time or length to fit models to, rounded within `shared_models`.
 
-    Rounding is to a power of two, so that similar impacts share models and results do not depend on
-    other impacts. Patches up to five times as wide as the contact give the same force to 0.1 %. A
-    factor of two or three in the contact time does not matter (`KrylovSpace`); the factor here is
-    at most 1.4.
+    Values are rounded to a power of two, so that similar impacts share models and results do not
+    depend on other impacts. Patches up to five times as wide as the contact give the same force to
+    0.1 %. A factor of two or three in the contact time does not matter (`KrylovSpace`); the factor
+    here is at most 1.4.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def fixed_model(given: Any) -> Hierarchy:
 
 
 def truncations(given: Body) -> Hierarchy:
-    """Return the hierarchy of a one-port body's truncations in its number of anti-oscillators."""
+    """Return the hierarchy of a one-port body whose models keep its first anti-oscillators."""
     star, first = given.star, 1 if given.constrained else 0
 
     def make(order: int) -> Body:
@@ -141,8 +141,8 @@ def _of_elements(
 ) -> Hierarchy:
     """Return the hierarchy of a finite-element body, fitted to the time scales of a scene.
 
-    A body with one contact point has AO models. With several, the models have as many vectors for
-    each contact point as the order, at least one if the body is constrained.
+    A body with one contact point has AO models. If it has several, a model of order n has n vectors
+    for each contact point, and at least one if the body is constrained.
     """
     tip, body, single = tips[0], tips[0].body, len(tips) == 1
     dofs = body.n_dofs
@@ -173,7 +173,7 @@ def _of_elements(
 
 
 def _rigid(model: Body) -> Body:
-    """Return the rigid body for a model without oscillators: a wall if the model is constrained."""
+    """Return the body of a model without oscillators: a wall if the model is constrained."""
     gives = model.constrained and not model.wall
     return rigid(mass=math.inf, name=model.name).modal if gives else model
 

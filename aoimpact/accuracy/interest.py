@@ -59,7 +59,7 @@ def quantity_of(quantity: Any, bodies: Sequence[BodyModel], *, pair: bool) -> Qu
         return QUANTITIES[choice("quantity", _DEFAULT if quantity is None else quantity, choices)]
     meshed = {i: body.body for i, body in enumerate(bodies) if body.tips}
     if pair and quantity.body is None and 1 in meshed:
-        meshed.pop(0, None)  # a point without a body is on the target
+        meshed.pop(0, None)  # a point given without body is on the target
     on = [i for i, body in meshed.items() if quantity.body is None or body is quantity.body]
     if len(on) > 1 and quantity.body is None:
         raise InputError(f"quantity={quantity!r}: there are {len(on)} such bodies; give body= one")
@@ -105,9 +105,9 @@ class Named:
     names: tuple[str, ...]
 
     def __call__(self, result: Any) -> dict[str, float]:
-        """Return the numbers by name, and two more for each if the models were chosen.
+        """Return the numbers by name and, if the models were chosen, two more values for each.
 
-        The two more are name + "_error", which is `ErrorParts.total`, and name + "_controlled",
+        The two values are name + "_error", which is `ErrorParts.total`, and name + "_controlled",
         which is 1 if the error of the models is within the tolerance, else 0.
         """
         kept = dict[str, float]()

@@ -74,8 +74,8 @@ def errors_left_out(
     softer = replace(run.plan, contacts=altered)
     changed = altered != tuple(run.plan.contacts)
     by_contact = _tried(lambda: softer, run, solver) if changed else []
-    # The meshes as given were run with the whole law where it has less compliance than they have:
-    # their difference from the refined ones is then no error estimate.
+    # If only one of both runs kept whole laws of contacts stiffer than their meshes, their
+    # difference is no error estimate.
     whole = meshed.plan.bounded != run.plan.bounded
     unknown = [math.inf] * (whole or any(outgrown(run)))
     mesh = _changes(wanted, run, [*others, *unknown])
@@ -114,7 +114,7 @@ def _changes(
 
 
 def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float]) -> float | None:
-    """Return the time at which a history differs most between runs, s; None for a number."""
+    """Return the time, s, at which a history differs most between runs; None for a number."""
     runs = [of for of in others if isinstance(of, Run) and quantity.is_history]
     changes = [np.abs(quantity.deviation(of, run)) for of in runs]
     largest = max(changes, key=np.max, default=None)
@@ -124,7 +124,7 @@ def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float]) -> 
 def _with_models(run: Run) -> Run:
     """Return the same run with reduced models, with which further runs for the estimate are cheap.
 
-    Errors of mesh and contact affect the motion of reduced models as they affect that of full
+    Errors of mesh and contact affect the motion of reduced models in the same way as that of full
     bodies.
     """
     times = [end - start for events in run.events for start, end in events.contacts]
@@ -153,7 +153,7 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
         for body, port in contact.ports if events.peak_force else ():
             tip = plan.bodies[body].touched_at(port)
             if tip is None or _is_bare(law, tip):
-                continue  # a body given by numbers, or a law without the bodies' indentation
+                continue  # the true motion is between runs with and without
             known = extraction_of(law, plan.bodies[body], port)
             if known is None:
                 return None  # uncertainty unknown: a rigid model or a sharp edge
@@ -226,7 +226,7 @@ def finer_plan(
         law = own_law(contact.law) if any(contact.removed) else contact.law
         known = contact._replace(law=law, removed=(0.0, 0.0))
         known = known.of_models(bodies, bounded=number in bounded)
-        more = 0.0  # compensates the change of a node's indentation by refinement
+        more = 0.0  # change of the mesh's indentation at nodes by refinement
         for body, port in known.ports:
             tip = plan.bodies[body].touched_at(port)
             if tip is not None and _is_bare(law, tip):
@@ -237,10 +237,10 @@ def finer_plan(
 
 
 def compared_runs(run: Run, solver: TimeSolver | None, *, every: bool = False) -> list[Run | float]:
-    """Return the runs for the error due to the meshes: the sum of differences from these runs.
+    """Return the runs whose differences from a run add up to its error due to the meshes.
 
-    The first is the run with the bodies as the user meshed them, if this run has finer ones; the
-    last is the run of `finer_plan`. Infinity stands for a run that fails.
+    The first is the run with the bodies as the user meshed them, if `run` has finer ones; the last
+    is the run of `finer_plan`. Infinity stands for a run that fails.
     """
     beside = run.beside
     finer = _tried(partial(finer_plan, run.plan, every=every and beside is None), run, solver)
@@ -264,7 +264,7 @@ def _tried(
 
 
 def _finer(model: BodyModel, make: Callable[[Any], BodyModel]) -> BodyModel:
-    """Return a model's finer model, cached; for a turned model, that of the original, turned."""
+    """Return a model's finer model, cached also for the same model with reversed directions."""
     of, ports = model.kept.get("turned", (model, ()))
     if "finer" not in of.kept:
         of.kept["finer"] = make(of)

@@ -46,14 +46,14 @@ _FIRST = 1.5
 # Ratio of the tolerance that an error message proposes to the error found.
 EASED = 1.1
 
-# _REFIT: largest ratio, without a new fit, of the contact time found to the one that the bases were
-# fitted to, or its inverse. _MOST_FITS: largest number of fits.
+# _REFIT: largest ratio of the contact time found to the one that the bases were fitted to, or its
+# inverse, at which no new fit is made. _MOST_FITS: largest number of fits.
 _REFIT, _MOST_FITS = 2.0, 4
 
-# Order of the model from each distinct hierarchy.
+# Order of the model in each of the distinct hierarchies.
 _Orders = tuple[int, ...]
 
-# Ratio of the duration of motion to the contact time above which bases include slow motion.
+# Ratio of the duration of motion to the contact time above which bases also contain slow motion.
 _LONG = 4.0
 
 
@@ -85,7 +85,7 @@ def first_guess(
     rigid = tuple(_rigid(body, otherwise.contact_time) for body in bodies)
     try:
         return _scales(wanted, run(rigid), otherwise)
-    except (InputError, ConvergenceError):  # e.g. of two walls
+    except (InputError, ConvergenceError):  # such as a contact of two walls
         return otherwise
 
 
@@ -98,7 +98,7 @@ def _rigid(body: BodyModel, contact_time: float) -> Any:
 
 
 def _scales(wanted: Sequence[Quantity], run: Run, otherwise: TimeScales) -> TimeScales:
-    """Return the time scales of a run; without contact, the contact time is that of `otherwise`."""
+    """Return the time scales of a run; without contact, take the contact time of `otherwise`."""
     contact_time = wanted[0].contact_time(run) or otherwise.contact_time
     return TimeScales(contact_time, max(of.span(run) for of in wanted))
 

@@ -25,12 +25,12 @@ class Sensor(Frozen):
     Attributes
     ----------
     body : FEModel or None
-        Body that is measured. None means the only finite-element body, or the target if both
-        bodies of an impact are finite-element ones.
+        Body that is measured. None means the only finite-element body or, if both bodies of an
+        impact are finite-element bodies, the target.
     named, unit : str
         Name and unit of the measured quantity.
     memory : float
-        Time by which the record must exceed the impact, s.
+        Time by which the record must be longer than the impact, s.
     """
 
     body: Any

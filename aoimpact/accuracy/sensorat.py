@@ -38,7 +38,8 @@ from .sensor import Sensor
 # Default channel frequency class, Hz.
 _CLASS = 1000.0
 
-# Time after the impact in which the acceleration is of interest, in periods of the filter's pole.
+# Time after the impact in which the acceleration is of interest, in periods 1/f of the filter's
+# pole frequency f.
 _AFTER = 2.0
 
 _COMPONENTS = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
@@ -222,7 +223,7 @@ class AccelerationAt(Sensor):
     An unfiltered acceleration after an impact has no finite bandwidth: it grows with the number of
     modes of a model without limit. It is therefore defined after the filter of a channel, up to the
     filter's settling time before the end of the record; see `Probe.filtered`. If no duration is
-    given, the record exceeds the impact by two periods of the filter and its settling time.
+    given, the record is longer than the impact by two periods of the filter and its settling time.
 
     Parameters
     ----------
@@ -235,7 +236,8 @@ class AccelerationAt(Sensor):
     corner : float, optional
         Frequency at which the filter attenuates by 3 dB, Hz, instead of the class.
     body : FEModel or ContactPoint, optional
-        Body of the impact; by default the only finite-element body, or the target if both are.
+        Body of the impact; by default the only finite-element body, or the target if both bodies
+        have finite elements.
 
     Raises
     ------
@@ -282,7 +284,7 @@ class AccelerationAt(Sensor):
 
     @property
     def memory(self) -> float:  # type: ignore[override]
-        """Time by which the record must exceed the impact, s.
+        """Time by which the record must be longer than the impact, s.
 
         :meta private:
         """
@@ -325,7 +327,8 @@ class ReactionAt(Sensor):
     direction : array_like, shape (3,)
         Direction of the force, of any length but zero.
     body : FEModel or ContactPoint, optional
-        Body of the impact; by default the only finite-element body, or the target if both are.
+        Body of the impact; by default the only finite-element body, or the target if both bodies
+        have finite elements.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """Whole bodies in a run: displacement and stress over time, sensors, pictures, files.
 
 The motion of a body is recomputed from the recorded contact forces (response.py). `results` offers
-it as attributes of a run's bodies; `accuracy` takes stresses and their errors from here, and
-`testrig` probes and the filter.
+the motion as attributes of a run's bodies. `accuracy` uses stresses and their errors, `testrig`
+probes and the filter.
 """
 
 from .channel import Channel, zero_phase

@@ -16,23 +16,23 @@ import numpy as np
 
 from ..base import ArrayPair, FloatArray, InputError, checked, positive, warn, with_unit
 
-# Ratio of the pole, the corner frequency of a single pass, to the class's frequency (SAE J211-1,
-# appendix C). Both passes together are 3 dB down at 1.65 times the class's frequency.
+# Ratio of the pole, the corner frequency of a single pass, to the frequency of the class (SAE
+# J211-1, appendix C). Both passes together attenuate by 3 dB at 1.65 times the class's frequency.
 _POLE = 2.0775
 
-# Ratio of the pole to the frequency at which two passes of a Butterworth filter of order 2 are 3 dB
-# down.
+# Ratio of the pole to the frequency at which two passes of a Butterworth filter of order 2
+# attenuate by 3 dB.
 _POLE_OF_CORNER = math.pow(math.sqrt(2.0) - 1.0, -0.25)
 
-# Share of a transient at either end that is left after the settling time.
+# Fraction of a transient at either end that remains after the settling time.
 _SETTLED = 1e-4
 
 # _SAMPLES: samples per period of the pole. _LEAST_SAMPLES: minimum number in a record. For a plate
-# whose unfiltered acceleration is 40 times that behind CFC 1000, the error is 1.5e-3 with 200
-# samples per period, and 5e-5 with 1000.
+# whose unfiltered acceleration is 40 times the acceleration filtered by CFC 1000, the error is
+# 1.5e-3 with 200 samples per period, and 5e-5 with 1000.
 _SAMPLES, _LEAST_SAMPLES = 1000, 1000
 
-# Largest number of samples; a filter that needs more is taken for a mistake.
+# Largest number of samples; a channel that needs more is most likely a mistake.
 _MOST = 20_000_000
 
 
@@ -46,7 +46,7 @@ class Channel:
         Channel frequency class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same
         formula.
     corner : float, optional
-        In place of the class, the frequency where the signal is 3 dB down, Hz.
+        In place of the class, the frequency at which the filter attenuates by 3 dB, Hz.
 
     Raises
     ------
@@ -76,7 +76,7 @@ class Channel:
 
     @property
     def passed(self) -> float:
-        """Frequency where two passes are 3 dB down, Hz."""
+        """Frequency at which two passes attenuate by 3 dB, Hz."""
         return self.pole / _POLE_OF_CORNER
 
     @property
@@ -94,7 +94,7 @@ class Channel:
 
 
 def zero_phase(values: FloatArray, channel: Channel, rate: float) -> FloatArray:
-    """Return evenly sampled values behind a channel's filter, in the shape (n, ...) of `values`.
+    """Return evenly sampled values, filtered by a channel, in the shape (n, ...) of `values`.
 
     Both ends are extended by the settling time, by odd reflection about the end sample, as in
     SciPy's `filtfilt`.
@@ -133,11 +133,11 @@ def filtered_acceleration(
     channel: Channel,
     times: FloatArray,
 ) -> FloatArray:
-    """Return the acceleration of a motion behind a channel's filter, m/s², shape (times, ...).
+    """Return the acceleration of a motion, filtered by a channel, m/s², shape (times, ...).
 
-    The filter's input is second differences of the displacement: means of the acceleration,
-    weighted by triangles, so that there is little aliasing. Before the record the velocity is
-    constant. What follows the record is not known, and the filter runs backward as well, so that
+    The input of the filter is second differences of the displacement: means of the acceleration
+    with triangular weights, so that there is little aliasing. Before the record the velocity is
+    constant. The motion after the record is not known, and the filter also runs backward, so that
     the acceleration is NaN within the settling time of the end.
 
     Parameters

@@ -279,9 +279,9 @@ class Field:
     Notes
     -----
     `error` is in the norm of strain energy, relative to the largest norm over the record. The
-    contact force may be right although this error is large: a model fitted to a short contact need
-    not vibrate as the body does afterwards. The errors of mesh and contact (`Result.error`) add to
-    it.
+    contact force may be accurate although this error is large: a model fitted to a short contact
+    need not vibrate as the body does after the contact. The errors of mesh and contact
+    (`Result.error`) come in addition.
     """
 
     body: FEModel
@@ -289,13 +289,14 @@ class Field:
     displacement: FloatArray
     velocity: FloatArray
     rotation: FloatArray
-    # _response: the `Response` that the field is computed by. _dofs: dofs of all nodes, (k, dofs).
+    # _response: `Response` that computes the field. _dofs: displacements of all nodes' dofs,
+    # (k, dofs).
     _response: Any = field(repr=False)
     _dofs: FloatArray = field(repr=False)
 
     @cached_property
     def error(self) -> FloatArray | None:
-        """Error due to the body's model, relative to the largest over the record, (k,).
+        """Error due to the body's model, relative to the largest norm over the record, (k,).
 
         It is the difference from the run with other elements; None for a full model.
         """

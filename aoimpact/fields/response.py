@@ -148,8 +148,8 @@ class Response:
     def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
         """Return the ground's virtual work along the m motions in `of`, N or N m, (times, m).
 
-        See `fem.Grounding`. If `motion` is of the dofs, the forces are K X + C Ẋ + M Ẍ at the
-        constrained ones.
+        See `fem.Grounding`. If `motion` is that of the dofs, the forces of the ground are
+        K X + C Ẋ + M Ẍ at constrained dofs.
         """
         motion, known = self.motion, self.body.grounding
         alpha, beta = 0.0, 0.0
@@ -179,7 +179,7 @@ class Response:
         assert body.nodes is not None
         own = slice(len(body.nodes))
         u, v = self.functionals(None, wanted)
-        everywhere = np.zeros((2, len(wanted), 2 * nodes.size))  # 0 at constrained dofs
+        everywhere = np.zeros((2, len(wanted), 2 * nodes.size))  # zeros at constrained dofs
         everywhere[0][:, free], everywhere[1][:, free] = u.T, v.T
         (moved, turned), (speeds, _) = (
             of.reshape(len(wanted), 2, -1, 3).swapaxes(0, 1)[:, :, own] for of in everywhere
@@ -191,10 +191,10 @@ class Response:
     def half_space(
         self, places: FloatArray, times: FloatArray, *, rates: bool = True
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return displacement, rate and stress of half-spaces under contacts at places (p, 3).
+        """Return displacement, rate and stress of half-spaces under contacts, at places (p, 3).
 
-        Shapes (times, p, 3) and (times, p, 6). The rates, which take twice as long, are zero
-        without `rates`.
+        Displacement and rate have the shape (times, p, 3), stress (times, p, 6). Without `rates`,
+        which take twice as long, the rate is zero.
         """
         u, v, stress = (np.zeros((len(times), len(places), count)) for count in (3, 3, 6))
         for of in self.indentations:
@@ -248,7 +248,7 @@ class Response:
             parts.append((recovery.basis, np.vstack([q, force]), np.vstack([rates, change])))
             added = recovery.amounts(q, force), recovery.amounts(rates, change)
             parts.append((recovery.shapes, *added))
-        for of in self.indentations:  # removes the mesh's approximation of the half-space
+        for of in self.indentations:  # subtracts the mesh's approximation of u_B
             force, rate = of.pressing(motion, times)
             shape = -of.extraction.mesh_field.reshape(-1, 1)[self.free]
             parts.append((shape, force[None], rate[None]))
@@ -285,7 +285,7 @@ class Response:
 
 
 def _energy(product: FloatArray, amounts: FloatArray) -> FloatArray:
-    """Return xᵀ `product` x of each column x of `amounts`, not below 0 by rounding."""
+    """Return xᵀ `product` x for each column x of `amounts`; negative rounding errors become 0."""
     return np.asarray(np.maximum(np.einsum("it,it->t", amounts, product @ amounts), 0.0))
 
 
@@ -306,7 +306,7 @@ def response_of(run: Any, body: int) -> Response | None:
         pace = math.exp2(round(_SHIFTS * math.log2(PACE / (end - start))) / _SHIFTS)
         recovery = Recovery(model.modal, model.modal.loads(plan.pull), pace)
         held = not model.modal.body.rigid_modes.shape[1]
-        if plan.preload and held:  # at rest even slow modes are deflected: X = K⁻¹ B f
+        if plan.preload and held:  # at rest slow modes deflect, too: X = K⁻¹ B f
             q, forces = motion.observed(None, np.zeros(1))[0], motion.force(np.zeros(1))
             load = np.ascontiguousarray(recovery.loads @ forces)
             rest = recovery.model.body.inverse().solve(load)
@@ -322,9 +322,9 @@ def response_of(run: Any, body: int) -> Response | None:
             continue
         known, touched = extraction_of(contact.law, model, port), model.touched_at(port)
         if touched is None or touched.direction is None or not (known and known.splitting):
-            continue  # for a shell only the mesh's own field is known
+            continue  # for a shell the field of the mesh remains
         if touched.body.mesh is None or touched.body.mesh.thin:
-            continue  # shells beside the solids take the mesh's own field as well
+            continue  # with shells beside solids, too
         inward = float(np.sign(known.splitting.frame[2] @ touched.direction))
         between = plan.round_contact(contact)
         width = partial(np.full_like, fill_value=known.radius)

@@ -51,28 +51,28 @@ from .channel import Channel, filtered_acceleration
 from .field import LOOKS, Field, solid, warn_if_wrong
 from .response import Response, response_of
 
-# Ratio of velocity to (largest displacement / length of the record) below which it is a rounding
-# error.
+# Ratio of a velocity to (largest displacement / length of the record) below which the velocity is a
+# rounding error.
 _AT_REST = 1e-9
 
 # Ratio of the estimated error to the difference from the run with other elements. With 2, 99 % of
 # 458 histories on solids and shells had a smaller error than estimated, half of them eight times
-# smaller. With 1, this holds for 88 %, and for 57 % on 20-node hexahedra, whose error the next
-# degree reduces least if they are long.
+# smaller. With 1, 88 % had a smaller error than estimated, and 57 % on 20-node hexahedra, whose
+# error elements of the next degree reduce least if the hexahedra are long.
 _DIFFERENCES = 2.0
 
-# Largest number of even times in a record; a smaller dt is taken for a mistake.
+# Largest number of evenly spaced times in a record; a smaller dt is most likely a mistake.
 _MOST_SAMPLES = 20_000_000
 
-# Gauss points along a gauge on a shell, for its mean strain.
+# Number of Gauss points along a gauge on a shell, for its mean strain.
 _ALONG = 8
 
 # Largest sine of the angle between a gauge and the surface that it lies on.
 _OFF = 0.1
 
 # Ratios to the gauge's length: _BEYOND: largest distance of an end from the surface; _BESIDE:
-# largest distance of the middle; _SHORTER: largest shift of an end along the gauge by projection on
-# the surface, (length/radius)²/16 on a curved one.
+# largest distance of the middle; _SHORTER: largest shift of an end along the gauge when it is
+# projected onto the surface, (length/radius)²/16 if the surface is curved.
 _BEYOND, _BESIDE, _SHORTER = 0.25, 0.1, 0.01
 
 
@@ -91,7 +91,7 @@ class History:
     name : str
         Name of the quantity in messages.
     source : Response or Run
-        Source of the values; those of its `others` give the error.
+        Source of the values; the values of its `others` give the error.
     seen : callable
         Returns the values, shape (n, ...), of a source at times, s.
     t : ndarray, shape (n,)
@@ -122,7 +122,7 @@ class History:
             return None
         looks = np.union1d(self.t, np.linspace(0.0, self.source.duration, LOOKS))
         own, least = self.seen(self.source, looks), 0.0
-        if self.displacement is not None:  # a smaller velocity is a rounding error
+        if self.displacement is not None:  # smaller velocities are rounding errors
             most = float(np.abs(self.displacement(self.source, looks)).max())
             least = _AT_REST * most / self.source.duration
         largest = np.nanmax(np.abs(own), initial=least)
@@ -136,7 +136,8 @@ class History:
         apart = [self.seen(of, self.t) - self.values for of in self.source.others]
         if not apart:
             return np.full_like(self.values, np.nan)
-        # Not the sum: differences cancel if other runs lie on both sides of this one.
+        # The largest difference is taken, not the sum: if other runs lie on both sides of this one,
+        # differences cancel.
         return _DIFFERENCES * len(apart) * max(apart, key=lambda of: float(np.abs(of).max()))
 
     def told(self) -> FloatArray:
@@ -232,7 +233,7 @@ class At(Each[sp.csr_array]):
         return motion_rows(body, place_rows(body, self.places, self.nodes), self.axes)
 
     def motion(self, response: Response, times: FloatArray, *, rates: bool = True) -> ArrayPair:
-        """Return displacement, m, and velocity, m/s; without `rates`, that of the dofs alone."""
+        """Return displacement, m, and velocity, m/s; without `rates`, the dofs' velocity alone."""
         motion = response.functionals(self.of(response.body), times)
         added = response.half_space(self.places, times, rates=rates)
         u, v = (
@@ -417,17 +418,18 @@ class Probe(Sensed):
         """Return the filtered acceleration.
 
         SAE J211-1, appendix C: a Butterworth filter of two poles, run forward and backward for zero
-        phase shift. Before the record the body is at rest or moves steadily. What follows the
+        phase shift. Before the record the body is at rest or moves steadily. The motion after the
         record is not known, so that the acceleration is NaN over the filter's settling time before
-        the end, one period of the class: 1 ms for CFC 1000. Take a `duration` longer by that.
+        the end, one period of the class: 1 ms for CFC 1000. Take a `duration` that is longer by
+        this time.
 
         Parameters
         ----------
         cfc : float, optional
             Channel frequency class, Hz: 60, 180, 600 or 1000 in the standard; any other by the same
-            formula. The signal is 3 dB down at 1.65 times the class.
+            formula. The filter attenuates by 3 dB at 1.65 times the class.
         corner : float, optional
-            In place of the class, the frequency where the signal is 3 dB down, Hz.
+            In place of the class, the frequency at which the filter attenuates by 3 dB, Hz.
 
         Raises
         ------
@@ -471,7 +473,7 @@ class Probe(Sensed):
 
     @property
     def strain(self) -> Strain:
-        """The strain tensor over time, in the shape of `stress`; shears are γ/2.
+        """The strain tensor over time, in the shape of `stress`; shear components are γ/2.
 
         Raises
         ------

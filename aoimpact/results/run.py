@@ -610,7 +610,7 @@ class Run:
 
     @property
     def _parted(self) -> float:
-        """End of the last contact, s, or of the record; with fixed steps, the end of that step."""
+        """End of the last contact or, without one, of the record, s; rounded up to a fixed step."""
         touching, end = self.touching, self.duration
         end = end if touching is None else min(touching[1], end)
         if self.recorder.dense:
@@ -678,7 +678,7 @@ class Run:
 
     @cached_property
     def compared_velocities(self) -> FloatArray:
-        """`mean_velocities` at the end of the last contact, or of the record, m/s, (bodies,).
+        """`mean_velocities` when the last contact, or else the record, ends, m/s, shape (bodies,).
 
         :meta private:
         """
@@ -757,7 +757,8 @@ class Run:
         recorded = [layout.body(self._rows, number) for number in range(len(layout.ports))]
         strain = [of.elastic.copy() for of in recorded]
         for between, touch in zip(self.plan.contacts, contacts, strict=True):
-            # The energy c F²/2 of the meshes' own indentation is part of the law's energy.
+            # The energy c F²/2 of the meshes' own indentation belongs to the law, not to the strain
+            # energy.
             for port, c in zip(between.ports, between.removed, strict=True):
                 strain[port.body] -= 0.5 * c * touch.force**2
         bodies = tuple(
@@ -886,7 +887,8 @@ class Run:
         """Errors of the quantity of interest; ``error["restitution"]`` are those of a number."""
         energy, models = None, self.plan.bodies
         walls = [i for i, body in enumerate(models) if body.wall]
-        # Without the unknown work of a moving wall, the total energy is not constant.
+        # The work of a moving wall is not known; without this work the total energy is not
+        # constant.
         if self.plan.energies and not any(self.bodies[i].port_velocities.any() for i in walls):
             of = (replace(self, asked=self.recorder.marks) if self.recorder.dense else self).energy
             stored = float((of.kinetic + of.elastic + of.contact).max())
@@ -897,7 +899,7 @@ class Run:
         full = [model for model in models if isinstance(model, FullModel)]
         whole = full and all(of in full for of in models if of.tips)
         quantities, rtol, absent = list[str](), None, None
-        # The errors of full models are zero.
+        # Full models have no model error.
         by_model: Mapping[str, float] = names if whole else {}
         if self.chosen is not None:
             quantities, rtol = list(self.chosen.quantities), self.chosen.rtol
@@ -1104,7 +1106,7 @@ class Result(Eventful, Run):
 
     @property
     def restitution(self) -> float:
-        """Coefficient of restitution, by velocities of centres of mass after the last contact.
+        """Coefficient of restitution, from velocities of centres of mass after the last contact.
 
         It is (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is
         constrained or of infinite mass. NaN without a rebound, and where a centre of mass

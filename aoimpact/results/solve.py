@@ -24,8 +24,8 @@ from .run import Result, Run
 
 TimeSolver = Adaptive | Newmark
 
-# _BY_DEFAULT: default solver. _RUBBING: that with friction, whose coefficient is known to few
-# digits.
+# _BY_DEFAULT: default solver. _RUBBING: default solver with friction, whose coefficient is known to
+# few digits.
 _BY_DEFAULT, _RUBBING = Adaptive(), Adaptive(rtol=1e-4)
 
 
@@ -98,12 +98,13 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
         ) from None
 
 
-# Longest record in units of the first guess, for contacts that never end, such as under gravity.
+# Longest record, in units of the first guess of its length, for contacts that never end, such as
+# under gravity.
 _MOST = 4096.0
 
 # AS_LONG_AGAIN: ratio of the record's length, from the first touch on, to the time between first
-# touch and last release. _LENGTHS: number of lengths per octave to which the record is rounded up,
-# so that runs of models that hardly differ have the same length.
+# touch and last release. _LENGTHS: number of values per octave to which the length is rounded up,
+# so that runs of models that hardly differ have records of the same length.
 AS_LONG_AGAIN, _LENGTHS = 2.0, 16.0
 
 
@@ -114,7 +115,7 @@ class RecordLength:
     Attributes
     ----------
     length : float
-        Duration given, or first guess, s.
+        Duration given or, if none was given, its first guess, s.
     given : bool
         True if the duration was given.
     margin : float, optional

@@ -26,7 +26,7 @@ SHOWN = 12
 # Largest number of contact points that are listed for a body.
 _PLACES = 2
 
-# Coordinates below this are printed as 0, m.
+# Magnitude of coordinates, m, below which they are printed as 0.
 _NOTHING = 1e-12
 
 
@@ -147,7 +147,7 @@ def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
 def _bound(
     run: Run, interest: Quantity, value: float, error: ErrorParts, *, listed: bool = False
 ) -> str:
-    """Return an error as text: absolute for a number below the least scale of relative errors."""
+    """Return an error as text; absolute if the number is below the scale of relative errors."""
     least = 0.0 if interest.least is None else interest.least(run.velocities_before)
     if math.isinf(error.least):
         return " not bounded"
