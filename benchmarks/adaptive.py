@@ -2,10 +2,11 @@
 
     python benchmarks/adaptive.py [--scene rigid] [--scene pair] [--scene beam]
 
-The settings of each method are tightened until the error of the quantity asked for is below the
-limit with all tighter settings: none is right by chance. The fastest of these settings is reported.
-CVODE is driven by cvode_pair.c, which is built here if there are a C compiler and Debian's
-libsundials-dev; Exudyn by exudyn_pair.py if that package is installed. Takes two or three minutes.
+The settings of each method are made tighter and tighter. A setting counts only if the errors with
+it and with all tighter settings are below the limit, so that none is right by chance. The fastest
+is reported. CVODE is driven by cvode_pair.c, which is built here if there are a C compiler and
+Debian's libsundials-dev; Exudyn by exudyn_pair.py if that package is installed. Takes two or three
+minutes.
 
 "call" is the time that a user waits for: ao.simulate with the curves of its result. "core" is the
 run in C alone, without the curves. CVODE and Exudyn are timed without Python and without curves. A
@@ -190,7 +191,7 @@ def ratio_text(ratio: float) -> str:
 
 
 def print_fixed_cost() -> None:
-    """Print the time of a call minus that of its integration."""
+    """Print the time of a call for two rigid bodies minus that of its integration."""
     scene, solver = rigid_pair(), ao.Adaptive(rtol=1e-6)
     plan = plan_of(scene)
     whole = best_time(lambda: ao.simulate(**scene, solver=solver).peak_force)
@@ -200,7 +201,7 @@ def print_fixed_cost() -> None:
 
 
 def print_parts(case: Case) -> None:
-    """Print the parts of the time of one call."""
+    """Print the times of a call, of its run and of sampling its curves, for three tolerances."""
     scene, plan = case.scene, plan_of(case.scene)
     for rtol in (1e-3, 1e-6, 1e-9):
         solver = ao.Adaptive(rtol=rtol)

@@ -1,4 +1,4 @@
-"""Mesh to peak force: default call against CalculiX's penalty contact, and the true error of each.
+"""Time from mesh to peak force, and its true error: default call, and CalculiX's penalty contact.
 
     python benchmarks/calculix.py            # needs ccx on the path, and gmsh
 
@@ -24,7 +24,8 @@ import numpy as np
 import aoimpact as ao
 from aoimpact.paper.sphere import RADIUS, RESOLVED_FORCE, STEEL
 
-# Size of elements at the contact and far from it, m. The contact has a radius of 0.31 mm.
+# `GRADED`: element sizes at the contact (radius 0.31 mm) and far from it, m. `EVEN`: uniform sizes,
+# m.
 GRADED = ((0.3e-3, 6e-3), (0.2e-3, 5e-3), (0.12e-3, 4e-3))
 EVEN = (8e-3, 5e-3, 3e-3)
 

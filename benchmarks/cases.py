@@ -18,7 +18,7 @@ from aoimpact.integrate import rigid_contact_time
 
 @dataclass(frozen=True)
 class Run:
-    """Time, s, and error of one setting of a method: the largest of the quantities asked for."""
+    """Time, s, and largest error of the quantities asked for, with one setting of a method."""
 
     setting: str
     seconds: float
@@ -110,7 +110,7 @@ CASES = {
 
 
 def best_time(call: Callable[[], object], most: int = 1000, enough: float = 0.2) -> float:
-    """Return the shortest time of a call, s; calls are repeated for `enough` s, at most `most`."""
+    """Return the shortest time, s, of a call repeated for `enough` s or at most `most` times."""
     best, spent, done = math.inf, 0.0, 0
     while done == 0 or (done < most and spent < enough):
         start = time.perf_counter()
@@ -141,7 +141,7 @@ def tighten(runs: Iterable[Run | None], least: float) -> list[Run]:
 
 
 def fastest(sweeps: list[list[Run]], limit: float) -> Run | None:
-    """Return the fastest run within the limit of which all tighter runs are too; else None."""
+    """Return the fastest run that, like all tighter runs, meets the error limit, or None."""
     good = []
     for sweep in sweeps:
         for run in reversed(sweep):

@@ -5,12 +5,12 @@
 
 The time of the whole call `simulate(quantity=, rtol=)` is compared with that of building Krylov
 models of 2 n + 8 oscillators by the quickest linear solver, where n is the number of oscillators of
-the returned models. The true error over the tolerance is that against models of 150 oscillators or
-more. Bodies have 10 000 to 180 000 dofs at --size 1 (elements half as large at .5); six of them are
-meshed by gmsh. Times are processor times with one thread, of the first call of each: nothing is
-kept from one call to the other. --full compares with Newmark's rule on the full model as well, with
-the largest step that leaves no more error. The quantity of --quantity stress is von Mises'
-equivalent stress 20 mm from the contact, and times include its history.
+the returned models. The true error, printed in multiples of the tolerance, is the difference from
+models of 150 oscillators or more. Bodies have 10 000 to 180 000 dofs at --size 1 (elements half as
+large at .5); six of them are meshed by gmsh. Times are processor times with one thread, of the
+first call of each: nothing is kept from one call to the other. --full also times Newmark's rule on
+the full model, with the largest step whose error is not larger. The quantity of --quantity stress
+is von Mises' equivalent stress 20 mm from the contact, and times include its history.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ ALUMINIUM = ao.Material(E=70e9, nu=0.3, rho=2700)
 BALL = ao.rigid(mass=4 / 3 * math.pi * 0.01**3 * STEEL.rho)
 ON_ALUMINIUM = ao.Hertz.between(STEEL, 0.01, ALUMINIUM, math.inf)
 
-# Oscillators of the models that true errors are relative to: a minimum number, and a multiple of
-# the number at the strictest tolerance.
+# Oscillators of the models to which true errors are relative: at least REFERENCE, and TIMES_AS_MANY
+# times the number at the strictest tolerance.
 REFERENCE, TIMES_AS_MANY = 150, 3
 
-# Distance from the contact at which stress is asked for, m, and number of times.
+# FROM_CONTACT: distance from the contact at which stress is computed, m. TIMES: number of times.
 FROM_CONTACT, TIMES = 0.02, 400
 
 # A linear solver is timed if its estimated time is at most this multiple of that of the quickest

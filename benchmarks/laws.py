@@ -103,7 +103,7 @@ def compare(title: str, laws: dict[str, ao.ContactLaw], yardstick: str, solver: 
 
 
 def main() -> None:
-    warnings.simplefilter("ignore", ao.AOImpactWarning)  # "ends in contact" is intended
+    warnings.simplefilter("ignore", ao.AOImpactWarning)  # records end in contact on purpose
     hertz = ao.Hertz(K)
     everything = {"Hertz": hertz} | library()
     compare(f"Newmark, {STEPS} steps in contact", everything, "Hertz", NEWMARK)

@@ -113,7 +113,7 @@ class OdeScene:
         if self.compliance == 0.0:
             return force, stiffness
         delta = free
-        for _ in range(200):  # monotone: Newton's method, convex or concave
+        for _ in range(200):  # Newton's method, which converges monotonically
             step = (delta - free + self.compliance * force) / (1.0 + self.compliance * stiffness)
             delta -= step
             force, stiffness = self.force(delta)

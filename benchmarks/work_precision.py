@@ -157,7 +157,7 @@ def work_precision(
 
 
 class _Run(NamedTuple):
-    """Names of a method and of its setting in the table, and the function that runs both."""
+    """Names of a method and of its setting in the table, and the function of the run."""
 
     method: str
     setting: str

@@ -14,7 +14,7 @@ from ..base import AOImpactError, InputError
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; return 0, 2 for a wrong input, 1 for a computation that failed."""
+    """Run a command; return the exit code: 2 after wrong input, 1 after a failure, else 0."""
     parser = _parser()
     options = parser.parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -128,8 +128,8 @@ def _run(options: argparse.Namespace) -> None:
 def _compare(options: argparse.Namespace) -> None:
     """Run the impact of a TOML file with models from rigid bodies to the full ones.
 
-    The models between have more and more anti-oscillators, or natural modes. The cost and the
-    errors of each model are printed.
+    The models in between have increasing numbers of anti-oscillators or natural modes. The cost and
+    the errors of each model are printed.
     """
     from ..base import writable_folder
     from ..scenefile import read_scene

@@ -1,7 +1,8 @@
 """Stiffness and consistent mass of a mesh of solid, shell and beam elements.
 
-Both matrices consist of one block per pair of nodes that share an element. The pair of each block
-of each element matrix is found once; then the blocks are summed in place, without duplicates.
+Both matrices consist of one block per pair of nodes that share an element. The position of each
+block of each element matrix is found once; then the blocks are summed in place, without duplicate
+entries.
 """
 
 from __future__ import annotations
@@ -45,8 +46,8 @@ _Pattern = tuple[npt.NDArray[np.int32], npt.NDArray[np.int32], list[IntArray]]
 def stiffness_mass(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_array]:
     """Return the stiffness K and the consistent mass M; the dofs are 3·node + component.
 
-    With shells or beams, rotations 3·n_nodes + 3·node + component follow. Their rows are empty for
-    nodes of solid elements only.
+    With shells or beams, rotations 3·n_nodes + 3·node + component follow. The rows of the rotations
+    of nodes of solid elements only are empty.
 
     Parameters
     ----------

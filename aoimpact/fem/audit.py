@@ -27,8 +27,8 @@ _SPEEDS = 500.0, 20e3
 _TYPICAL_SPEED = 5e3
 
 # Likely causes of an implausible wave speed. Each key is the largest ratio of the speed to the
-# typical speed for which its cause holds. Coordinates in millimetres
-# read as metres raise the speed a thousandfold; the opposite mistake lowers it a thousandfold.
+# typical speed for which its cause holds. Coordinates in millimetres read as metres raise the speed
+# a thousandfold; the opposite mistake lowers it a thousandfold.
 _SOFT = "of foam, soft rubber or much added mass; else, K in N/mm beside M in kg?"
 _CAUSES = {
     1e-4: _SOFT,

@@ -223,7 +223,7 @@ def thickness_of_cells(mesh: Mesh, material: AnyMaterial) -> FloatArray:
 
 @record
 class Layout:
-    """Pairs of a node and a material at this node, since stress jumps between materials.
+    """Pairs of a node and a material at it; stress has one value per pair.
 
     Attributes
     ----------

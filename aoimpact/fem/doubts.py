@@ -93,7 +93,7 @@ def _areas(corners: FloatArray) -> FloatArray:
 
 
 def warn_of_separate_parts(mesh: Mesh, masses: Any) -> None:
-    """Warn of a mesh in parts joined neither by nodes nor by added `masses`, (dofs, dofs)."""
+    """Warn of a mesh whose parts share no node and are not joined by `masses`, (dofs, dofs)."""
     row, column = np.repeat(mesh.cells[:, 0], mesh.cells.shape[1]), mesh.cells.ravel()
     if masses is not None:
         joined = masses.tocoo()

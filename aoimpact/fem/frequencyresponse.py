@@ -207,7 +207,8 @@ def _modes(body: FEModel, highest: float, most: int) -> tuple[FloatArray, FloatA
         if len(omega) < count or count == dofs:
             return omega, shapes, math.inf
         if omega[-1] > beyond * highest:
-            # The last mode is left out, and bounds the frequencies of all others from below.
+            # The last computed mode is not used: its frequency bounds those of all other modes from
+            # below.
             return omega[:-1], shapes[:, :-1], float(omega[-1])
         count = dofs if 10 * count > dofs else 2 * count
     return None
@@ -225,7 +226,7 @@ def _by_modes(
     moved = body.M @ shapes
 
     def static(load: FloatArray) -> FloatArray:
-        """Return K⁻¹ times a load minus the computed modes' share of it, shape (n_dofs,)."""
+        """Return K⁻¹ times a load, minus the computed modes' share of this, shape (n_dofs,)."""
         rest = load - moved @ (shapes.T @ load)
         if not np.abs(rest).max(initial=0.0) > 1e-12 * np.abs(load).max(initial=0.0):
             return np.zeros_like(load)

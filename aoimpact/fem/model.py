@@ -158,7 +158,7 @@ class FEModel(Frozen):
     masses: Any = field(init=False, default=None)
     # True if K and M follow from mesh and material, added masses and springs.
     assembled: bool = field(init=False, default=False)
-    # Combination of all motions without elastic force, for bodies given by K, M and nodes.
+    # A combination of all motions without elastic force, for bodies given by K, M and nodes.
     _soft: FloatArray | None = field(init=False, default=None)
     # The body that a finer body was made from; None for other bodies.
     coarse: FEModel | None = field(init=False, default=None)
@@ -469,7 +469,7 @@ class FEModel(Frozen):
 
     @cached_property
     def _momentum(self) -> FloatArray | None:
-        """M g_c on the free dofs, (n_dofs, 3), with g_c the unit translation of all nodes."""
+        """M g on the free dofs, (n_dofs, 3), for unit translations g of all nodes along x, y, z."""
         if self.mass is None:
             return None
         found: FloatArray = self.M @ axes_of(self.free, self.labels, self._n_places)
@@ -638,7 +638,7 @@ class FEModel(Frozen):
 
     @cached_property
     def surface(self) -> Surface | None:
-        """The faces that belong to a single element; None without a mesh and for beams."""
+        """The boundary of the mesh; None without a mesh and for bodies of beams alone."""
         if self.mesh is None or {block.kind for block in self.mesh.blocks} == {"line"}:
             return None
         return boundary(self.mesh)
@@ -716,7 +716,7 @@ class FEModel(Frozen):
 
     @cached_property
     def held(self) -> tuple[IntArray, Any, Any]:
-        """The constrained dofs, and the columns of the full K and M that belong to them.
+        """The constrained dofs, and their columns of the full K and M (all dofs).
 
         :meta private:
         """
@@ -724,7 +724,7 @@ class FEModel(Frozen):
             raise InputError("the rows of supports are not known of a body without a mesh")
         return grounded(*stiffness_mass(self.shapes, made_of), self.free)
 
-    # The following methods import their modules when called, as those modules import this one.
+    # The following methods import modules when called, because those modules import this one.
 
     @cached_property
     def grounding(self) -> Grounding:

@@ -211,9 +211,9 @@ def rigid_ends(
     If plates meet at an angle θ and their faces lie at heights f over the nodes, the faces meet at
     a distance of (f_other + f cos θ)/sin θ from the line of the nodes. A plate that ends at the
     line is rigid over this distance. A plate that continues beyond the line is held on one face
-    only. By the theorems of minimum energy, its stiffness is between those with the distance free
-    and rigid; half the distance is taken as rigid. Plane elasticity gives a rigid share of 0.25,
-    0.47 and 0.70 for bending, for webs of 1, 2 and 4 thicknesses.
+    only. By the theorems of minimum energy, its stiffness is between those with an elastic and with
+    a rigid distance; half the distance is taken as rigid. Plane elasticity gives a rigid share of
+    0.25, 0.47 and 0.70 for bending, for webs of 1, 2 and 4 thicknesses.
 
     Parameters
     ----------

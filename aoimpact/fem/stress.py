@@ -2,11 +2,11 @@
 
 Strains at the Gauss points are extrapolated to the nodes of an element by the least-squares
 polynomial of its corners (linear in a tetrahedron, trilinear in a brick). Its degree is one lower
-than that of the displacements, which retains the part of the strains with an additional order of
-accuracy (J. Barlow, Int. J. Num. Meth. Eng. 10, 243, 1976). Elements with additional shape
-functions of the next degree use a polynomial of their own degree. At each node the values of the
-elements are averaged within each material, as stress jumps at interfaces; the stress given there is
-that of the stiffest material.
+than that of the displacements, which retains the superconvergent part of the strains (J. Barlow,
+Int. J. Num. Meth. Eng. 10, 243, 1976). Elements with additional shape functions of the next degree
+use a polynomial of their own degree. At each node the values of the elements are averaged within
+each material, as stress jumps at interfaces; the stress given there is that of the stiffest
+material.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ ANGLE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 # Tensors of unit engineering strains, shape (6, 3, 3): γ = 1 for shear.
 UNIT_STRAINS = np.eye(6)[:, PLACES] / ANGLE[:, None, None]
 
-# Largest array of gradients of a batch of elements, bytes.
+# Largest array of shape-function gradients of a batch of elements, bytes.
 _BATCH = 16e6
 
 
@@ -187,7 +187,7 @@ def hooke(strain: FloatArray, material: OneMaterial) -> FloatArray:
 
 
 def compliances(mesh: Mesh, material: AnyMaterial, nodes: IntArray) -> FloatArray:
-    """Return the compliance of the material at nodes, 1/Pa, shape (n, 6, 6); see `shown`.
+    """Return the compliance of the (stiffest) material at nodes, 1/Pa, shape (n, 6, 6).
 
     Shear strains are tensor components, ε = γ/2.
     """
@@ -228,8 +228,8 @@ def slopes_at_nodes(mesh: Mesh, piece: Piece) -> FloatArray:
 def extrapolation(kind: str) -> FloatArray:
     """Return the matrix that extrapolates from Gauss points to nodes, (n_nodes, n_gauss).
 
-    The polynomial of lower degree is a least-squares fit with the quadrature weights. A single
-    Gauss point gives a constant.
+    The polynomial, `ReferenceElement.lower`, is fitted by least squares with the quadrature
+    weights. A single Gauss point gives a constant.
     """
     element = reference_element(kind)
     lower, rule = element.lower, element.stiffness_rule

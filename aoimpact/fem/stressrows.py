@@ -138,12 +138,12 @@ class StressRows:
     _strain: bool = False
 
     def of_dofs(self, free: IntArray) -> StressRows:
-        """Return the rows for the dofs `free` only."""
+        """Return the matrix restricted to the columns of the dofs `free`."""
         return replace(self, rows=self.rows[:, free])
 
     @property
     def linear(self) -> bool:
-        """True if no point is on a beam, as the maximum over a section is not linear."""
+        """True if no point is on a beam: the maximum over a beam's section is not linear."""
         return not self._sections
 
     def components(self, values: FloatArray) -> FloatArray:
@@ -197,7 +197,7 @@ class _Wanted:
 
     @cached_property
     def held(self) -> tuple[IntArray, IntArray]:
-        """Indices of elements in the layer's part, and of points that lie in the elements."""
+        """Pairs of an element in the layer's part and a point within it, as two index arrays."""
         mesh, part = self.mesh, self.layer.part
         near = sp.csr_array(self.weights, copy=True)
         near.data = (np.abs(near.data) > PRINTED).astype(np.float64)

@@ -293,9 +293,10 @@ def added_mass(mesh: Mesh, masses: Sequence[Mounted] | None, free: IntArray) -> 
 
 
 def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
-    """Return WᵀJW: q = W u is the rigid motion at the attachment's centre, J its inertia.
+    """Return the mass matrix WᵀJW of a rigid attachment with the inertia matrix J.
 
-    q is the least-squares fit to the displacements u of the nodes.
+    q = W u, the rigid motion at its centre, is the least-squares fit to the displacements u of its
+    nodes.
     """
     ids, nodes = nodes_of_mesh(name, mount.nodes, mesh), mesh.nodes
     if len(ids) > _MOST_NODES:
@@ -308,7 +309,8 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     values, vectors = np.linalg.eigh(motions.T @ motions)
     known = values > _UNKNOWN**2 * values[-1]
     fit = (vectors[:, known] / values[known]) @ (motions @ vectors[:, known]).T
-    # Transformation of translation and size · rotation from the middle of the nodes to the centre.
+    # Transformation of a rigid motion (translation, size · rotation) from the middle of the nodes
+    # to the centre.
     to_centre = np.eye(6)
     to_centre[:3, 3:] = motions_at((centre - middle)[None] / size)[0, :, 3:]
     weights = np.zeros((6, 6))

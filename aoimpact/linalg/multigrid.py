@@ -39,11 +39,12 @@ Single = npt.NDArray[np.float32]
 # wide.
 _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 
-# Maximum entries of the coarsest level's factor L: _FEWEST_ENTRIES or _COARSEST_SHARE of K's. For
-# slender bodies, whose bending aggregates represent poorly, it is _SHARE_OF_FEW of K's, but at most
-# _FEW_ENTRIES. A body is slender if L of K has fewer than _SLENDER n^(4/3) entries: balls, cubes
-# and plates of 6:6:1 have 26 to 56 n^(4/3), sheets and bars 11 to 15 n^(4/3). A level of at most
-# _DENSE dofs is the coarsest in any case.
+# Maximum entries of the coarsest level's factor L: the larger of _FEWEST_ENTRIES and
+# _COARSEST_SHARE of the entries of K. For slender bodies, whose bending aggregates represent
+# poorly, _SHARE_OF_FEW of the entries of K, but at most _FEW_ENTRIES. A body is slender if the
+# factor L of K has fewer than _SLENDER n^(4/3) entries: balls, cubes and plates of 6:6:1 have 26 to
+# 56 n^(4/3), sheets and bars 11 to 15 n^(4/3). A level of at most _DENSE dofs is the coarsest in
+# any case.
 _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
 _DENSE = 300
@@ -110,8 +111,7 @@ class Multigrid:
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
             A, motions, places, self._place = finest_level(pencil)
             self._scale, self._length = pencil.scale, A.shape[0]
-            # A product with the assembled K + s²M takes a sixth of the time of products with K and
-            # M.
+            # A product with K + s²M takes a sixth of the time of products with K and M.
             self._blocks = Blocks(A, places)
             self._work = np.empty(self._blocks.work_length)
             self._coarsen(A, motions, places, progress)
@@ -242,7 +242,7 @@ def _cost(pencil: Pencil) -> Cost:
 
 
 def _aspect(mesh: Mesh) -> float:
-    """Return the elements' aspect ratio, longest over shortest extent: the median over the nodes.
+    """Return the elements' aspect ratio, longest to shortest extent: the median over the nodes.
 
     The extents are those of all elements about a node together: tetrahedra cut from cubes have 1.
     """

@@ -38,9 +38,9 @@ def is_installed() -> bool:
 class _Factors:
     """Factors of K + s²M for one s² at a time; the analysis of the pattern serves every s².
 
-    Replacing the factors takes at most half the time of a first factorisation. Models of thin
-    bodies, which need factors of K as well for their static mode, are made 1.31 … 1.37 times as
-    fast (benchmarks/reduction.py --constrained: two plates and a bar of tetrahedra).
+    Replacing the factors takes at most half the time of a first factorisation. It speeds up, by a
+    factor of 1.31 to 1.37, models of thin bodies, which also need factors of K for their static
+    mode (benchmarks/reduction.py --constrained: two plates and a bar of tetrahedra).
     """
 
     def __init__(self, pencil: Pencil) -> None:

@@ -98,7 +98,8 @@ def unresisted_motions(
         combination = right[kept].T / size[kept]
         combination @= np.linalg.svd(forces[rows] @ combination, full_matrices=False)[2].T
         basis = motions[rows] @ combination
-        # The forces are relative to K_ii: a spring within K has its share of the dof's stiffness.
+        # Forces are relative to K_ii: a spring in K that `springs` does not name counts by its
+        # share of K_ii.
         residual = np.abs(forces[rows] @ combination).max(axis=0)
         free = residual <= PRINTED * np.abs(basis).max(axis=0)
         columns = np.zeros((len(motions), np.count_nonzero(free)))

@@ -70,14 +70,14 @@ _LIGHT = 1e-6
 # lowest ω² + s².
 _TOLERANCE, _EPSILON = 1e-14, float(np.finfo(float).eps)
 
-# Relative change of a converged ω² above which its pair is iterated on: a lower ω² has appeared.
+# Relative change above which a converged ω² counts as not converged: a lower ω² has appeared.
 _MOVED = 1e-9
 
 # Extra vectors in a block: `_SPARE`, or _SPARE_SHARE of the modes wanted if that is more. They
 # speed up the last of the modes, and each random vector finds one member of a multiple eigenvalue.
 _SPARE, _SPARE_SHARE = 4, 0.25
 
-# Maximum basis size, in blocks, before a restart from twice the block.
+# Maximum size of the basis, in blocks, before a restart with a basis of two blocks.
 _MOST_BLOCKS = 12
 
 # Maximum number of steps. Cubes and beams take 13 to 21 for 4 and 16 modes; a sheet 150 times as
@@ -156,8 +156,8 @@ def shifted(
             x = m_orthonormal(modes, current.solve(M @ x), M)
             modes = np.column_stack([modes, x])
         basis = modes[:, rigid.shape[1] :]
-        # Upper bound of the first elastic ω², by Lanczos. If `rigid` misses a rigid motion, the
-        # bound is rounding.
+        # Upper bound of the first elastic ω², by Lanczos' method. It is a rounding error if `rigid`
+        # lacks a rigid motion.
         elastic = float(np.linalg.eigvalsh(basis.T @ (K @ basis))[0])
         elastic = max(elastic, _LEAST_SHIFT * _first_shift(K, M))
         if _SHIFT_BELOW * current.s2 <= elastic <= _SHIFT_ABOVE * current.s2:
@@ -332,7 +332,7 @@ def davidson(
         for _ in range(_MOST_STEPS):
             known = basis if away_from is None else np.column_stack([away_from, basis])
             new = m_orthonormal(known, block, M)
-            if basis.shape[1] + new.shape[1] < n:  # all vectors lie near far lower modes
+            if basis.shape[1] + new.shape[1] < n:  # too few independent vectors: add random ones
                 new = m_orthonormal(known, np.column_stack([block, start]), M)
                 n = min(n, basis.shape[1] + new.shape[1])
                 open_pairs, before = open_pairs[:n], before[:n]
@@ -371,7 +371,7 @@ def davidson(
 def warn_of_rounding(K: Any, modes: FloatArray, what: str) -> None:
     """Warn if the rounding of K is as large as the stiffness of some `modes`, shape (dofs, n).
 
-    `what`: number and name of the modes, or of what is made of them, in the warning.
+    `what`: number and name of the modes, or of results computed from them, for the warning.
     """
     sizes = np.abs(modes)
     rounding = np.finfo(float).eps * (sizes * (abs(K) @ sizes)).sum(axis=0)

@@ -167,7 +167,7 @@ def _plan(kind: str, pattern: tuple[int, ...]) -> tuple[str, list[int], IntArray
         beside = len(distinct) == 3 and pattern not in ((0, 1, 0, 3), (0, 1, 2, 1))
         return ("triangle", distinct, np.zeros((0, 2), np.int64)) if beside else None
     target = SOLIDS.get(len(distinct))
-    # The hexahedron of 27 nodes has nodes within sides, for which other solids have no place.
+    # A hexahedron of 27 nodes cannot be converted: other solids have no nodes within sides.
     if len(element.nodes) == 27 or target is None:
         return None
     # Sides that still have an area. A folded side matches no side of any solid below.

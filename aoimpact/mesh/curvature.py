@@ -186,7 +186,7 @@ class _Region:
 
 
 def _doubt(bends: FloatArray, reach: float) -> float:
-    """Return the curvature, 1/m, that edges of 45° to 75° within reach have if not sharp."""
+    """Return the curvature, 1/m, at edges of 45° to 75° within reach, if they are not sharp."""
     turn = bends[bends[:, 0] <= reach, 1]
     return float(turn.max(initial=0.0)) / reach
 

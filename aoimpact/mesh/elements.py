@@ -41,7 +41,7 @@ class Cell:
     of_brick: FloatArray
 
     def inside(self, place: FloatArray) -> FloatArray:
-        """Return a point, (3,); a point outside is moved towards the middle onto the surface."""
+        """Return a point, (3,), moved onto the surface towards the middle if it was outside."""
         middle = self.corners.mean(axis=0)
         beyond = self.normals @ (place - middle)
         room = (self.corners @ self.normals.T).max(axis=0) - self.normals @ middle
@@ -107,7 +107,7 @@ class ReferenceElement:
 
     @property
     def lower(self) -> ReferenceElement:
-        """The element without enrichment, or else the linear one on the same corners."""
+        """The element before enrichment or, if not enriched, the linear one on its corners."""
         return self.own if self.kind[-1] == "+" else self.linear
 
     def shape(self, points: FloatArray) -> FloatArray:
@@ -508,7 +508,7 @@ def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:
 def cofactors(j: FloatArray) -> ArrayPair:
     """Return det J and the cofactors C of J from `jacobians`: J⁻ᵀ = C / det J."""
     cof = np.empty(j.shape)
-    for i, a in product(range(3), repeat=2):  # negative indices wrap around
+    for i, a in product(range(3), repeat=2):  # negative indices count from the end
         cof[i, a] = j[i - 2, a - 2] * j[i - 1, a - 1] - j[i - 2, a - 1] * j[i - 1, a - 2]
     det = j[0, 0] * cof[0, 0] + j[0, 1] * cof[0, 1] + j[0, 2] * cof[0, 2]
     return det, cof

@@ -82,7 +82,7 @@ def enriched(mesh: Mesh) -> tuple[Mesh, IntArray, BoolArray] | None:
 
 
 def _keys(cells: IntArray, corners: Any) -> IntArray:
-    """Return the sorted corners of an edge or side of each element, (n, 3); of edges, third: -1."""
+    """Return the sorted corners of an edge or side of each element, (n, 3), filled up with -1."""
     found = np.full((len(cells), 3), -1)
     found[:, : len(corners)] = np.sort(cells[:, corners], axis=1)
     return found

@@ -15,7 +15,8 @@ AT_NODE = 1e-6
 # of a curved surface lie off the facets of its mesh.
 _ON_SURFACE = 0.02
 
-# Newton's method for reference coordinates: maximum number of steps, and tolerance of a step.
+# Newton's method for reference coordinates. `_MOST_STEPS`: maximum number of steps. `_LAST_STEP`:
+# largest final step.
 _MOST_STEPS = 30
 _LAST_STEP = 1e-13
 

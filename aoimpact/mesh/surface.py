@@ -50,7 +50,7 @@ SHARP = np.sqrt(0.5)
 # eight nodes, 4/3 on sides of six nodes, 1.39 on sides of nine.
 _BETWEEN = 2.0
 
-# Ratio of the margin of a side's bounding box to the side's size: more than rounding and `PRINTED`.
+# Margin of a side's bounding box, relative to the side's size: larger than rounding and `PRINTED`.
 _BESIDE = 1e-6
 
 # Number of points whose nearest points on the surface are cached: enough for a few contacts.
@@ -349,7 +349,7 @@ class Surface:
         return found
 
     def bounds(self, face: IntArray, frame: FloatArray) -> ArrayPair:
-        """Return lower and upper bounds of the faces along three axes, shapes (3, n), m."""
+        """Return lower and upper bounds of the faces along the axes `frame`, m, each (3, n)."""
         corners = self.mesh.nodes[self.corners(face)] @ frame.T
         room = _BETWEEN * np.abs(self.bulges(face) @ frame.T).max(axis=1)
         return (corners.min(axis=1) - room).T, (corners.max(axis=1) + room).T

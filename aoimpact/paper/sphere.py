@@ -109,7 +109,7 @@ def all_dofs() -> ao.FullModel:
 
 @cache
 def pair(body: ao.AOModel | ao.Body | ao.FullModel, speed: float = VELOCITY) -> ao.Result:
-    """Run the impact of two equal bodies; duration and step are proportional to V^(-1/5)."""
+    """Run the impact of two equal bodies; duration and step scale as the contact time, V^(-1/5)."""
     slower = (VELOCITY / speed) ** 0.2
     step = _STAR_STEP if isinstance(body, ao.AOModel) else _STEP
     return ao.simulate(
