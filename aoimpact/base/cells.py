@@ -10,7 +10,7 @@ from .checks import written_file
 
 
 def aligned(rows: Iterable[Sequence[str]], *, left: Collection[int] = ()) -> list[str]:
-    """Return a line per row with aligned columns, flush left if in `left`, else flush right."""
+    """Return a line per row with columns aligned right, or left if their number is in `left`."""
     columns = []
     for number, cells in enumerate(zip(*rows, strict=True)):
         width = max(map(len, cells))
@@ -21,7 +21,7 @@ def aligned(rows: Iterable[Sequence[str]], *, left: Collection[int] = ()) -> lis
 
 
 def write_csv(path: Any, heading: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Write a heading and rows to a file; numbers are written so that they read back bit for bit.
+    """Write a heading and rows to a file; reading the file gives the same numbers bit for bit.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Checks of single arguments, and records that check their fields and have read-only arrays.
 
-Every function takes the argument's name first and returns the value in the one form that the
-rest of the package works with (`float`, `int`, contiguous native float64 arrays).
+Every function takes the argument's name first and returns the value in the form that the rest of
+the package works with (`float`, `int`, contiguous native float64 arrays).
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ ComplexArray = npt.NDArray[np.complex128]
 FilePath = str | os.PathLike[str]
 ArrayPair = tuple[FloatArray, FloatArray]
 
-# Function of an argument's name and value that returns the value in the form that is kept.
+# Function that takes an argument's name and value, and returns the value to be stored.
 Check = Callable[[str, Any], Any]
 
 # Largest magnitude of inputs in SI units: products of up to three of these do not overflow.
 HUGE = 1e100
 
-# Relative differences that count as rounding. ROUNDING: of results in double precision, some
-# thousand roundings of 1e-16 with room to spare. PRINTED: of numbers that were printed with ten
-# digits.
+# Largest relative differences that count as rounding errors. ROUNDING: for results in double
+# precision, above the sum of some thousand errors of 1e-16. PRINTED: for numbers that were printed
+# with ten digits.
 ROUNDING, PRINTED = 1e-12, 1e-9
 
 
@@ -59,7 +59,7 @@ def real(name: str, value: Any, *, unit: str = "", infinite: bool = False) -> fl
     InputTypeError
         If `value` is not a real number (a bool, a complex, a string, an array).
     InputError
-        If `value` is NaN, or infinite without `infinite`.
+        If `value` is NaN, or if it is infinite and `infinite` is false.
     """
     if type(value) is float and math.isfinite(value):
         return value  # the common case; the checks below take far longer
@@ -95,7 +95,7 @@ def nonnegative(name: str, value: Any, *, unit: str = "", infinite: bool = False
 def within(
     name: str, value: Any, low: float, high: float = math.inf, *, below: bool = False
 ) -> float:
-    """Return `value` as a float from `low` to `high`, or below `high`; see `real`.
+    """Return `value` as a float in [`low`, `high`], or in [`low`, `high`) if `below`; see `real`.
 
     Raises
     ------
@@ -172,14 +172,14 @@ def nearest(value: str, options: Iterable[str]) -> str:
 
 
 def spelled(made: Any, module: str) -> Any:
-    """Return a public function or class whose errors suggest names for misspelt keywords.
+    """Return a public function or class that suggests similar names for misspelt keywords.
 
     Parameters
     ----------
     made : callable
         Function or class; a class and its methods are changed in place.
     module : str
-        Public module of a function, in which pickle finds it.
+        Public module in which pickle finds the function.
     """
     if isinstance(made, type):
         for name, of in list(vars(made).items()):
@@ -207,13 +207,13 @@ def spelled(made: Any, module: str) -> Any:
 
 
 def called(value: str, options: Iterable[str]) -> str | None:
-    """Return the option equal to `value`, or else the only one equal but for case, or None."""
+    """Return the option equal to `value`, else the only one that differs in case alone, or None."""
     same = [option for option in options if option.casefold() == value.casefold()]
     return value if value in same else same[0] if len(same) == 1 else None
 
 
 def choice(name: str, value: Any, options: Sequence[str]) -> str:
-    """Return `value` if it is one of `options`; the error names the nearest one."""
+    """Return `value` if it is one of `options`; the error names the most similar option."""
     listed = ", ".join(repr(option) for option in options)
     if not isinstance(value, str):
         raise InputTypeError(f"{name} must be one of {listed}, got {_short(value)}")
@@ -247,7 +247,7 @@ def file_path(name: str, value: Any) -> Path:
 
 @contextmanager
 def written_file(path: Any, name: str = "path") -> Iterator[Path]:
-    """Yield the argument `path` of a file or folder to write; failures to write raise InputError.
+    """Yield the path of a file or folder to write; failures within the context raise InputError.
 
     Raises
     ------
@@ -265,7 +265,7 @@ def written_file(path: Any, name: str = "path") -> Iterator[Path]:
 
 
 def sequence(name: str, value: Any) -> list[Any]:
-    """Return the entries of any iterable but a text or a mapping.
+    """Return the entries of an iterable as a list; a text or a mapping is refused.
 
     Raises
     ------
@@ -295,7 +295,7 @@ def finite_array(
     Parameters
     ----------
     shape : sequence of int or None, optional
-        The shape wanted; None stands for any length along that axis.
+        Required shape; None stands for any length of an axis.
     most : float, optional
         Largest magnitude allowed.
 
@@ -308,7 +308,7 @@ def finite_array(
         large.
     """
     given = _array(name, value, "an array of real numbers", "iuf", shape)
-    with np.errstate(over="ignore"):  # what overflows float64 is reported as not finite
+    with np.errstate(over="ignore"):  # numbers beyond float64 are reported below
         array = np.asarray(given, dtype=np.float64, order="C")
     if array.size and not np.isfinite(array).all():
         bad = np.argwhere(~np.isfinite(array))
@@ -339,7 +339,7 @@ def unit_vector(name: str, value: Any) -> FloatArray:
 
 
 def place(name: str, value: Any) -> FloatArray:
-    """Return `value` as a place, shape (3,), m; distances between such places do not overflow.
+    """Return `value` as a point, shape (3,), m; distances between such points do not overflow.
 
     Raises
     ------
@@ -350,7 +350,7 @@ def place(name: str, value: Any) -> FloatArray:
 
 
 def plain(vector: FloatArray) -> str:
-    """Return a place or direction as text, "(0.01, 0, 0)"; rounding noise is shown as 0."""
+    """Return a point or direction as text, "(0.01, 0, 0)", with 0 for rounding errors."""
     noise = 1e-9 * np.abs(vector).max()
     return f"({', '.join(f'{x if abs(x) > noise else 0.0:.6g}' for x in vector)})"
 
@@ -358,9 +358,9 @@ def plain(vector: FloatArray) -> str:
 def integers(
     name: str, value: Any, what: str, *, shape: Sequence[int | None] | None = None
 ) -> IntArray:
-    """Return `value` as a new array of integers of `shape`, where None stands for any length.
+    """Return `value` as a new array of integers with the given `shape`; None: any length.
 
-    `what`: description of the entries for messages.
+    `what`: description of `value` for messages.
 
     Raises
     ------
@@ -370,12 +370,12 @@ def integers(
 
 
 def inertia_tensor(name: str, value: Any, *, most: float) -> FloatArray:
-    """Return the inertia tensor of a body, kg m², (3, 3), given as such or by three moments.
+    """Return the inertia tensor, kg m², shape (3, 3), given as a tensor or as three moments.
 
     Raises
     ------
     InputTypeError, InputError
-        If no body can have it, or an entry exceeds `most`.
+        If no body can have such a tensor, or an entry exceeds `most`.
     """
     given = finite_array(name, value, unit="kg m²", most=most)
     if given.shape not in ((3,), (3, 3)):
@@ -391,7 +391,7 @@ def inertia_tensor(name: str, value: Any, *, most: float) -> FloatArray:
 
 
 def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> IntArray:
-    """Return `value` as sorted unique numbers of nodes in [0, `count`); bools are refused.
+    """Return `value` as sorted unique node numbers in [0, `count`); bools are refused.
 
     Parameters
     ----------
@@ -399,7 +399,7 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
         Name of the argument.
     value : array_like of int
     count : int or None
-        Number of nodes; None if the numbers are labels, which may be any.
+        Number of nodes; None if `value` has labels, which may be any integers.
     what : str, optional
         Noun for messages.
 
@@ -408,7 +408,7 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
     InputTypeError
         If the entries are not integers.
     InputError
-        If there are none, or one is out of range (negative numbers do not count backwards).
+        If there are no numbers, or a number is out of range (negative ones do not count backwards).
     """
     array = np.atleast_1d(integers(name, value, f"integer {what} numbers"))
     if array.ndim != 1 or not array.size:
@@ -423,7 +423,7 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
 def _array(
     name: str, value: Any, what: str, kinds: str, shape: Sequence[int | None] | None
 ) -> npt.NDArray[Any]:
-    """Return `value` as an array; refuse other kinds of dtype and other shapes."""
+    """Return `value` as an array; refuse a dtype whose kind is not in `kinds`, and other shapes."""
     if np.ma.is_masked(value):
         raise InputTypeError(f"{name} has masked entries; fill or remove them first")
     try:
@@ -461,7 +461,7 @@ def writable_folder(path: FilePath) -> Path:
 
 
 def checked(record: Any, /, **checks: Check | tuple[type[Any], ...]) -> None:
-    """Check fields of a frozen dataclass in its __post_init__, by a function or for classes."""
+    """Check fields of a frozen dataclass: call a check and store its result, or check the class."""
     for name, check in checks.items():
         value = getattr(record, name)
         if isinstance(check, tuple):
@@ -478,15 +478,15 @@ def read_only(array: FloatArray) -> FloatArray:
 
 @dataclass_transform(frozen_default=True, eq_default=False)
 def record(made: type[T]) -> type[T]:
-    """Return a class as a frozen dataclass compared by identity: arrays have no truth value."""
+    """Return a frozen dataclass whose objects compare by identity, since arrays lack a plain ==."""
     return dataclass(frozen=True, eq=False)(made)
 
 
 class Frozen:
     """Base class that makes the arrays of a dataclass, and of its tuples and mappings, read-only.
 
-    NumPy drops the flag of arrays that are unpickled or copied, so it is set again. A class with a
-    `__post_init__` of its own calls this one at its end.
+    NumPy makes unpickled and copied arrays writeable, so they are made read-only again. A class
+    with its own `__post_init__` calls that of this class at its end.
     """
 
     def __post_init__(self) -> None:
@@ -506,7 +506,7 @@ def _freeze(items: tuple[Any, ...] | dict[Any, Any]) -> None:
 
 
 class Kept:
-    """Cache, by key, of the `most` results that were used last."""
+    """Cache of the `most` most recently used results, by key."""
 
     def __init__(self, most: int) -> None:
         self._most = most
@@ -518,7 +518,7 @@ class Kept:
         return Kept, (self._most,)
 
     def get(self, key: Hashable, make: Callable[[], T]) -> T:
-        """Return the result kept under a key; if there is none, make and keep it."""
+        """Return the result with a key; if there is none, call `make` and keep its result."""
         with self._lock:
             found: T = self._found.pop(key) if key in self._found else make()
             self._found[key] = found
@@ -533,11 +533,11 @@ class Found(Mapping[str, Any]):
     Parameters
     ----------
     names : callable
-        Returns the names.
+        Function that returns all names.
     find : callable
-        Returns the value of a name; raises KeyError if there is none.
+        Function that returns the value of a name, or raises KeyError for an unknown name.
     known : mapping, optional
-        Values that are known already; their names come last.
+        Values that are known already. Their names come last if `names` does not return them.
     """
 
     def __init__(

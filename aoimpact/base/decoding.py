@@ -5,7 +5,7 @@ from __future__ import annotations
 import codecs
 from contextlib import suppress
 
-# Byte order marks and their encodings; UTF-32 before UTF-16, whose mark begins that of UTF-32.
+# Byte order marks and their encodings. UTF-32 precedes UTF-16, since its mark begins with UTF-16's.
 _MARKS = (
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF32_LE, "utf-32"),
@@ -18,7 +18,7 @@ _MARKS = (
 def decoded(content: bytes) -> str | None:
     """Return the text of a file with "\\n" for each end of a line; None if it is binary.
 
-    The encoding is that of the byte order mark; else UTF-8, or Latin-1 if the file is not UTF-8.
+    The byte order mark tells the encoding; without it, the file is read as UTF-8 or else Latin-1.
     """
     marked = [encoding for mark, encoding in _MARKS if content.startswith(mark)]
     for encoding in marked[:1] or ["utf-8", "latin-1"]:

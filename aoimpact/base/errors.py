@@ -18,7 +18,7 @@ from typing import Any
 
 
 class AOImpactError(Exception):
-    """Base of every error that this package raises on purpose."""
+    """Base class of all errors that this package raises on purpose."""
 
 
 class InputError(AOImpactError, ValueError):
@@ -38,7 +38,7 @@ class MeshError(InputError):
 
 
 class LawLimitError(InputError):
-    """A contact is deeper than its law is valid for: beyond the law's patch or table.
+    """An indentation is beyond the range of the contact law: its patch or its table.
 
     Attributes
     ----------
@@ -61,11 +61,11 @@ class RoomError(InputError):
     Attributes
     ----------
     room : float
-        Largest radius that fits, approximately, m.
+        Approximate radius of the largest patch that fits, m.
     reason : str
-        The obstacle and its place.
+        What limits the radius, and where.
     cure : str
-        Remedy if no patch fits.
+        Advice for a place where no patch fits.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class IterationError(ConvergenceError):
 
 
 class WorkerError(AOImpactError, RuntimeError):
-    """A worker of a sweep was lost, or could not be given its cases."""
+    """A worker of a sweep was lost, or cases could not be sent to it."""
 
 
 class MissingPackageError(AOImpactError, ImportError):
@@ -113,7 +113,7 @@ class MissingPackageError(AOImpactError, ImportError):
 
 
 class AOImpactWarning(UserWarning):
-    """Something is likely to be a mistake, but may be intended."""
+    """Warning of input or results that are probably a mistake, but may be intended."""
 
 
 def optional_package(name: str, what: str, otherwise: str = "") -> Any:
@@ -122,7 +122,7 @@ def optional_package(name: str, what: str, otherwise: str = "") -> Any:
     Parameters
     ----------
     name : str
-        Name of the module, of the package for pip, and of an extra of aoimpact.
+        Name of the module, which is also that of the package for pip and of aoimpact's extra.
     what : str
         The function that needs it, such as "to_dataframe".
     otherwise : str, optional
@@ -142,8 +142,8 @@ def optional_package(name: str, what: str, otherwise: str = "") -> Any:
         ) from None
 
 
-# Modules whose frames `warn` skips: this package, and libraries that it is called through, such as
-# functools.cached_property.
+# Modules whose stack frames `warn` skips: this package, and libraries through which it is called,
+# such as functools.cached_property.
 _PASSED = {__name__.partition(".")[0], "numpy", "scipy", *sys.stdlib_module_names} - {"__main__"}
 
 _held: ContextVar[list[str] | None] = ContextVar("aoimpact_held_warnings", default=None)
@@ -161,7 +161,7 @@ def held_warnings() -> Iterator[list[str]]:
 
 
 def warn(message: str) -> None:
-    """Issue an `AOImpactWarning` that points at the line outside this package that led to it."""
+    """Issue an `AOImpactWarning` that shows the line of the user's code that caused it."""
     held = _held.get()
     if held is not None:
         held.append(message)
@@ -174,7 +174,7 @@ def warn(message: str) -> None:
     warnings.warn(message, AOImpactWarning, stacklevel=level)
 
 
-# Exception class and meaning of each status of the C core (enum aoi_status).
+# Exception class and message for each status of the C core (enum aoi_status).
 _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     1: (InputError, "an argument is out of its range"),
     2: (
@@ -203,8 +203,8 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     9: (ConvergenceError, "the contact law gave no finite number"),
     10: (
         ConvergenceError,
-        "less its patches' own indentation the contact law has no force, since it jumps down; make "
-        "it continuous, or the contact points without a radius",
+        "less the compliance of its patches, the contact law has no force, since it jumps down; "
+        "make the law continuous, or the contact points without a radius",
     ),
     11: (ConvergenceError, "it was stopped"),
     12: (
@@ -214,8 +214,8 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     ),
     13: (
         ConvergenceError,
-        "a contact with friction turns so often that its stretches find no room; take a larger dt, "
-        "which draws them less finely",
+        "the slip of a contact with friction reverses so often that its history exceeds the memory "
+        "reserved for it; take a larger dt, with which the history is coarser",
     ),
 }
 
@@ -237,11 +237,11 @@ def core_error(
     what : str
         The operation of the core.
     time : float
-        Simulated time of the failing step, s; negative where time has no meaning.
+        Simulated time of the failed step, s; negative if the operation has no time.
     indentation, rate : float, optional
         Indentation, m, and rate, m/s, at which a contact law gave no force; NaN: not known.
     contact : int, optional
-        Number of the contact that is deeper than its law is valid for; negative: not known.
+        Number of the contact whose indentation is beyond its law's range; negative: not known.
     """
     kind, text = _CORE.get(code, (AOImpactError, f"unknown status {code} of the core"))
     when = f" at t = {time:.6g} s" if time >= 0.0 else ""
@@ -254,7 +254,7 @@ def core_error(
 
 
 def law_result_error(returned: object, indentation: float, rate: float) -> InputTypeError:
-    """Return the exception for a law written in Python that does not return a number."""
+    """Return the exception for a user's law in Python that does not return a number."""
     return InputTypeError(
         f"the contact law's function must return a real number, but at indentation = "
         f"{indentation:.6g} m and rate = {rate:.6g} m/s it returned {reprlib.repr(returned)} of "

@@ -1,4 +1,4 @@
-"""Available memory: work that would not fit is refused before it begins."""
+"""Available memory, and refusal of work that would need more."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _CGROUP = Path("/sys/fs/cgroup")
 def available() -> float:
     """Return the memory available now, bytes; infinite if the system does not report it.
 
-    It is the least of the machine's free memory and of the unused parts of the limits of a
-    container and of this process (``ulimit -v``, batch systems).
+    The result is the minimum of the machine's free memory and the unused parts of two limits: the
+    container's, and this process's (``ulimit -v``, batch systems).
     """
     found = [float("inf")]
     with suppress(OSError, ValueError, AttributeError, ImportError):  # not on macOS and Windows
@@ -31,19 +31,19 @@ def available() -> float:
         if (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
             pages = int(Path("/proc/self/statm").read_text().split()[0])
             found.append(max(0.0, float(limit - pages * resource.getpagesize())))
-    with suppress(OSError, ValueError):  # "max" without a limit
+    with suppress(OSError, ValueError):  # "max" means no limit
         limit = int((_CGROUP / "memory.max").read_text())
         found.append(float(limit - int((_CGROUP / "memory.current").read_text())))
     return min(found)
 
 
 def require(n_bytes: float, what: str, cure: str) -> None:
-    """Refuse work that needs more memory than there is.
+    """Refuse work that needs more memory than is available.
 
     Parameters
     ----------
     n_bytes : float
-        Estimated need.
+        Estimated memory needed, bytes.
     what, cure : str
         Parts of the message: the work that needs the memory, and the alternative.
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-# Seconds after which a bar appears.
+# Time after which a bar appears, s.
 _DELAY = 1.0
 
 # The outermost bar of each thread.
@@ -21,7 +21,8 @@ def bar(
 ) -> Iterator[Any]:
     """Show the progress of a task that takes longer than a second, as a ``tqdm.tqdm``.
 
-    A bar within another one is shown below that. In logs, files and tests there is none.
+    A bar within the context of another bar is shown below the other. A bar is shown only on a
+    terminal or in a notebook.
 
     Parameters
     ----------
@@ -41,7 +42,7 @@ def bar(
     from tqdm import tqdm  # slow to import
 
     options: dict[str, Any] = {"delay": _DELAY, "leave": False, "miniters": 0}
-    notebook = False  # a notebook shows the bar, though its standard error is no terminal
+    notebook = False  # a notebook is no terminal, but shows the bar
     if "ipykernel" in sys.modules:
         from IPython import get_ipython  # type: ignore[attr-defined, unused-ignore]
 

@@ -1,4 +1,4 @@
-"""scipy.sparse, imported when first used: impacts of rigid bodies need none of it.
+"""scipy.sparse, imported when first used, since impacts of rigid bodies do not need it.
 
 Importing scipy.sparse takes a third of the first impact of rigid bodies in a fresh process.
 """

@@ -1,7 +1,7 @@
 """Style of all figures: colours, lines, labels with units, legends within the axes.
 
 The colours are those of M. Okabe and K. Ito, *Color Universal Design* (2008), which colour-blind
-readers tell apart; lines differ in their dashes as well, for print without colour.
+readers can distinguish. Lines also differ in their dashes, for print without colour.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from .units import scale_for, scale_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Values of a curve, and keywords of ``Axes.plot``.
+# A curve: its values, and keywords of ``Axes.plot``.
 Curve = tuple[FloatArray, dict[str, Any]]
 
-# Blue, vermilion, green, purple, orange, sky blue, black.
+# COLOURS: blue, vermilion, green, purple, orange, sky blue, black.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), (0, (3, 1)))
 
@@ -31,8 +31,8 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), (0, (3, 1)
 def styled() -> Iterator[None]:
     """Give new figures and axes the style of this package within the context.
 
-    Only the settings made here are restored, unlike with ``rc_context``: a notebook's backend turns
-    interactive with its first figure, and would show no other figure if that were undone.
+    At the end, only the settings made here are restored. ``rc_context`` would restore all: it would
+    undo that a notebook becomes interactive with its first figure, and hide all further figures.
     """
     import matplotlib.pyplot as plt
     from cycler import cycler  # of matplotlib
@@ -67,7 +67,7 @@ def new_axes(rows: int = 1, columns: int = 1, **kwargs: Any) -> Any:
 
 
 def given_axes(ax: Any) -> Axes:
-    """Return the axes that a caller gave, or those of a new figure for None.
+    """Return the given axes; for None, return the axes of a new figure.
 
     Raises
     ------
@@ -89,16 +89,16 @@ def label(name: str, unit: str) -> str:
 
 
 def legend(ax: Axes) -> None:
-    """Draw the legend within the axes, where it hides least of the curves."""
+    """Draw the legend within the axes, at the place where it hides the curves least."""
     if ax.get_legend_handles_labels()[1]:
         ax.legend(loc="best", fontsize="small")
 
 
 def error_axes(ax: Axes, across: str, up: str) -> Axes:
-    """Return the axes of curves of errors, after labelling them and making both logarithmic."""
+    """Label the axes of error curves, make both logarithmic, and return them."""
     ax.set_xscale("log")
     ax.set_yscale("log")
-    ax.margins(x=0.05)  # markers at both ends
+    ax.margins(x=0.05)  # room for markers at both ends
     ax.set_xlabel(across)
     ax.set_ylabel(up)
     ax.grid(True, which="major", alpha=0.3)
@@ -140,7 +140,7 @@ def draw_curves(
     axes.set_ylabel(label(name, y_shown))
     axes.grid(True, alpha=0.3)
     if x_unit == "s":
-        span = x_factor * np.append(x[:1], x[-1:])  # the whole record, also if a curve is shorter
+        span = x_factor * np.append(x[:1], x[-1:])  # show the whole record, not just curves
         axes.update_datalim(np.column_stack([span, 0.0 * span]), updatey=False)
         axes.margins(x=0.0)
     legend(axes)

@@ -1,4 +1,4 @@
-"""Calls that release the GIL, run by several threads; results do not depend on their number."""
+"""Threads for calls that release the GIL; results do not depend on the number of threads."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _PREFIX = "aoimpact"
 
 
 def at_once(calls: Sequence[Callable[[], Any]]) -> None:
-    """Make all calls, and return when all have ended.
+    """Run all calls in several threads, and return when all have ended.
 
-    The caller's thread takes its share. Calls made from within one of the calls run one by one,
-    since threads of a pool that wait for each other may deadlock. After an error, which is raised,
-    some calls may not have been made.
+    The caller's thread runs its share of the calls. If a call itself uses this function, its calls
+    run one by one, since threads of a pool that wait for each other may deadlock. If a call raises
+    an error, the error is raised here, and some calls may not have run.
     """
     inside = threading.current_thread().name.startswith(_PREFIX)
     count = 1 if inside or len(calls) == 1 else min(_cores(), len(calls))
@@ -28,13 +28,13 @@ def at_once(calls: Sequence[Callable[[], Any]]) -> None:
     pool = _pool(os.getpid(), count)
     others: list[Future[None]] = []
     try:
-        for k in range(1, count):  # with the caller's np.errstate and held warnings
+        for k in range(1, count):  # the context holds np.errstate and held warnings
             others.append(pool.submit(copy_context().run, _one_by_one, calls[k::count]))
         _one_by_one(calls[::count])
     finally:
         try:
             wait(others)
-        finally:  # after an interrupt, too: the calls write to arrays of the caller
+        finally:  # also after an interrupt: calls write to the caller's arrays
             wait(others)
     for other in others:
         other.result()
@@ -46,7 +46,7 @@ def _one_by_one(calls: Sequence[Callable[[], Any]]) -> None:
 
 
 def _cores() -> int:
-    """Return how many cores this process may use; OMP_NUM_THREADS limits them, as in BLAS."""
+    """Return the number of cores that this process may use, at most OMP_NUM_THREADS."""
     whose = getattr(os, "sched_getaffinity", None)
     cores = len(whose(0)) if whose is not None else os.cpu_count() or 1
     wanted = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()  # "4,2": nested levels
@@ -55,5 +55,5 @@ def _cores() -> int:
 
 @cache
 def _pool(process: int, count: int) -> ThreadPoolExecutor:
-    """Return the pool of a process, by its id: a forked process has no threads of its parent."""
+    """Return the pool of the process with an id: a forked process lacks its parent's threads."""
     return ThreadPoolExecutor(count - 1, thread_name_prefix=_PREFIX)

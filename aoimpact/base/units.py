@@ -1,7 +1,7 @@
-"""SI prefixes: numbers and axes as an engineer reads them.
+"""SI prefixes for numbers and axes.
 
-A prefix is taken so that the number lies in 1 ... 1000; thousands keep the unit without prefix up
-to 10 000, because "1001.5 N" is read more easily than "1.0015 kN".
+A prefix is chosen for which the number lies in 1 ... 1000. Numbers from 1 to 10 000 get no prefix,
+because "1001.5 N" is read more easily than "1.0015 kN".
 """
 
 from __future__ import annotations
@@ -11,15 +11,14 @@ import math
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 
-# Factor and unit with a prefix: a value in SI units times the factor is the number in that unit.
+# A factor and a unit with prefix: the factor converts a value in SI units to the unit with prefix.
 Scale = tuple[float, str]
 
 
 def scale_for(largest: float, unit: str) -> Scale:
     """Return the scale that suits numbers up to `largest`, in SI units and of any sign.
 
-    Zero, infinite and undefined values keep the bare unit, and so do units that begin with 1, such
-    as 1/s: no prefix stands before a 1.
+    Zero, infinite and undefined values get no prefix, nor do units that begin with 1, such as 1/s.
     """
     size = abs(largest)
     if not math.isfinite(size) or size == 0.0 or not unit or unit.startswith("1/"):
@@ -32,7 +31,7 @@ def scale_for(largest: float, unit: str) -> Scale:
 
 
 def scale_of(label: str, unit: str) -> Scale | None:
-    """Return the scale that an axis label such as "force (kN)" states, or None."""
+    """Return the scale in an axis label such as "force (kN)"; None if the unit is another."""
     for exponent, prefix in _PREFIXES.items():
         if label.endswith(f"({prefix}{unit})"):
             return 10.0**-exponent, prefix + unit
@@ -46,6 +45,6 @@ def with_unit(value: float, unit: str, digits: int = 4) -> str:
     rounded = float(f"{value:.{digits}g}")
     factor, unit = scale_for(rounded, unit)
     scaled = rounded * factor
-    if 10.0**digits <= abs(scaled) < 1e6:  # rounded already: 870, not 8.7e+02
+    if 10.0**digits <= abs(scaled) < 1e6:  # already rounded: "870", not "8.7e+02"
         return f"{scaled:.0f} {unit}".rstrip()
     return f"{scaled:.{digits}g} {unit}".rstrip()

@@ -1,6 +1,7 @@
 """Many impacts: workers, checkpoints, sweeps and their tables.
 
-One call of the core runs many plain impacts (plain.py); `simulate` runs all others. For `cli`.
+One call of the core runs many plain impacts (plain.py); `simulate` runs all other impacts. `cli`
+uses this folder.
 """
 
 from .checkpoint import Checkpoint, Digests

@@ -1,10 +1,10 @@
 """A file of finished cases, from which a sweep that was stopped resumes.
 
 The file is text, with a line of JSON for each case: its digest, its numbers and its warnings.
-Nothing in it is executed. Cases are identified by a digest of their content, without caches and the
-same in every process, so that cases may be changed, added or reordered. Lines are only added, each
-by a single write: sweeps may share a file, and a process that is killed leaves at most its last
-line incomplete, which is ignored. Cases that failed are not kept: they are run again.
+Nothing in it is executed. Cases are identified by a digest of their content, which excludes caches
+and is the same in every process. Cases may therefore be changed, added or reordered. Each line is
+added by a single write. Sweeps may therefore share a file, and a process that is killed leaves at
+most one incomplete line, which is ignored. Failed cases are not stored; they are run again.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ import numpy as np
 from ..base import FilePath, InputError, InputTypeError, file_path, sp, warn
 from ..fem import FEModel
 
-# Outcome of a case: the value kept of it, or its exception; and its warnings.
+# Outcome of a case: the kept value or the exception, and the warnings.
 Outcome = tuple[Any, tuple[str, ...]]
 
 _HEAD = b'{"aoimpact": "checkpoint"}\n'
 
-# Length of a digest, bytes: two of 10¹² cases have the same digest with a probability of 1e-15.
+# Length of a digest, bytes. With 10¹² cases, two digests are equal with a probability of 1e-15.
 _SIZE = 16
 
-# Number of bodies whose digests are kept; the cases of a sweep share a handful of bodies.
+# Largest number of bodies whose digests are cached; the cases of a sweep share a few bodies.
 _MOST_REMEMBERED = 16
 
 
 class Checkpoint:
-    """Finished cases by their digests, on disk.
+    """Finished cases on disk, by their digests.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class Checkpoint:
     Warns
     -----
     AOImpactWarning
-        If lines are damaged: they are ignored.
+        If the file has damaged lines, which are ignored.
     """
 
     def __init__(self, path: FilePath) -> None:
@@ -65,7 +65,7 @@ class Checkpoint:
                 for line in file:
                     if not place and not _HEAD.startswith(line):
                         raise InputError(f"{name} is a file of another kind; give another path")
-                    if not line.endswith(b"\n"):  # the process was killed as it wrote
+                    if not line.endswith(b"\n"):  # the process was killed while writing
                         break
                     place += len(line)
                     try:
@@ -87,22 +87,22 @@ class Checkpoint:
         return digest in self._known
 
     def __enter__(self) -> Checkpoint:
-        self._written = open(self._name, "ab", buffering=0)  # each line is written at once
+        self._written = open(self._name, "ab", buffering=0)  # unbuffered
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Wait until everything is on the disk, and release the file."""
+        """Write all data to the disk, and close the file."""
         os.fsync(self._written.fileno())
         self._written.close()
 
     def get(self, digest: str) -> Outcome:
-        """Return the outcome under a digest."""
+        """Return the stored outcome of the case with a digest."""
         return self._known[digest]
 
     def put(self, digest: str, outcome: Outcome) -> None:
-        """Write the outcome of a case that has not failed; it survives if the process is killed.
+        """Write the outcome of a case unless the case failed; it survives if the process is killed.
 
-        `get` returns the outcome after the file has been opened again.
+        `get` returns the outcome only after the file has been opened again.
         """
         value, messages = outcome
         if not isinstance(value, Exception):
@@ -111,7 +111,7 @@ class Checkpoint:
 
 
 def as_json(value: Any) -> Any:
-    """Return a value as a checkpoint restores it: made of numbers, strings, lists and dicts.
+    """Return a value in the form that a checkpoint restores: numbers, strings, lists and dicts.
 
     Raises
     ------
@@ -127,13 +127,13 @@ def as_json(value: Any) -> Any:
 
 
 class Digests:
-    """Digests of cases; bodies that many cases share are digested once.
+    """Computes digests of cases; the digest of a body that many cases share is computed once.
 
     Parameters
     ----------
     key : str or None
-        Text that stands for the code of functions, of which only the names enter a digest; None
-        refuses functions.
+        Text that represents the code of functions, since only the names of functions enter a
+        digest. With None, functions are refused.
     shared : optional
         Value that enters the digest of every case.
     """
@@ -143,13 +143,13 @@ class Digests:
         self.once = lru_cache(_MOST_REMEMBERED)(lambda value: self._digest(_parts(value)))
 
     def of(self, value: Any, name: str = "case") -> str:
-        """Return the digest of a value; the order of its keywords does not count.
+        """Return the digest of a value, which does not depend on the order of its keywords.
 
         Raises
         ------
         InputTypeError
-            If the value has a function and there is no key, or has an object whose content cannot
-            be read.
+            If the value contains a function and there is no key, or contains an object whose
+            content cannot be read.
         """
         if isinstance(value, Mapping):
             value = dict(sorted(value.items(), key=repr))
@@ -167,15 +167,15 @@ class Digests:
 
 
 class _Content(pickle.Pickler):
-    """Pickles the content of values without caches and code; equal values give equal bytes."""
+    """Pickler of the content of values, without caches and code; equal values give equal bytes."""
 
     def __init__(self, file: io.BytesIO, digests: Digests) -> None:
         super().__init__(file, protocol=5)
-        self.fast = True  # no memo: equal parts give the same bytes even if one object is shared
+        self.fast = True  # no memo: bytes do not depend on which parts are shared
         self._digests = digests
 
     def reducer_override(self, value: Any) -> Any:
-        """Return how pickle rebuilds a value: as a tuple of its class and of its parts."""
+        """Return what pickle stores for a value: a tuple of the name of its class and its parts."""
         kind: Any = type(value)
         parts: Any = None
         if isinstance(value, type):
@@ -187,7 +187,7 @@ class _Content(pickle.Pickler):
             content = value.tolist() if value.dtype.hasobject else value.tobytes()
             parts = value.dtype.str, value.shape, content
         elif dataclasses.is_dataclass(kind) or (hasattr(value, "__dict__") and not callable(value)):
-            model = isinstance(value, FEModel)  # does not change after it is made, unlike a scene
+            model = isinstance(value, FEModel)  # immutable, unlike a scene
             parts = self._digests.once(value) if model else _parts(value)
         elif callable(value):
             if self._digests.key is None:
@@ -199,7 +199,7 @@ class _Content(pickle.Pickler):
 
 
 def _parts(value: Any) -> list[Any]:
-    """Return the attributes of an object, without attributes that are computed when first read."""
+    """Return the attributes of an object, except those that are computed when first read."""
     if dataclasses.is_dataclass(value):
         fields = dataclasses.fields(value)
         return [getattr(value, of.name) for of in fields if not of.metadata.get("identity")]

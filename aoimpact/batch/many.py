@@ -1,4 +1,4 @@
-"""Many impacts: on all cores, in order, as a stream, and resumed from a checkpoint."""
+"""Many impacts: run by several workers, returned in order, and resumed from a checkpoint."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ from ..results import QUANTITIES, look_up
 from .checkpoint import Checkpoint, Digests, Outcome, as_json
 from .plain import PLAIN_NUMBERS, plain_numbers
 
-# Intended time of one task, s, in this process's threads (_TASK_HERE) and in other executors
-# (_TASK_AWAY): far above the cost of submitting the task, and short enough that all workers finish
-# together.
+# Intended duration of one task, s, in this process's threads (_TASK_HERE) and in other executors
+# (_TASK_AWAY): far above the time to submit a task, and short enough for all workers to finish at
+# almost the same time.
 _TASK_HERE, _TASK_AWAY = 0.015, 0.1
 
-# Submitted tasks per worker: one that runs and one that waits.
+# Number of submitted tasks per worker: one is running and one is waiting.
 _AHEAD = 2
 
 # Maximum number of threads, more than any machine runs at once.
@@ -61,41 +61,41 @@ def simulate_many(
     key: str | None = None,
     progress: bool = True,
 ) -> list[Any]:
-    """Simulate many cases; a case that fails gives its exception and does not stop the others.
+    """Simulate many cases; a failed case gives its exception and does not stop the other cases.
 
     Parameters
     ----------
     cases : iterable
         Dicts of `simulate`'s keywords, or pairs (scene, duration) or (scene, dict of keywords of
-        its ``simulate``). Impacts on one contact point share its models if their contacts last
-        about as long and are about as wide; each has its own error. Without `quantity` and
-        `rtol` models are chosen for the peak force.
+        its ``simulate``). Impacts on one contact point share its models if their contacts have
+        similar durations and widths; errors are estimated for each impact. Without `quantity` and
+        `rtol`, models are chosen for the peak force.
     workers : int or executor, optional
         Threads (the core runs without Python's lock), or anything with ``.submit``: executors of
         concurrent.futures and mpi4py.futures, a dask.distributed Client. The results are the same
         to the last bit for all workers.
     keep : names or function, optional
-        Numbers to keep of each case instead of its result, which holds whole histories. Names, such
-        as ("peak_force", "impulse", "error.time"), keep a dict of these numbers, in scenes for each
-        contact or body. If models are chosen, each has its error, such as "impulse_error"
-        (`ErrorParts.total`), and "impulse_controlled". A function of the result must be importable
-        by other processes. If only named numbers are kept, one call of the core runs many impacts
-        of two AO models.
+        Numbers to keep of each case instead of its result, which holds whole histories. With names,
+        such as ("peak_force", "impulse", "error.time"), a dict of these numbers is kept, in scenes
+        for each contact or body. If models are chosen, the dict also has the error of each number,
+        such as "impulse_error" (`ErrorParts.total`), and "impulse_controlled". A function is called
+        with the result; other processes must be able to import it. If only named numbers are kept,
+        one call of the core runs many impacts of two AO models.
     checkpoint : path, optional
-        A file that keeps finished cases, a line of JSON each: the same call resumes where an
-        earlier one was stopped or killed. Cases are recognised by their content; one that has
-        changed or failed is computed again. It needs `keep`; arrays that a function keeps become
-        lists.
+        A file that stores finished cases, one line of JSON each. The same call then resumes where
+        an earlier call was stopped or killed. Cases are recognised by their content; changed and
+        failed cases are computed again. A checkpoint needs `keep`. Arrays that a function returns
+        become lists.
     key : str, optional
-        Text that stands, in the checkpoint, for the code of functions in a case or `keep`: change
-        it with them. Without a key, a checkpoint refuses functions.
+        Text that represents the code of functions in a case or `keep` in the checkpoint: change the
+        text whenever you change a function. Without a key, a checkpoint refuses functions.
     progress : bool, optional
         True to show a progress bar on a terminal when it takes longer than a second.
 
     Returns
     -------
     list
-        For each case, in order: its result, what was kept of the result, or its exception.
+        For each case, in order: its result, the numbers kept of the result, or its exception.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def simulate_many(
     Warns
     -----
     AOImpactWarning
-        Once, at the end, if cases had warnings.
+        One warning at the end, if cases had warnings.
 
     Examples
     --------
@@ -142,14 +142,14 @@ def run_cases(
     key: str | None,
     progress: bool,
 ) -> Iterator[Any]:
-    """Check the other arguments of `simulate_many`, and yield the value or error of each case.
+    """Check the arguments of `simulate_many`, and yield the kept value or error of each case.
 
     Parameters
     ----------
     cases : iterable
-        As in `simulate_many`; an exception stands for a case that could not be made.
+        As in `simulate_many`, or an exception in place of a case that could not be made.
     total : int or None
-        Number of the cases, if it is known.
+        Number of cases; None if it is not known.
     """
     boolean("progress", progress)
     if key is not None:
@@ -159,11 +159,11 @@ def run_cases(
         raise InputError(
             "checkpoint keeps no whole results; name numbers, such as keep='peak_force'"
         )
-    if isinstance(job.keep, Named):  # refuse a name that is no number of a result
+    if isinstance(job.keep, Named):  # refuse names that no result has
         mass = rigid(mass=1.0)
         hit = simulate(mass, mass, 1.0, law=Linear(k=1.0), duration=5.0)
         for name in job.keep.names:
-            there = hasattr(hit, name.partition(".")[0])  # other results may have other names
+            there = hasattr(hit, name.partition(".")[0])  # results of scenes have other names
             if there and name not in QUANTITIES and not re.search(r"\.\d", name):
                 look_up(hit, name, "keep")
     if not callable(getattr(workers, "submit", None)):
@@ -190,7 +190,7 @@ def run_cases(
 
 
 class _Item(NamedTuple):
-    """A case, its digest in the checkpoint, and whether the checkpoint has it already."""
+    """A case, its digest for the checkpoint, and whether the checkpoint already has its outcome."""
 
     case: Any
     digest: str = ""
@@ -212,16 +212,16 @@ def _items(
 
 @dataclass(frozen=True)
 class _Job:
-    """Function that runs cases and keeps the wanted numbers; it returns exceptions of cases.
+    """Function that runs cases and returns the kept numbers, or an exception for a failed case.
 
-    `stored`: whether a checkpoint keeps the values, which must then be of types that JSON has.
+    `stored`: whether a checkpoint stores the numbers, which JSON must then be able to hold.
     """
 
     keep: Keep | None
     stored: bool = False
 
     def __call__(self, items: Sequence[_Item]) -> tuple[list[Outcome | None], float]:
-        """Return the outcomes, None for cases that are known, and the time taken, s."""
+        """Return the outcomes (None for cases with known outcome), and the time taken, s."""
         start = time.perf_counter()
         together: Sequence[Any] = [None] * len(items)
         if isinstance(self.keep, Named) and PLAIN_NUMBERS.issuperset(self.keep.names):
@@ -250,7 +250,7 @@ _signature = lru_cache(1)(inspect.signature)
 
 
 def check_keywords(where: str, function: Callable[..., Any], names: Collection[str]) -> None:
-    """Refuse keywords that a function does not have, and missing keywords that it requires."""
+    """Refuse a name that is no keyword of `function`, and a missing keyword without default."""
     known = _signature(function).parameters
     for name in names:
         if name not in known:
@@ -267,7 +267,7 @@ def _run(case: Any) -> Any:
     if isinstance(case, Mapping):
         points = any(isinstance(of, ContactPoint) for of in case.values())
         if points and case.get("rtol") is None and case.get("quantity") is None:
-            case = {**case, "quantity": "peak_force"}  # the whole history needs larger models
+            case = {**case, "quantity": "peak_force"}  # a whole history needs larger models
         check_keywords("case", simulate, case)
         return simulate(**case)
     if isinstance(case, (tuple, list)) and len(case) == 2 and hasattr(case[0], "simulate"):
@@ -279,7 +279,7 @@ def _run(case: Any) -> Any:
 
 
 def _portable(error: Exception) -> Exception:
-    """Return an exception that can be pickled, without its traceback, which keeps arrays alive."""
+    """Return an exception that can be pickled, without its traceback, which would hold arrays."""
     error.__traceback__ = error.__context__ = error.__cause__ = None
     try:
         pickle.loads(pickle.dumps(error))
@@ -289,7 +289,7 @@ def _portable(error: Exception) -> Exception:
 
 
 def _run_tasks(workers: Any, task: _Job, items: Iterable[_Item]) -> Iterator[tuple[Any, Any]]:
-    """Yield each item and its outcome, in order; items are drawn a few tasks ahead.
+    """Yield each item and its outcome, in order; `items` is read only a few tasks ahead.
 
     Parameters
     ----------
@@ -309,7 +309,7 @@ def _run_tasks(workers: Any, task: _Job, items: Iterable[_Item]) -> Iterator[tup
             submit, most = None, 1
         elif isinstance(workers, int):
             threads = ThreadPoolExecutor(workers, thread_name_prefix="aoimpact")
-            stack.callback(threads.shutdown, wait=False)  # so that an interrupt does not wait
+            stack.callback(threads.shutdown, wait=False)  # an interrupt does not wait
             submit, most = threads.submit, _AHEAD * workers
         else:
             submit, most = workers.submit, _AHEAD * _width(workers)
@@ -321,15 +321,15 @@ def _run_tasks(workers: Any, task: _Job, items: Iterable[_Item]) -> Iterator[tup
                 return
             batch, future = under_way.popleft()
             outcomes, seconds = _asked(workers, future.result) if submit else task(batch)
-            # The next batch has as many items as take the intended time, at most four times the
-            # last number.
+            # The next batch has the number of items that take the intended time, but at most four
+            # times the number of items in this batch.
             wanted = target * len(batch) / seconds if seconds > 0.0 else math.inf
             size = int(max(1.0, min(wanted, 4.0 * len(batch))))
             yield from zip(batch, outcomes, strict=True)
 
 
 def _asked(workers: Any, ask: Callable[..., Any], *arguments: Any) -> Any:
-    """Call an executor; any exception is a failure of the executor, since tasks raise none."""
+    """Call an executor; an exception means that the executor failed, since tasks raise none."""
     try:
         return ask(*arguments)
     except Exception as error:
@@ -342,10 +342,10 @@ def _asked(workers: Any, ask: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def _width(executor: Any) -> int:
-    """Return the number of workers of an executor, or of cores if that is not known."""
+    """Return the number of workers of an executor; the number of cores if it is not known."""
     for name in ("num_workers", "_max_workers"):
         if isinstance(number := getattr(executor, name, None), int) and number > 0:
             return number
-    if hasattr(executor, "nthreads"):  # dask: threads by worker
+    if hasattr(executor, "nthreads"):  # dask: number of threads by worker
         return max(1, int(sum(executor.nthreads().values())))
     return os.cpu_count() or 1

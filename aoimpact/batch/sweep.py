@@ -37,10 +37,10 @@ from .many import check_keywords, run_cases
 
 Column = NDArray[Any]
 
-# Memory per number, bytes: 8 in its column, and 8 in the structured array of all columns.
+# Memory per number in the table, bytes: 8 in its column and 8 in the structured array.
 _BYTES_PER_NUMBER = 16.0
 
-# Maximum rows of a printed table: few enough that the note below the table stays on the screen.
+# Maximum number of rows in a printed table: with few rows, the note below stays on the screen.
 _SHOWN = 10
 
 _OTHERWISE = "take .data, a structured array, or .to_csv(path)"
@@ -53,15 +53,15 @@ class SweepTable(Frozen):
     Attributes
     ----------
     data : structured array, shape (cases,)
-        Read-only table, with a field for each parameter and each quantity.
+        Read-only table of the values, with a field for each parameter and each quantity.
     parameters, quantities : tuple of str
         Names of the columns.
     shape : tuple of int
-        Number of values of each parameter: a column reshaped to this shape is an array over the
-        grid.
+        Number of values of each parameter. A column reshaped to this shape has one axis per
+        parameter.
     errors : dict of int to exception
-        Exceptions by failed row, whose quantities are NaN. Numbers that do not exist are NaN as
-        well, such as the restitution of bodies that have not parted.
+        Exceptions of failed cases by row; quantities in these rows are NaN. Quantities that do not
+        exist are NaN as well, such as the restitution of bodies that have not separated.
 
     Examples
     --------
@@ -91,7 +91,7 @@ class SweepTable(Frozen):
         return self.parameters + self.quantities
 
     def _filled(self) -> dict[str, Column]:
-        """Return all columns by name, and "error" if cases failed."""
+        """Return all columns by name, with a column "error" of messages if cases failed."""
         columns = {name: self.data[name] for name in self.columns}
         if self.errors:
             columns["error"] = np.full(len(self), "", dtype=object)
@@ -100,7 +100,7 @@ class SweepTable(Frozen):
         return columns
 
     def to_pandas(self) -> Any:
-        """Return a pandas DataFrame of all columns, and "error" if cases failed.
+        """Return a pandas DataFrame of all columns, with a column "error" if cases failed.
 
         Raises
         ------
@@ -118,9 +118,9 @@ class SweepTable(Frozen):
         return pandas.DataFrame(self._filled())
 
     def to_xarray(self) -> Any:
-        """Return an xarray Dataset: quantities over the parameters, which are its dimensions.
+        """Return an xarray Dataset of the quantities; its dimensions are the parameters.
 
-        Each quantity has its unit as attribute "units"; there is an "error" if cases failed.
+        Each quantity has its unit as attribute "units". There is an "error" if cases failed.
 
         Raises
         ------
@@ -147,7 +147,7 @@ class SweepTable(Frozen):
         return xarray.Dataset(data, coords=coordinates)
 
     def to_csv(self, path: FilePath) -> None:
-        """Write all columns, numbers so that they read back bit for bit, and "error" at the end.
+        """Write all columns, and "error" if cases failed; numbers are written without rounding.
 
         Examples
         --------
@@ -185,24 +185,26 @@ def sweep(
     key: str | None = None,
     progress: bool = True,
 ) -> SweepTable:
-    """Simulate every combination of named parameters, and return a table of numbers.
+    """Simulate every combination of parameter values, and return a table of numbers.
 
     Parameters
     ----------
     base : function, dict, scene file or scene
-        A function, called with the parameters as keywords, that returns a case of `simulate_many`;
-        a dict of `simulate`'s keywords, to which the parameters are added; a scene file or its
-        path, with parameters named by their dotted place in it, such as "velocity" (of its impact)
-        or "bodies.beam.contact.point"; or a scene, with keywords of its ``simulate`` as parameters.
+        One of: a function that takes the parameters as keywords and returns a case of
+        `simulate_many`; a dict of `simulate`'s keywords, to which the parameters are added; a scene
+        file or its path, with parameters named by their dotted place in the file, such as
+        "velocity" (of its impact) or "bodies.beam.contact.point"; a scene, with keywords of its
+        ``simulate`` as parameters.
     grid : mapping of str to sequence
         Values of each parameter; the last one varies fastest.
     keep : names or function, optional
-        Quantities for the columns, as in `simulate_many`. If models are chosen, there are also
-        columns such as "restitution_error", and "restitution_controlled": 1 if that error is within
-        the tolerance, 0 if it was not controlled. A function returns a number, or a dict of numbers
-        with the same names for each result.
+        Quantities for the columns, as in `simulate_many`. If models are chosen, there are two
+        more columns for a quantity with an estimated error: "restitution_error", and
+        "restitution_controlled": 1 if the error is within the tolerance, 0 if it was not
+        controlled. A function returns a number, or a dict of numbers with the same names for every
+        result.
     workers, checkpoint, key, progress : optional
-        As in `simulate_many`. Cases are made in this process, one after the other.
+        As in `simulate_many`. Cases are made in this process, one by one.
 
     Returns
     -------
@@ -255,7 +257,8 @@ def sweep_file(
     scene : SceneFile
         Scene file with a [sweep].
     workers, checkpoint : optional
-        As in `sweep`; by default those of the file. A path in the file is relative to its folder.
+        As in `sweep`; by default as given in the file. A path in the file is relative to the
+        file's folder.
 
     Raises
     ------
@@ -293,7 +296,7 @@ def _checked_grid(grid: Any) -> dict[str, list[Any]]:
 
 
 def _cases(make: Any, grid: Mapping[str, Sequence[Any]]) -> Iterator[Any]:
-    """Yield each case, made when it is needed, or the exception of a case that cannot be made."""
+    """Yield each case, made on demand, or the exception if the case cannot be made."""
     for values in itertools.product(*grid.values()):
         try:
             yield make(**dict(zip(grid, values, strict=True)))
@@ -302,12 +305,12 @@ def _cases(make: Any, grid: Mapping[str, Sequence[Any]]) -> Iterator[Any]:
 
 
 def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
-    """Return the function that makes a case of named parameters; refuse unknown names."""
+    """Return the function that makes a case from values of the parameters; refuse unknown names."""
     if isinstance(base, (str, os.PathLike)):
         base = read_scene(base)
     if isinstance(base, SceneFile):
         first = {name: values[0] for name, values in grid.items()}
-        base.replaced(first)  # raises if there is no such place
+        base.replaced(first)  # raises an error for an unknown place
         return lambda **parameters: base.replaced(parameters).case()
     if isinstance(base, Mapping):
         check_keywords("base and grid", simulate, [*grid, *base])
@@ -326,18 +329,18 @@ def _maker(base: Any, grid: Mapping[str, Sequence[Any]]) -> Any:
 def _table(
     grid: Mapping[str, Sequence[Any]], values: Iterable[Any], names: Sequence[str]
 ) -> SweepTable:
-    """Return the table of the values kept of each combination of a grid, in its order.
+    """Return the table of the kept values of all combinations in a grid, in the grid's order.
 
     `names`: names of the kept numbers, if they are known.
 
     Raises
     ------
     InputError, InputTypeError
-        If not all cases have the same numbers, or a number has the name of a parameter.
+        If cases have numbers of different names, or a number has the name of a parameter.
     """
     axes = np.meshgrid(*map(_column, grid.values()), indexing="ij")
     shape, count = axes[0].shape, axes[0].size
-    # Columns start as NaN, since only some cases have estimated errors.
+    # Columns are filled with NaN first, since only some cases have estimated errors.
     columns = defaultdict[str, Column](lambda: np.full(count, math.nan))
     errors: dict[int, Exception] = {}
     for i, value in enumerate(values):
@@ -369,7 +372,7 @@ def _table(
 
 
 def _column(values: Sequence[Any]) -> Column:
-    """Return values as an array of numbers or text, anything else as an array of objects."""
+    """Return an array of numbers or text; an array of objects for any other values."""
     single = (bool, int, float, str, np.generic)
     kinds = {np.asarray(one).dtype.kind if isinstance(one, single) else "O" for one in values}
     if kinds <= set("iuf") or kinds in ({"b"}, {"U"}):
@@ -385,7 +388,7 @@ def _heading(name: str) -> str:
 
 
 def _text(value: Any, digits: str = "{}") -> str:
-    """Return a number as text in the format `digits`, or the label or place of an object."""
+    """Return as text: a number in the format `digits`, or the label or place of an object."""
     if isinstance(value, float):
         return digits.format(value)
     if isinstance(value, ContactPoint) and value.point is not None:

@@ -383,7 +383,7 @@ def _condensed(K: Any, M: Any, labels: IntArray | None, *, rotations: bool) -> _
         solved = factorize(K[light][:, light], what="K of the dofs without mass").solve(across)
     except SingularError as error:
         why = f"{light.sum()} dofs without mass cannot be condensed ({error})"
-        raise InputError(f"{why}; model without multipliers, as of couplings") from None
+        raise InputError(f"{why}; model without Lagrange multipliers of couplings") from None
     K, M, labels = _kept(K, M, labels, ~light)
     full = K.toarray() - across.T @ solved
     return sp.csr_array(0.5 * (full + full.T)), M, labels

@@ -365,7 +365,7 @@ def _on_one_side(mesh: Mesh) -> Mesh:
     if not (count := sum(int(each.sum()) for each in turned)):
         return mesh
     of = f"{count} of {sum(map(len, turned))} surface elements"
-    warn(f"{of} lay against others and were turned: check which side is the top")
+    warn(f"{of} had normals opposite to others and were turned: check which side is the top")
     cells = {block.kind: block.cells for block in mesh.blocks}
     for block, flipped in zip(surfaces, turned, strict=True):
         cells[block.kind] = np.where(flipped[:, None], block.cells[:, ::-1], block.cells)
@@ -546,8 +546,8 @@ def _refuse_turned(raw: RawMesh, found: Mapping[str, OneMaterial], where: str) -
     turned = joined(raw.numbers[i][own] for i, own in zip(shells, over, strict=True))
     for name in sided:
         if np.isin(raw.cell_sets[name], turned).any():
-            why = f"{where}: elements of {name!r} lie against their neighbours"
-            raise MeshError(f"{why}, and its plies are of one side; turn them in the mesher")
+            why = f"{where}: elements of {name!r} have normals opposite to their neighbours'"
+            raise MeshError(f"{why}, and its plies or offset depend on the side; turn them")
 
 
 def paper_sphere_mesh() -> Mesh:

@@ -1,4 +1,4 @@
-"""Comparison of models of one impact, and laws from measurements."""
+"""Comparison of models of one impact, and fits of contact laws to measurements."""
 
 from .compare import Comparison, compare
 from .fitlaw import LawFit, fit_law

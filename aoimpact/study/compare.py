@@ -1,4 +1,4 @@
-"""Comparison of models: one impact with rigid, increasingly finer reduced, and full models."""
+"""Comparison of models: one impact with rigid, reduced and full finite-element models."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ from ..results import QUANTITIES, ROLES, Result
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-# Quantities whose errors are in each row.
+# Quantities whose errors are in each row of a comparison.
 _COMPARED = "force", "contact_duration", "impulse", "target_displacement"
 
-# Tolerance of time integration, far below the differences between models.
+# Time integration with a tolerance far below the differences between models.
 _IN_TIME = Adaptive(rtol=1e-6)
 
-# Names of curves, by the kind of model.
+# Names of curves in the plot, by the kind of model.
 _KINDS = {"AO": "anti-oscillators", "modal": "natural modes"}
 
 Models = tuple[Any, ...]
@@ -61,12 +61,13 @@ class Compared:
     dofs : int
         Degrees of freedom of both bodies.
     build, run : float
-        Time to make the models, from the finite elements on, and to run them, s.
+        Time to make the models from the finite elements, s, and time to run them, s.
     force, contact_duration, impulse, displacement : float
-        Relative errors. Those of force and of the target's contact displacement are the largest
-        over the record, relative to the largest value.
+        Relative errors. For the histories of force and of the target's contact displacement: ratio
+        of the largest error to the largest value.
     failure : str
-        Reason for a failure, with which the numbers are 0 and NaN; else empty.
+        Message if the models could not be made or run; empty otherwise. After a failure, all
+        numbers are 0 or NaN.
     """
 
     model: str
@@ -87,11 +88,11 @@ class Comparison:
     Attributes
     ----------
     scene : str
-        The impact.
+        Description of the impact.
     exact : str
-        The model that the errors are relative to.
+        Reference model, whose results count as exact.
     exact_error : float or None
-        Relative error of time integration of that model; None if it is not known.
+        Relative error of time integration of the reference model; None if it is not known.
     rows : tuple of Compared
     linear_solver : str
         Linear solver of the reduced models; empty for dense matrices.
@@ -119,7 +120,7 @@ class Comparison:
         raise KeyError(model)
 
     def plot(self, ax: Axes | None = None, *, error: str = "force", **kwargs: Any) -> Axes:
-        """Draw an error against the degrees of freedom; keywords go to ``Axes.plot``.
+        """Draw one error against the number of degrees of freedom; keywords go to ``Axes.plot``.
 
         Parameters
         ----------
@@ -153,7 +154,7 @@ class Comparison:
         return error_axes(ax, "degrees of freedom", up)
 
     def to_csv(self, path: FilePath) -> None:
-        """Write the table: one row per model, times in s, errors relative.
+        """Write the table as CSV: one row per model, times in s, relative errors.
 
         Examples
         --------
@@ -178,12 +179,12 @@ class Comparison:
         return "\n".join([self.scene, f"errors relative to {self.exact}{known}{by}", *rows])
 
 
-# The column of failures needs no heading.
+# Headings of the columns; the last column, of failures, has none.
 _HEADINGS = (*(field.name.replace("_", " ") for field in fields(Compared)[:-1]), "")
 
 
 def _cells(row: Compared) -> tuple[str, ...]:
-    """Format the row; the last cell is the failure message."""
+    """Return the cells of a row as text; the last cell is the failure message."""
     model, dofs, build, run, *errors, failure = astuple(row)
     if failure:
         return (model, *("-",) * 7, failure)
@@ -207,9 +208,9 @@ def compare(
 ) -> Comparison:
     """Run an impact with models from rigid to full; return the cost and the error of each.
 
-    The impact is along one direction of travel; for an oblique one use `simulate` with quantity=
-    and rtol=. Both bodies have the same kind of model; a model given by numbers keeps its number of
-    oscillators where more are asked for.
+    The impact must be along one direction of travel; for an oblique impact, use `simulate` with
+    quantity= and rtol=. Both bodies have the same kind of model. An AO model given by numbers has
+    at most its own number of oscillators.
 
     Parameters
     ----------
@@ -222,13 +223,14 @@ def compare(
     modes : iterable of int, optional
         Numbers of natural modes of classical truncations.
     full : bool, optional
-        True to run the finite-element bodies themselves, by Newmark's rule. Errors are relative to
-        this run; without it, to the model with the most oscillators.
+        True to run the finite-element bodies themselves, by Newmark's rule. This run is then the
+        reference for errors; otherwise the model with the most oscillators is.
     other_targets : mapping of str to ContactPoint or model, optional
-        The same target with other elements, such as shells in place of thin solids, struck at the
-        same place, by the label of its row. Each is simulated under the same law, reduced by
-        default, with the projectile as it is given. Its build time includes the choice of models.
-        Displacements are those of contact points, which on solids contain the indentation.
+        Models of the same target with other elements, such as shells in place of thin solids,
+        struck at the same place; keys are the labels of their rows. Each is simulated under the
+        same law and with the projectile as given, and is reduced by default. Its build time
+        includes the choice of models. Displacements are those of the contact points; on solids,
+        these include the indentation.
     linear_solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         Linear solver of the reduced models, as `solver` of `antioscillators`.
 
@@ -273,14 +275,14 @@ def compare(
         body_model(f"other_targets[{text('a label of other_targets', label)!r}]", other)
         if label in {*labels, *truncations, exact}:
             raise InputError(f"other_targets: {label!r} is a row of its own; give another label")
-    with held_warnings():  # each run would repeat the warnings
+    with held_warnings():  # else each run repeats the warnings
         _, plan = pair(projectile, target, speed, law, gap=gap)
         law = own_law(plan.contacts[0].law)
         if duration is None:
             duration = simulate(projectile, target, speed, law=law, gap=gap).duration
     run = partial(simulate, law=law, velocity=speed, duration=duration, gap=gap)
-    # Finite-element bodies replace the models made from them; AO models given by numbers stay. All
-    # bodies get the same patches here, since `simulate` would fit only the patches of full models.
+    # Finite-element bodies replace models made from them; AO models given by numbers stay. Contact
+    # patches are fitted here, the same for all models: `simulate` fits only those of full models.
     bodies = tuple(whole(body.tips) if body.tips else body for body in plan.bodies)
     bodies = tuple(Foreseen(replace(plan, bodies=bodies)).fitted(ROLES, {}).bodies)
 
@@ -322,7 +324,7 @@ def compare(
             rows[label] = Compared(label, failure=str(error))
             continue
         ran = time.perf_counter() - start - build
-        if label in labels:  # the bases are nested: each model adds to the one before
+        if label in labels:  # nested bases: each model extends the previous one
             build = spent = spent + build
         results[label] = result
         rows[label] = Compared(label, sum(model.dofs for model in models), build, ran)
@@ -339,6 +341,6 @@ def compare(
 
 
 def _labels(kind: str, name: str, values: Iterable[int], *, low: int) -> dict[str, int]:
-    """Return numbers of oscillators or modes, ascending, by the label of their model."""
+    """Return the numbers of oscillators or modes, ascending, by the labels of the models."""
     numbers = sorted({integer(name, n, low=low) for n in sequence(name, values)})
     return {f"{kind}({n})": n for n in numbers}

@@ -34,19 +34,20 @@ from ..laws import ContactLaw
 from ..reduction import rigid
 from ..testrig import Signal
 
-# _SOLVER: its tolerance is far below the noise of measurements and of finite differences. _STEP:
-# step of the finite differences.
+# _SOLVER: time integration with a tolerance far below measurement noise and errors of the finite
+# differences. _STEP: step of the finite differences.
 _SOLVER = Adaptive(rtol=1e-9)
 _STEP = 1e-4
 
-# Offset of the variables: SciPy's steps of finite differences are relative to the variables.
+# Offset of the variables from 0: SciPy's steps of finite differences are relative to the variables.
 _ORIGIN = 30.0
 
-# Largest relative standard error of a parameter that counts as determined.
+# Largest relative standard error with which a parameter counts as determined.
 _DETERMINED = 0.5
 
-# First guess of a parameter if a class is fitted. _GUESSES: by the parameter's unit, a factor and
-# the exponents of largest force, largest indentation and velocity in the product. _NAMED: by name.
+# First guess of a parameter if only the class of a law is given. _GUESSES: by the parameter's unit,
+# a factor, and the exponents of largest force, largest indentation and velocity, whose product is
+# the guess. _NAMED: guess by the parameter's name.
 _GUESSES: dict[str, tuple[float, float, float, float]] = {
     "N": (0.3, 1.0, 0.0, 0.0),
     "m": (0.3, 0.0, 1.0, 0.0),
@@ -58,35 +59,36 @@ _OF_THE_TEST = ("relative_radius", "mass", "velocity")
 _NAMED = {"n": 1.5, "restitution": 0.7, "alpha": 0.1, "beta": 0.1}
 _BOUNDS = {"n": (1.0, math.inf), "restitution": (0.0, 1.0), "beta": (0.0, 1.0)}
 
-# Largest factor between a parameter and its first guess: beyond it, one is a rounding error of the
-# other.
+# Largest ratio of a parameter to its first guess, or of the guess to the parameter: beyond this
+# ratio, the smaller is a rounding error of the larger.
 _RANGE = 1.0 / np.finfo(float).eps
 
-# _FOOT: share of the peak force up to which a contact has hardly begun. _EARLY: share of the
-# largest indentation at which only a force that jumps exceeds _FOOT. _RISE: time from start to peak
-# by Hertz's law, in units of δ/v.
+# _FOOT: largest ratio of the force at the start of a contact to the peak force. _EARLY: share of
+# the largest indentation at which only a force with an initial jump exceeds _FOOT. _RISE: time from
+# start to peak force with Hertz's law, in units of δ/v.
 _FOOT, _EARLY, _RISE = 0.05, 0.01, 1.47
 
-# For a force that jumps: _SAMPLES: number of samples before and after the estimated start between
-# which the start is searched. _APART: least ratio of the distance between start and sample to the
-# spacing.
+# Search for the start of a force with an initial jump. _SAMPLES: number of samples before and after
+# the estimated start that bound the search. _APART: smallest distance between the start and a
+# sample, in units of the samples' spacing.
 _SAMPLES = 4
 _APART = 1e-3
 
-# A residual above _OFF times the noise and _VISIBLE of the largest value is due to the law. The
-# noise is estimated from second differences of at least _FEW values.
+# A residual above _OFF times the noise and above _VISIBLE times the largest value is attributed to
+# the law. The noise is estimated from second differences of at least _FEW values.
 _OFF, _VISIBLE, _FEW = 3.0, 0.02, 8
 
-# Smallest decrease of the sum of squares per parameter, in variances, that makes a fit meaningful.
-# A fit of noise alone decreases it by about one variance per parameter, and by a few if it may
-# choose its start among a thousand samples.
+# Smallest decrease of the sum of squares per parameter, in variances, with which a fit means
+# something. A fit to pure noise decreases the sum by about one variance per parameter, and by a few
+# if its start may be any of a thousand samples.
 _EXPLAINED = 10.0
 
-# Difference of logarithms of a parameter and a bound within which the parameter is at the bound.
+# Difference between the logarithms of a parameter and of its bound below which the parameter counts
+# as being at the bound.
 _AT_BOUND = 1e-2
 
-# Largest singular value of the scaled sensitivities, relative to the largest one, that is a
-# rounding error.
+# Singular values of the scaled Jacobian below this share of the largest one are taken for rounding
+# errors.
 _SINGULAR = 1e-9
 
 
@@ -99,13 +101,14 @@ class LawFit(Frozen):
     law : ContactLaw
         The law with the parameters that fit best.
     standard_errors : dict of str to float
-        Standard error of each fitted parameter, in its unit, and of `start_time` for a history.
+        Standard error of each fitted parameter in the parameter's unit, and for a history that of
+        `start_time`, s.
     correlation : ndarray
         Correlation matrix of the parameters, in the order of `standard_errors`.
     residual : float
-        Standard deviation of the measurement from the law, in the measurement's unit.
+        Standard deviation of the measured values from the law, in the unit of the measurement.
     start_time : float or None
-        Start of the contact in the times of a force history, s; None for other measurements.
+        Start of the contact on the time axis of a force history, s; None for other measurements.
     undetermined : tuple of str
         Parameters that the data do not determine.
 
@@ -126,7 +129,7 @@ class LawFit(Frozen):
     undetermined: tuple[str, ...]
 
     def __str__(self) -> str:
-        """Return the law, and each parameter with its standard error, as text."""
+        """Return a text with the law, and each parameter with its standard error."""
         lines = [str(self.law)]
         for name, error in self.standard_errors.items():
             of: Any = self if name == "start_time" else self.law
@@ -139,11 +142,11 @@ class LawFit(Frozen):
 class _Problem:
     """Misfit of a law to a measurement as a function of the logarithms of its free parameters.
 
-    For a history, the last variable is the ratio of the contact's start to the time of indentation.
-    All variables are offset by `_ORIGIN`. `shown` returns the values predicted by a law for a
-    contact that begins at a time, s. `force`, N, `depth`, m, `velocity`, m/s, and `start`, s, are
-    estimates of the largest force and indentation, of the velocity and of the start of the contact;
-    `sample` is the spacing of the samples, s.
+    For a history, there is a last variable: the correction of the contact's start, in units of
+    `time`. All variables are offset by `_ORIGIN`. `shown` returns the values that a law predicts
+    for a contact that begins at a given time, s. `force`, N, `depth`, m, `velocity`, m/s, and
+    `start`, s, are estimates of the largest force, the largest indentation, the velocity and the
+    start of the contact; `sample` is the spacing of the samples, s.
     """
 
     measured: FloatArray
@@ -158,12 +161,12 @@ class _Problem:
 
     @property
     def time(self) -> float:
-        """Approximate time of indentation, s."""
+        """Time scale of the contact, s: ratio of largest indentation to velocity."""
         return self.depth / self.velocity
 
     @cached_property
     def first(self) -> FloatArray:
-        """Initial values of the free parameters."""
+        """Initial values of the free parameters, shape (n,)."""
         return np.array([getattr(self.law, name) for name in self.names])
 
     @cached_property
@@ -180,7 +183,7 @@ class _Problem:
         return found
 
     def parameters(self, x: FloatArray) -> FloatArray:
-        """Return the free parameters, and for a history the start of the contact, s."""
+        """Return the free parameters from the variables; for a history, also the start, s."""
         values = self.first * np.exp(x[: len(self.names)] - _ORIGIN)
         if self.start is None:
             return values
@@ -191,14 +194,14 @@ class _Problem:
         return cast(ContactLaw, replace(self.law, **values))
 
     def misfit(self, x: FloatArray) -> FloatArray:
-        """Return the predicted less the measured values."""
+        """Return the difference of predicted and measured values."""
         return self.shown(self.law_at(x), float(self.parameters(x)[-1])) - self.measured
 
     def solved(self) -> Any:
-        """Return SciPy's solution.
+        """Return SciPy's solution of the least-squares problem.
 
-        For a force that begins with a jump, or nearly so, the misfit has a local minimum for a
-        start between any two neighbouring samples.
+        If the force begins with a jump, or nearly so, the misfit has a local minimum with respect
+        to the start between any two neighbouring samples.
         """
         first = np.full(self.bounds.shape[1], _ORIGIN)
         refused = 2.0 * self.misfit(first)
@@ -216,7 +219,7 @@ class _Problem:
         found = within(first, self.bounds)
         if self.start is None:
             return found
-        # A force that is large soon after the contact has begun is taken to jump.
+        # A force that is large soon after the start of the contact is treated as a jump.
         early = self.law_at(found.x).force(_EARLY * self.depth, self.velocity)
         if not early > _FOOT * self.force:
             return found
@@ -227,8 +230,8 @@ class _Problem:
             begin = np.append(found.x[:-1], bounds[:, -1].mean())
             between.append(within(begin, bounds))
         best = min(between, key=lambda one: one.cost)
-        # Leave out the first sample in contact: its force depends on the start like a root, which
-        # has no finite slope.
+        # Leave out the first sample in contact: its force varies with the start like a square root,
+        # whose derivative is infinite.
         best.jac = np.delete(best.jac, np.argmax(best.fun + self.measured > 0.0), axis=0)
         return best
 
@@ -258,8 +261,8 @@ def fit_law(
     Parameters
     ----------
     law : ContactLaw or type
-        Law to begin with, whose parameters that are not `free` are kept. Or a class, if the
-        measurement, a history or a curve, gives a first guess.
+        Initial law; its parameters that are not in `free` are kept. Or the class of the law, if the
+        measurement (a history or a curve) allows a first guess.
     signal : Signal or (t, values), optional
         Contact force, N.
     mass : float, optional
@@ -279,8 +282,8 @@ def fit_law(
     Returns
     -------
     LawFit
-        Its standard errors assume independent errors of the same size in all points; for a filtered
-        signal they are too small.
+        The fitted law. Its standard errors presume independent errors of the same size in all
+        points; for a filtered signal they are too small.
 
     Raises
     ------
@@ -290,9 +293,9 @@ def fit_law(
     Warns
     -----
     AOImpactWarning
-        If the data do not determine a parameter: its standard error is more than half of it. If the
-        law does not describe the data: the residual is more than three times the noise and 2 % of
-        the largest value, or a parameter is at a bound. If the data are hardly more than noise.
+        If the data do not determine a parameter: its standard error exceeds half of its value. If
+        the law does not describe the data: the residual exceeds both three times the noise and 2 %
+        of the largest value, or a parameter is at a bound. If the data are hardly more than noise.
 
     Examples
     --------
@@ -327,7 +330,7 @@ def fit_law(
     start = law if isinstance(law, ContactLaw) else _guess(law, data, mass)
     names = _free(start, free)
     problem = replace(data, law=start, names=names)
-    # Laws far from the measurement may overflow.
+    # Forces of laws that are far from the measurement may overflow.
     with np.errstate(all="ignore"), shared_models():
         found = problem.solved()
         variance = 2.0 * float(found.cost) / (len(data.measured) - len(found.x))
@@ -356,12 +359,12 @@ def fit_law(
 def _warn_of_a_poor_fit(
     problem: _Problem, x: FloatArray, residual: float, poor: Mapping[str, float]
 ) -> None:
-    """Warn if the law does not describe the measurement, and say by how much."""
+    """Warn if the law does not describe the measurement, with the size of the misfit."""
     largest = float(np.abs(problem.measured).max())
     noise = 0.0
     if (
         problem.force and len(problem.measured) >= _FEW
-    ):  # second differences of independent errors of σ have √6 σ
+    ):  # second differences of errors with deviation σ have √6 σ
         second = np.abs(np.diff(problem.measured, 2))
         noise = float(np.median(second)) / (0.6745 * math.sqrt(6.0))
     if residual > max(_OFF * noise, _VISIBLE * largest):
@@ -383,7 +386,7 @@ def _warn_of_a_poor_fit(
 
 
 def _uncertainty(jacobian: FloatArray, residual: float) -> ArrayPair:
-    """Return standard errors and correlations of the variables."""
+    """Return the standard errors and the correlation matrix of the variables."""
     size = np.linalg.norm(jacobian, axis=0)
     size = np.where(size > 0.0, size, np.finfo(float).tiny ** 0.5)
     _, strength, turn = np.linalg.svd(jacobian / size, full_matrices=False)
@@ -392,12 +395,12 @@ def _uncertainty(jacobian: FloatArray, residual: float) -> ArrayPair:
     covariance = spread @ spread.T
     errors = np.sqrt(np.diag(covariance))
     share = errors * residual / size
-    share[~(errors <= 0.1 / _SINGULAR)] = math.inf  # also for NaN: no variable has an influence
+    share[~(errors <= 0.1 / _SINGULAR)] = math.inf  # NaN: no variable has influence
     return share, covariance / np.outer(errors, errors)
 
 
 def _needed(law: Any) -> list[str]:
-    """Return the names of the parameters that a law, or its class, must be given."""
+    """Return the names of the parameters of a law, or of its class, that have no default."""
     return [entry.name for entry in fields(law) if entry.default is MISSING]
 
 
@@ -501,7 +504,7 @@ def _history(
 
 
 def _largest(name: str, values: FloatArray) -> float:
-    """Return the largest value, which must be above 0."""
+    """Return the largest of the values; refuse it unless it is above 0."""
     top = float(values.max(initial=0.0))
     if not top > 0.0:
         raise InputError(f"{name} must have a value above 0")

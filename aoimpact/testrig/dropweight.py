@@ -28,21 +28,22 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# Share of the impact energy that exceeds the errors of a channel, and is less than a specimen
-# absorbs.
+# Share of the impact energy that is larger than the error due to a force channel, and smaller than
+# the energy that a specimen absorbs.
 _TAKEN = 0.02
 
-# Time added before and after a simulated force, in periods 1/CFC, in which the filter dies out.
+# Length of zero force added before and after a simulated force, in periods 1/CFC: the filter's
+# response dies out within it.
 _SMEARED = 3.0
 
 
 class Point(NamedTuple):
-    """A point of a drop-weight test.
+    """A point on the curves of a drop-weight test.
 
     Attributes
     ----------
     time, force, deflection, energy : float
-        Time, s, force, N, deflection, m, and energy that the specimen has taken up by then, J.
+        Time, s; force, N; deflection, m; energy that the specimen has taken up until this time, J.
     """
 
     time: float
@@ -106,16 +107,16 @@ class DropWeight(Frozen):
 
     @property
     def turn(self) -> Point | None:
-        """Point of the largest deflection, where the impactor turns back; None if it does not."""
+        """Point of largest deflection, where the impactor turns back; None if it does not turn."""
         at = int(np.argmax(self.deflection[: self._end + 1]))
         return None if at == self._end and self.velocity[at] > 0.0 else self._point(at)
 
     @property
     def puncture(self) -> Point | None:
-        """Point at which the force has fallen to half its peak before a turn back (ISO 6603-2).
+        """Point of puncture, where the force has fallen to half its peak (ISO 6603-2).
 
-        None if the impactor turned back before, and for every simulated impact: its bodies do not
-        break, and its force falls only by vibration.
+        None if the impactor has turned back before. Also None for every simulated impact: its
+        bodies do not break, and its force falls only due to vibration.
         """
         fallen = self.force <= 0.5 * self.force.max()
         fallen[: np.argmax(self.force)] = False
@@ -130,7 +131,7 @@ class DropWeight(Frozen):
 
     @property
     def absorbed_energy(self) -> float:
-        """Energy that the specimen has kept when the contact ends, E_a(t_T), J (D7136).
+        """Energy that the specimen retains at the end of the contact, E_a(t_T), J (D7136).
 
         For elastic bodies, this is the energy of their vibration.
         """
@@ -138,7 +139,7 @@ class DropWeight(Frozen):
 
     @property
     def rebound_velocity(self) -> float:
-        """Velocity of the impactor when the contact ends, m/s; negative on the way back."""
+        """Velocity of the impactor at the end of the contact, m/s; negative if it rebounds."""
         return float(np.interp(self.end, self.t, self.velocity))
 
     @property
@@ -189,7 +190,7 @@ class DropWeight(Frozen):
         return self._draw(ax, "energy", choice("over", over, ("time", "deflection")), kwargs)
 
     def plot_force(self, ax: Axes | None = None, *, raw: bool = True, **kwargs: Any) -> Axes:
-        """Draw the force over time from first touch on; `raw` adds the unfiltered force in grey.
+        """Draw the force against time since first touch; `raw` adds the unfiltered force in grey.
 
         Keywords go to ``Axes.plot``.
 
@@ -205,7 +206,7 @@ class DropWeight(Frozen):
     def _draw(
         self, ax: Any, name: str, over: str, kwargs: dict[str, Any], raw: Signal | None = None
     ) -> Axes:
-        """Draw force or energy against time since first touch, or against deflection in contact."""
+        """Draw force or energy against `over`: time since first touch, or deflection in contact."""
         margin = 0.1 * (self.end - self.start) if over == "time" else 0.0
         shown = slice(*np.searchsorted(self.t, [self.start - margin, self.end + margin]))
         across, unit = (self.t - self.start, "s") if over == "time" else (self.deflection, "m")
@@ -262,7 +263,7 @@ def drop_weight(
 ) -> DropWeight:
     """Evaluate a drop-weight test, measured or simulated, from the force on the impactor.
 
-    By ASTM D7136, with F straight between samples and v_i the velocity at the first touch t_i:
+    Following ASTM D7136, with F linear between samples and v_i the velocity at the first touch t_i:
 
         v(t) = v_i + g (t - t_i) - ∫F/m dt,  δ(t) = ∫v dt,  E(t) = m (v_i² - v²)/2 + m g δ.
 
@@ -278,12 +279,12 @@ def drop_weight(
     gravity : float, optional
         Gravity g, m/s²; by default 9.80665, or 0 for a result, since `simulate` has none.
     cfc : float, optional
-        Channel frequency class by which the force is filtered; see `Signal.filtered`. Integrals are
-        of the unfiltered force: they need no filter, and a filter smears the contact's ends.
+        Channel frequency class by which the force is filtered; see `Signal.filtered`. The
+        unfiltered force is integrated, since a filter smears the start and end of the contact.
     start : float, optional
         First touch t_i, s; by default the start of a result's first contact, or the last time that
-        a measured force is below 1 % of its peak before it first passes 10 %. The end is found
-        likewise.
+        a measured force is below 1 % of its peak before it first exceeds 10 %. The last touch is
+        found in the same way.
 
     Returns
     -------
@@ -298,8 +299,8 @@ def drop_weight(
     Warns
     -----
     AOImpactWarning
-        If more energy comes back than went in, the impactor is hardly slowed, the record ends
-        within the contact, or the filter removes the contact itself.
+        If the absorbed energy is negative, the impactor is hardly decelerated, the record ends
+        within the contact, or the filter suppresses the force of the contact.
 
     Examples
     --------
@@ -357,7 +358,7 @@ def drop_weight(
 
 
 def _warn_of_doubts(test: DropWeight, cfc: float | None) -> None:
-    """Warn of contradictions in a test, with their likely cause."""
+    """Warn of implausible results of a test, and name their likely cause."""
     raw = test.signal.raw or test.signal
     touched = contacts(raw, "force")
     acts, largest = float(raw.t[touched[-1][1]] - raw.t[touched[0][0]]), float(raw.values.max())
@@ -388,10 +389,11 @@ def _warn_of_doubts(test: DropWeight, cfc: float | None) -> None:
 
 
 def _touches(source: Any, signal: Signal, start: float | None) -> tuple[float, float]:
-    """Return the first and last touch, s: simulated, given, or where a share of the peak is passed.
+    """Return the times of first and last touch, s: simulated, or from shares of the peak force.
 
-    A filter smears the force ahead, so the first touch is searched in the unfiltered force; the rig
-    rings on, so the last touch is searched in the filtered force.
+    `start` replaces the first touch. A filter smears the force to earlier times, so the unfiltered
+    force gives the first touch. The rig rings after the contact, so the filtered force gives the
+    last touch.
     """
     raw = signal.raw or signal
     if not isinstance(source, Result):

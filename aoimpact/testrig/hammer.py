@@ -2,13 +2,13 @@
 
 With F and A the Fourier transforms of force and acceleration, and sums over the hits, the
 accelerance is H1 = Σ F*A / Σ|F|² or H2 = Σ|A|² / Σ A*F, and the coherence is H1/H2 (ISO 7626-5;
-J. S. Bendat, A. G. Piersol, *Random Data*, chapters 6 and 9). A velocity gives A without a
-derivative:
+J. S. Bendat, A. G. Piersol, *Random Data*, chapters 6 and 9). A measured velocity v gives A without
+differentiation:
 
     A(ω) = ∫ v' e^{-iωt} dt = iω ∫ v e^{-iωt} dt + v(T) e^{-iωT}.
 
-The last term is that of a free body, which still moves when the record ends at T. Summed by parts,
-both terms are the transform of the differences of v.
+The last term is nonzero for a free body, which still moves when the record ends at T. By summation
+by parts, both terms together are the transform of the differences of v.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from ..fields import Probe
 from ..results import Run
 from .signal import RISEN, UNEVEN, Signal, contacts, force_at
 
-# Power of iω by which an accelerance is divided to obtain each kind of response.
+# For each kind of response, the power of iω by which the accelerance is divided.
 _KINDS = {"accelerance": 0, "mobility": 1, "receptance": 2}
 
-# Smallest ratio of the force spectrum to its maximum at which a hammer excites: usually -10 to -20
-# dB.
+# Smallest ratio of the force spectrum to its maximum in the excited range of frequencies: usually
+# -10 to -20 dB.
 _EXCITED = 0.1
 
-# Contribution of the second half of a record to a resonance, as a share, if the vibration falls to
-# q = 1/2 in each half: q (1 - q)/(1 - q²).
+# Ratio of the contribution of a record's second half to that of the whole record at a resonance, if
+# the vibration decays by the factor q = 1/2 in each half: q (1 - q)/(1 - q²).
 _SECOND_HALF = 1.0 / 3.0
 
-# One minus the confidence level of the error due to noise.
+# Probability that the error due to noise exceeds its bound: one minus the confidence level.
 _OUTSIDE = 0.05
 
 
@@ -48,16 +48,16 @@ class MeasuredResponse(FrequencyResponse):
     frequencies : ndarray, shape (n,)
         Frequencies, Hz: multiples of 1 / (length of the record), up to half of the sampling rate.
     values : ndarray of complex, shape (n,)
-        Ratio of response to force, of the `kind`, for e^{iωt}.
+        Ratio of response to force, as given by `kind`, for the time factor e^{iωt}.
     error : ndarray, shape (n,)
-        Estimated error of the values, in their unit; infinite above a quarter of the rate.
+        Estimated error of the values, in their unit; infinite above a quarter of the sampling rate.
     kind : str
         "accelerance" (m/(s² N)), "mobility" (m/(s N)) or "receptance" (m/N).
     coherence : ndarray, shape (n,)
-        Coherence; 1 if all hits give the same value, as does a single hit.
+        Coherence of force and response; 1 if all hits agree, and for a single hit.
     force : ndarray, shape (n,)
-        Spectrum of the force, root mean square over the hits, N s. At frequencies with less than a
-        tenth of its maximum, the values are mostly noise.
+        Spectrum of the force, root mean square over the hits, N s. Where it is less than a tenth of
+        its maximum, `values` are mostly noise.
     """
 
     coherence: FloatArray
@@ -79,7 +79,7 @@ def frf(
         the hit, at the same even times as the force. The mean of a velocity before the force rises
         is subtracted from it. A probe along a direction gives its velocity.
     kind : {"accelerance", "mobility", "receptance"}, optional
-        Acceleration, velocity or displacement over force.
+        Ratio of acceleration, velocity or displacement to force.
     estimator : {"H1", "H2"}, optional
         H1 averages out noise of the response, H2 noise of the force. For one hit both are A/F.
 
@@ -87,10 +87,11 @@ def frf(
     -------
     MeasuredResponse
         Its ``error`` is the sum of four parts: the contribution of the second half of the record,
-        which exceeds the contribution after the record if the vibration falls to a half or less in
-        that time; the difference between every second sample and all samples; the error of a
-        probe's model, estimated by a finer model; and, for several hits, the bound of the error
-        from their scatter, with 95 % confidence if the noise is in the response.
+        which exceeds that of the time after the record if the vibration at least halves in the
+        second half; the difference between the results from every second sample and from all
+        samples; the error of a probe's model, estimated by a finer model; and, for several hits,
+        the bound of the error due to their scatter, with 95 % confidence if the noise is in the
+        response.
 
     Raises
     ------
@@ -122,7 +123,7 @@ def frf(
     velocity, step, samples = motion.unit == "m/s", 1.0 / motion.rate, len(motion.t)
     rows = [[load.values, motion.values, lack] for load, motion, lack in hits]
     struck, moved, doubt = np.swapaxes(rows, 0, 1)
-    count = samples + samples % 2  # even: every second sample has the same frequencies
+    count = samples + samples % 2  # even, so that half the samples have the same frequencies
     f = np.arange(1, count // 2 + 1) / (count * step)
 
     loaded, answered = _spectra(struck, step, count), _spectra(moved, step, count, velocity)
@@ -161,9 +162,9 @@ def frf(
 
 
 def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal, FloatArray]]:
-    """Return force, motion and the motion's error for each hit, at the same times since its start.
+    """Return force, motion and error of the motion for each hit, at equal times since its start.
 
-    The error is that of a simulated motion, a `Probe`; it is 0 for a `Signal`.
+    The error is that of a simulated motion (`Probe`), and 0 for a measured motion (`Signal`).
     """
     forces, responses = (of if isinstance(of, list) else [of] for of in (force, response))
     if len(forces) != len(responses) or not forces:
@@ -211,20 +212,20 @@ def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal, FloatArray]]:
 def _spectra(values: FloatArray, step: float, count: int, velocity: bool = False) -> ComplexArray:
     """Return Fourier transforms of rows of samples at k/(count step), k from 1 to count/2.
 
-    Velocities, which need not end with the record, give the transforms of the accelerations.
+    For velocities, return the transforms of the accelerations. Velocities need not be 0 at the end.
     """
     if not velocity:
         return step * np.fft.rfft(values, count)[:, 1:]
     turns = np.arange(1, count // 2 + 1) / count
-    # Motion starts from rest: the first sample of a model may move due to its residual compliance.
+    # The motion before the first sample is 0: due to residual compliance, a model may move at once.
     steps = np.fft.rfft(np.diff(values, prepend=0.0), count)[:, 1:]
-    # Division by sinc gives iω times the sum of the samples, so that sampling changes force and
-    # response alike.
+    # Division by sinc gives iω times the transform of the sampled velocity. Sampling then affects
+    # force and response alike.
     return np.asarray(np.exp(1j * np.pi * turns) / np.sinc(turns) * steps)
 
 
 def _estimates(loaded: ComplexArray, moved: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """Return H1 and H2 of the spectra of hits, shape (hits, n)."""
+    """Return the estimates H1 and H2 from the spectra of all hits, shape (hits, n)."""
     both = np.sum(loaded.conj() * moved, axis=0)
     force, motion = (np.sum(np.abs(of) ** 2, axis=0) for of in (loaded, moved))
     return both / force, motion / both.conj()

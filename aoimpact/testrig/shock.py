@@ -28,14 +28,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# Default frequencies: _PER_OCTAVE: number per octave; _LOWEST: lowest frequency times the length of
-# the signal; _HIGHEST: ratio of the highest frequency to the sampling rate.
+# Default frequencies. _PER_OCTAVE: number per octave. _LOWEST: product of the lowest frequency and
+# the signal's duration. _HIGHEST: ratio of the highest frequency to the sampling rate.
 _PER_OCTAVE, _LOWEST, _HIGHEST = 12, 0.1, 0.1
 
-# Points per period of the oscillator: the largest response among them is too low by 0.3 % at most.
+# Number of points per period of an oscillator: the largest response at these points is too low by
+# 0.3 % at most.
 _PER_PERIOD = 40
 
-# Points in the first period after the signal: the largest among them is too low by 1e-6 at most.
+# Number of points in the first period after the signal: the largest response at these points is too
+# low by 1e-6 at most.
 _AFTER = 2001
 
 _KINDS = {
@@ -56,9 +58,9 @@ class ShockSpectrum(Frozen):
     positive, negative : ndarrays, shape (n,)
         Largest response in the positive and in the negative direction, as a number ≥ 0.
     primary, residual : ndarrays, shape (n,)
-        Largest response of any sign while the signal lasts, and after it.
+        Largest magnitude of the response during the signal, and after the signal.
     kind, unit : str
-        The response, and its unit.
+        Kind of response, as in `shock_spectrum`, and its unit.
     damping_ratio : float
         Damping ratio of all oscillators.
 
@@ -82,7 +84,7 @@ class ShockSpectrum(Frozen):
 
     @property
     def maximax(self) -> FloatArray:
-        """The largest response of any sign at any time, shape (n,)."""
+        """The largest magnitude of the response at any time, shape (n,)."""
         return np.maximum(self.primary, self.residual)
 
     def plot(self, ax: Axes | None = None, *, parts: bool = False, **kwargs: Any) -> Axes:
@@ -216,9 +218,9 @@ def shock_spectrum(
 def _largest(signal: Signal, frequency: float, damping: float, unit: str) -> tuple[float, ...]:
     """Return the largest positive and negative response, and magnitudes during and after `signal`.
 
-    The oscillator z'' + 2ζω z' + ω² z = -u is solved exactly in its eigenvalue λ: q' = λq + u, and
-    z = 2 Re(r q). The absolute acceleration z'' + u has λ² r in place of r, the pseudo-velocity
-    ω r. The signal is linear between its samples, which are interpolated to smaller steps.
+    The oscillator z'' + 2ζω z' + ω² z = -u is solved exactly by means of its eigenvalue λ:
+    q' = λq + u, z = 2 Re(r q). For the absolute acceleration z'' + u, λ² r replaces r; for the
+    pseudo-velocity, ω r. The signal u is linear between samples, and interpolated to smaller steps.
     """
     from scipy.signal import cont2discrete, lfilter  # slow to import
 

@@ -38,22 +38,22 @@ if TYPE_CHECKING:
 
 STANDARD_GRAVITY = 9.80665  # m/s², ISO 80000-3
 
-# Samples count as evenly spaced if no time is farther than this from an even grid, in steps.
+# Largest distance of a sample's time from an even grid, in steps, for samples to count as even.
 UNEVEN = 0.05
 
-# Default number of samples of a simulated force in the contact with the largest force.
+# Default number of samples of a simulated force during the contact with the largest force.
 _PER_CONTACT = 500
 
 # Largest number of samples; a longer record is taken for a mistake.
 _MOST = 20_000_000
 
-# Minimum (SAE J211-1) and maximum number of samples per period of the class's frequency. Above the
-# maximum both poles of the digital filter differ from 1 only by rounding errors.
+# Minimum (SAE J211-1) and maximum of the ratio of the sampling rate to the frequency class. Above
+# the maximum, the poles of the digital filter differ from 1 only by rounding errors.
 _SAMPLES_OF_CLASS = 10.0, 1e6
 
 # Shares of the peak force. A measured contact begins where the force is last below BEGINS before it
-# passes RISEN, and ends where the force is below BEGINS again. Noise of the channel, usually 0.4 %
-# of the peak rms, passes BEGINS now and then, but not RISEN.
+# exceeds RISEN, and ends where the force is below BEGINS again. Channel noise, usually 0.4 % rms of
+# the peak, sometimes exceeds BEGINS, but not RISEN.
 BEGINS, RISEN = 0.01, 0.1
 
 # Line style of an unfiltered signal.
@@ -80,7 +80,7 @@ class Signal(Frozen):
     Raises
     ------
     InputError
-        If times do not rise, or there are not as many values.
+        If the times do not rise, or if there are more or fewer values than times.
 
     Examples
     --------
@@ -132,19 +132,20 @@ class Signal(Frozen):
         ----------
         source : Signal, (t, values), Result, Run or Probe
             A result gives its contact force. A probe along a direction gives the acceleration of
-            its point, by differences of the velocity, which must be closely spaced in time.
+            its point from differences of the velocity, which needs closely spaced times.
         contact : int, optional
             Number of the contact in a scene's run, in the order of `Scene.connect`.
         rate : float, optional
-            Sampling rate of a result, Hz; by default 500 samples in the contact with the largest
-            force, or the rate of fixed steps, between which the force is linear.
+            Sampling rate of a result, Hz. Default: 500 samples during the contact with the largest
+            force; for a run with fixed steps, one sample per step.
         margin : float, optional
-            Length of zero force before and after the record of a result, s: room for a filter.
+            Length of zero force to add before and after the record of a result, s, for a filter.
 
         Raises
         ------
         InputError
-            If an impact lasts beyond its record, or would have more than 20 million samples.
+            If `margin` is given and the record ends in contact, or if there would be more than
+            20 million samples.
 
         Examples
         --------
@@ -193,7 +194,7 @@ class Signal(Frozen):
 
     @property
     def even(self) -> bool:
-        """True if the samples are evenly spaced, with deviations up to a twentieth of a step."""
+        """Whether samples are evenly spaced, with deviations of at most a twentieth of a step."""
         grid = np.linspace(self.t[0], self.t[-1], len(self.t))
         return bool((np.abs(self.t - grid) * self.mean_rate <= UNEVEN).all())
 
@@ -215,7 +216,7 @@ class Signal(Frozen):
         return self.mean_rate
 
     def resampled(self, rate: float) -> Signal:
-        """Return the signal at even steps, by straight lines between its samples.
+        """Return the signal at even steps, linearly interpolated between its samples.
 
         Parameters
         ----------
@@ -250,9 +251,9 @@ class Signal(Frozen):
         """Return the signal filtered by a channel frequency class; its `raw` is this signal.
 
         SAE J211-1, appendix C: a Butterworth filter of two poles, run forward and backward for zero
-        phase shift. It is 3 dB down at 1.65 times the class's frequency. Both ends are extended by
-        odd reflection about the end sample, as in SciPy's `filtfilt`; so the period of the class
-        next to an end is right only if the signal is at rest or straight there.
+        phase shift, is 3 dB down at 1.65 times the class's frequency. Both ends are extended by odd
+        reflection about the end sample, as in SciPy's `filtfilt`. Within one period 1/CFC of an
+        end, the result is therefore right only if the signal is at rest or linear there.
 
         Parameters
         ----------
@@ -265,9 +266,9 @@ class Signal(Frozen):
         Raises
         ------
         InputError
-            If neither or both are given, the samples are not evenly spaced, or fewer than ten in a
-            period of the class, as the standard asks for, or the signal is shorter than the
-            filter's settling time, the class's period.
+            If neither or both of `cfc` and `corner` are given; if the samples are not evenly spaced
+            or fewer than ten per period 1/CFC, the standard's minimum; or if the signal is shorter
+            than the filter's settling time 1/CFC.
 
         Examples
         --------
@@ -288,7 +289,7 @@ class Signal(Frozen):
         return replace(self, values=smooth, raw=self)
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the signal over time, and behind it the unfiltered signal in grey.
+        """Draw the signal against time, with the unfiltered signal in grey behind it.
 
         Keywords go to ``Axes.plot``. Returns the axes.
 
@@ -304,12 +305,12 @@ class Signal(Frozen):
 
 
 def force_at(run: Run, contact: int, times: FloatArray) -> FloatArray:
-    """Return the force of a contact at times within the record, N; linear between fixed steps."""
+    """Return the force of a contact, N, at times in the record; linear between fixed steps."""
     return np.asarray(run.recorder.pushes(times)[run.plan.layout.normal][contact])
 
 
 def contacts(force: Signal, name: str) -> list[tuple[int, int]]:
-    """Return the first and last sample of each contact in a measured force.
+    """Return the indices of the first and last sample of each contact in a measured force.
 
     `name`: name of the force in messages.
     """
@@ -323,7 +324,7 @@ def contacts(force: Signal, name: str) -> list[tuple[int, int]]:
 
 
 def _steps(length: float, rate: float) -> int:
-    """Return the number of whole steps in a length of time, s."""
+    """Return the number of whole steps in a time of the given length, s."""
     count = length * rate * (1.0 + 1e-12)
     if not 1.0 <= count <= _MOST:
         raise InputError(
@@ -333,8 +334,8 @@ def _steps(length: float, rate: float) -> int:
     return int(count)
 
 
-# _BASES: SI units by each spelling that takes prefixes. _UNITS: factor and SI unit by each name of
-# a unit.
+# _BASES: SI unit for each spelling of a unit that takes prefixes. _UNITS: for each name of a unit,
+# the factor to the SI unit, and the SI unit.
 _BASES = {of: of for of in ("N", "s", "m", "V", "m/s", "m/s²")} | {"m/s2": "m/s²", "m/s^2": "m/s²"}
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
 _UNITS = {
@@ -358,9 +359,9 @@ def read_signal(
 ) -> Signal:
     """Read a signal from a text file of columns, as data loggers write it.
 
-    Columns are separated by the first of semicolons, tabs, commas (unless they are decimal marks)
-    and spaces that the last line has; cells may be quoted. Lines before the first one with numbers
-    in both columns are headings; other columns may hold anything.
+    The separator of columns is the first of semicolon, tab, comma (unless it is the decimal mark)
+    and space that occurs in the last line. Cells may be quoted. Lines before the first line with
+    numbers in both columns are headings. Other columns may hold anything.
 
     Parameters
     ----------
@@ -454,7 +455,7 @@ def read_signal(
 
 
 def _column(name: str, given: int | str, table: list[tuple[int, list[str]]]) -> int:
-    """Return the number of a column."""
+    """Return the index of the column that the user gives by number or heading."""
     if not isinstance(given, str):
         return integer(name, given, low=0)
     for _, row in table:
