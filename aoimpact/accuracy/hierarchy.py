@@ -206,7 +206,7 @@ def model_hierarchy(
 
 
 def only_models(bodies: Sequence[Any]) -> tuple[Body, ...] | None:
-    """Return the models of bodies if each has only one, such as rigid ones; else None.
+    """Return the models of bodies if each body has only one model, such as a rigid one; else None.
 
     Parameters
     ----------

@@ -152,7 +152,7 @@ def keeper(keep: Any) -> Keep | None:
         if not _NAME.fullmatch(name):
             raise InputError(f"keep: {name!r} is no name of a quantity, such as 'peak_force'")
         first = name.partition(".")[0]
-        if re.sub(r"_\d+$", "", first) not in known:  # "stress_2" of several
+        if re.sub(r"_\d+$", "", first) not in known:  # "stress_2": one of several stresses
             raise InputError(f"keep: results have no {first!r}{nearest(first, known)}")
     return Named(names)
 

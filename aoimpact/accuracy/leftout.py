@@ -91,7 +91,7 @@ def errors_left_out(
 def _changes(
     wanted: Sequence[Quantity], run: Run, others: Sequence[Run | float]
 ) -> Mapping[str, float]:
-    """Return, by name, the sum of relative differences of a quantity or number from other runs."""
+    """Return by name, for quantities and numbers, the sums of relative differences from runs."""
     runs = [of for of in others if isinstance(of, Run)]
     if len(runs) < len(others):
         return Found(lambda: run.numbers, lambda _: math.inf)
@@ -153,12 +153,12 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
         for body, port in contact.ports if events.peak_force else ():
             tip = plan.bodies[body].touched_at(port)
             if tip is None or _is_bare(law, tip):
-                continue  # the true motion is between runs with and without
+                continue  # a body given by numbers, or a law without the bodies' indentation
             known = extraction_of(law, plan.bodies[body], port)
             if known is None:
                 return None  # uncertainty unknown: a rigid model or a sharp edge
             if known.removed and not isinstance(contact.law, PatchLaw):
-                left += known.removed  # runs with and without `removed` bound the truth
+                left += known.removed  # runs with and without it bound the true motion
             else:
                 varying += known.varying
         most = min(left, removable(law, run.deepest(number))) if left else -varying
@@ -226,7 +226,7 @@ def finer_plan(
         law = own_law(contact.law) if any(contact.removed) else contact.law
         known = contact._replace(law=law, removed=(0.0, 0.0))
         known = known.of_models(bodies, bounded=number in bounded)
-        more = 0.0  # change of the mesh's indentation at nodes by refinement
+        more = 0.0  # change of the meshes' indentation at nodes
         for body, port in known.ports:
             tip = plan.bodies[body].touched_at(port)
             if tip is not None and _is_bare(law, tip):

@@ -31,10 +31,10 @@ from ..results import Quantity, RecordLength, Run, TimeSolver
 from ..scene import Scenario
 from .hierarchy import Hierarchy, Models, alike, model_hierarchy
 
-# _GROWTH: factor from one order to the next. _SHARES: ratios of a model's error to its differences
-# from the three smaller models, if errors fall as n^-1.25. Over 44 impacts on beams, plates,
-# sheets, blocks, rods and spheres with tolerances of 1e-1 … 1e-3, the true errors of peak force and
-# its time, impulse, duration, rebound, displacement and force history are below the largest of the
+# _GROWTH: ratio of successive orders. _SHARES: ratios of a model's error to its differences from
+# the three smaller models, if errors fall as n^-1.25. Over 44 impacts on beams, plates, sheets,
+# blocks, rods and spheres with tolerances of 1e-1 … 1e-3, the true errors of peak force and its
+# time, impulse, duration, rebound, displacement and force history are below the largest of the
 # three estimates in 98 of 100 cases (99 with n^-1, 94 with n^-1.5). The estimate is 2 … 7 times the
 # error in the median.
 _GROWTH = 1.5
@@ -43,7 +43,7 @@ _SHARES = tuple(1.0 / (_GROWTH ** (1.25 * i) - 1.0) for i in (1, 2, 3))
 # Number of oscillators per digit of the tolerance, for the smallest model of the first comparison.
 _FIRST = 1.5
 
-# Ratio of the tolerance that an error message proposes to the error found.
+# Ratio of the tolerance that an error message proposes to the error that was reached.
 EASED = 1.1
 
 # _REFIT: largest ratio of the contact time found to the one that the bases were fitted to, or its
@@ -58,7 +58,7 @@ _LONG = 4.0
 
 
 class TimeScales(NamedTuple):
-    """Times that models are fitted to, s: of the contact, and of the motion of interest."""
+    """Times that models are fitted to, s: contact time, and duration of the motion of interest."""
 
     contact_time: float
     span: float
@@ -157,7 +157,8 @@ class Search:
         for _ in _SHARES:
             self._first = math.ceil(_GROWTH * self._first)
         self._fits = 0
-        # The duration of contacts hardly depends on friction, with which runs cost 20 times more.
+        # The first run is without friction, which hardly affects contact times but makes runs take
+        # 20 times as long.
         smooth = [of._replace(friction=None) for of in self.plan.contacts]
         guess = partial(self._run_of, replace(self.plan, contacts=smooth))
         self._fit(first_guess(self.bodies, guess, self.wanted))
@@ -189,8 +190,8 @@ class Search:
     def enlarge(self, rtol: float) -> bool:
         """Raise the orders of the models; return False if they cannot or must not be raised.
 
-        Only bodies whose share of the error exceeds that of the tolerance get larger models, or all
-        if none does.
+        Only bodies whose share of the error exceeds their share of the tolerance get larger models;
+        if there are none, all bodies do.
 
         Raises
         ------

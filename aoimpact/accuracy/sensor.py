@@ -65,7 +65,7 @@ class Sensor(Frozen):
             return found
 
         def history(run: Run, times: FloatArray) -> FloatArray:
-            if run.plan.bodies[number].wall:  # a model of order 0, which does not deform
+            if run.plan.bodies[number].wall:  # a model of order 0 does not deform
                 return np.full((1, len(times)), np.nan)
             return np.asarray(measured()(response(run), times)).reshape(1, -1)
 

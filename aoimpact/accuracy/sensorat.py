@@ -209,7 +209,7 @@ class StrainAt(_AtPoint):
 
     @property
     def _weights(self) -> FloatArray:
-        """Return the weights of the strain's six components in the wanted one, shape (6,)."""
+        """Return the weights of the six strain components in the measured strain, shape (6,)."""
         components = np.eye(6)
         if isinstance(self.component, str):
             return np.asarray(components[list(_COMPONENTS).index(self.component)])

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base import FloatArray
 
-# The force of an impact depends on frequencies from s/SPAN to s SPAN, s = 10/duration.
+# The force of an impact depends on frequencies from s/SPAN to s SPAN, with s = 10/duration.
 SPAN = 3.0
 
 
@@ -59,7 +59,7 @@ class Compliance:
     oblique: FloatArray | None = None
 
     def removed_for(self, radius: float | None) -> float:
-        """Return c for another contact radius, m; if the radius is None, return `removed`."""
+        """Return the removed compliance c, m/N, for another contact radius, m (None: `removed`)."""
         if radius is None or self.by_width == 0.0:
             return self.removed
         return self.removed - self.by_width * math.log(radius / self.radius)

@@ -68,11 +68,11 @@ _BEHIND, _FAR_BEHIND = 0.35, 0.8
 # value.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
-# Relative residual to which w is solved for. R lacks the energy of the error of w: 0.007/(E* a) for
-# a residual of 3e-2, on elements 27 times as long as wide.
+# Relative residual of the equations at which their solution w is accepted. R lacks the energy of
+# the error of w: 0.007/(E* a) for a residual of 3e-2, on elements 27 times as long as wide.
 _SOLVED = 1e-3
 
-# Step of central differences, relative to the distance from the contact. Errors are 1e-8.
+# Step of central differences relative to the distance from the contact; relative errors are 1e-8.
 _DIFFERENCE = 1e-4
 
 
@@ -117,9 +117,9 @@ def extracted(
     beyond, varying = float(splitting.compliance[0, 0]), _over_width(body, splitting, point, normal)
     # The contact radius exceeds half its maximum while the force exceeds 1/8 of its maximum.
     varying += abs(splitting.by_width) * math.log(2.0)
-    # c of a wide patch on a thin body varies as log s: dc/d(log s) = 2 s² dc/d(s²). Motions of an
-    # impact have s = iω. At ω = s/SPAN, c differs by log(SPAN) times this slope in phase and by
-    # π/2 times this slope out of phase, like a dashpot.
+    # The compliance c of a wide patch on a thin body varies as log s: dc/d(log s) = 2 s² dc/d(s²).
+    # Motions of an impact have s = iω. At ω = s/SPAN, c differs by log(SPAN) times this slope in
+    # phase and by π/2 times this slope out of phase, like a dashpot.
     slope = 2.0 * splitting.s2 * abs(splitting.inertia - inertia)
     varying += (math.log(SPAN) + 0.5 * math.pi) * slope
     removed = compliance - beyond
@@ -162,7 +162,8 @@ def _over_width(body: Any, splitting: Splitting, point: FloatArray, normal: Floa
     nodes = body.surface.nodes[here.face[0]]
     middle = float(body.surface.shape(here.face, here.uv)[0] @ sunk[nodes])
     # w is quadratic in the distance from the middle and, by reciprocity, in the radius of the
-    # pressure: w has the mean g₀ + 0.8 g₁ a² under it, and is g₀ + 0.4 g₁ a² at the middle.
+    # pressure: the mean of w under the pressure is g₀ + 0.8 g₁ a², and w at the middle is
+    # g₀ + 0.4 g₁ a².
     return 2.0 * abs(mean - middle)
 
 
@@ -243,7 +244,7 @@ class Splitting:
             if local[:, 2].min() > -_FLAT * mesh.size:
                 turned, modulus = _turned(material.tensor, self.frame), like.plane_strain_modulus
                 self.space = AnisotropicHalfSpace(turned, radius, modulus, like.nu)
-            else:  # u_B of an isotropic half-space of equal E*; L includes C - C_B
+            else:  # u_B: isotropic half-space of equal E*; L includes C - C_B
                 own = None
             own = None if len(tangents) else own
         self.spaces = [(self.space, self.frame)]
@@ -271,7 +272,7 @@ class Splitting:
         del self.forces, self.self_term
 
     def half_space_field(self, x: FloatArray, radius: FloatArray | None = None) -> ArrayPair:
-        """Return χ u_B and its stress at points, for a force of 1 N on discs of given radii.
+        """Return χ u_B and its stress at points, for normal forces of 1 N on discs of given radii.
 
         Parameters
         ----------
@@ -496,7 +497,8 @@ class Splitting:
     def add_elements(self, moved_by: FloatArray) -> None:
         """Add ∫ ρ χ u_B·v from the mass matrix, and terms of ground springs, shells and beams.
 
-        The latter terms are -a(χ u_B, v), from their stiffness and χ u_B at nodes.
+        The terms of springs, shells and beams are -a(χ u_B, v), from their stiffness matrices and χ
+        u_B at nodes.
         """
         body, moved = self.body, moved_by.reshape(len(moved_by), -1)
         held, free = np.zeros((2, *moved.shape)), body.free

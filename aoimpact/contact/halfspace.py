@@ -30,15 +30,17 @@ _ON_RIM = 1e-9
 # except for far points just below the surface, smooth: the error is 1e-4 at r = 8 a, z = 0.4 a.
 _ANGLES = 128
 
-# Displacements for inertia terms may be rough: every second angle is used, which changes R of a ply
-# by 1e-4 of its value (every fourth angle: by 1e-2).
+# Displacements for inertia terms may be rough: they use every second angle, which changes R of a
+# ply by 1e-4 of its value (every fourth angle: by 1e-2).
 _EVERY = 2
 
 # Relative change of the shear moduli that separates equal roots of Stroh's eigenvalue problem.
-# Equal roots, as of isotropic materials, lack independent eigenvectors. Half of the digits remain.
+# Equal roots, as isotropic materials have, lack independent eigenvectors. Half of the digits
+# remain.
 _APART = 1e-7
 
-# Ratio of distance to a beyond which the pressure's transform is a series in a/|z|, exact to 1e-7.
+# Ratio of distance to radius a above which the pressure's transform is a series in a/|z|, exact to
+# 1e-7.
 _FAR = 30.0
 
 
@@ -68,11 +70,11 @@ class HalfSpace:
         return 0.6 / (self.radius * self.modulus)
 
     def displacement(self, y: FloatArray, *, rough: bool = False) -> FloatArray:
-        """Return u at local points `y`, m, shape (..., 3), for a force of 1 N."""
+        """Return the displacement u at local points `y`, m, shape (..., 3), for a force of 1 N."""
         return self._fields(y, rough=rough)[0]
 
     def displacement_stress(self, y: FloatArray) -> ArrayPair:
-        """Return u, m, shape (..., 3), and σ, Pa, shape (..., 3, 3), for a force of 1 N."""
+        """Return displacement, m, shape (..., 3), and stress, Pa, shape (..., 3, 3), for 1 N."""
         return self._fields(y, stress=True)
 
     @property
@@ -185,7 +187,8 @@ def _spheroidal(r2: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, 
     """Return spheroidal coordinates s, k about a disc of radius 1, and s² + k², from r² and z."""
     q = r2 + z * z - 1.0
     root = np.maximum(np.sqrt(q * q + 4.0 * z * z), _ON_RIM)
-    # s² and -k² are the roots of u² - q u - z²; the larger one is computed without cancellation.
+    # s² and -k² are the roots of u² - q u - z²; the larger of s² and k² is computed without
+    # cancellation.
     within = q < 0.0
     large = np.sqrt(np.maximum(0.5 * np.where(within, root - q, root + q), _ON_RIM**2))
     small = np.abs(z) / large

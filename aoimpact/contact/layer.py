@@ -36,7 +36,8 @@ _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
 # For the plate of a laminate, only every eighth of the wave numbers is used.
 _SKIPPED = 8
 
-# Radius of the mesh about the contact: _EDGES edges or, if less, _LENGTHS bending lengths λ.
+# Radius of the mesh about the contact: _EDGES element edges or, if that is less, _LENGTHS bending
+# lengths λ.
 _EDGES, _LENGTHS = 6.0, 8.0
 
 # Product k a below which the transform of Hertz's pressure is a series, to avoid cancellation.
@@ -64,7 +65,7 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
     """Return the compliance of an infinite layer beyond that of the half-space, m/N.
 
     This is the pressure-weighted mean displacement under Hertz's pressure of a unit force e^{st} on
-    one face, minus the static one of a half-space, 0.6/(a E*).
+    one face, minus that of a half-space under a static force, 0.6/(a E*).
 
     Parameters
     ----------
@@ -94,7 +95,7 @@ def layer_compliance(material: Material, thickness: float, radius: float, s: flo
 
 
 def plate_compliance(layers: Layers, radius: float, s: float) -> float:
-    """Return the mean displacement of the infinite plate under Hertz's pressure, m/N.
+    """Return the infinite plate's compliance, its mean displacement under Hertz's pressure, m/N.
 
     First-order shear deformation theory is used: Mindlin's plate for a single isotropic layer.
     """
@@ -159,8 +160,8 @@ def layer_compliance_of(layers: Layers, radius: float, s: float) -> float:
     """Return R, the compliance of infinite layers beyond the half-space under the contact, m/N.
 
     For laminates, R is the compliance of the plate minus its excess over elasticity theory. The
-    excess hardly varies for long bending waves, and is lost in rounding for very long ones. Its
-    frequency is therefore at least that of `slow_bending`.
+    excess hardly depends on frequency if bending waves are long, and is lost in rounding errors if
+    they are very long. It is therefore evaluated at no lower frequency than `slow_bending`.
     """
     material = layers.plies[0].material
     if isinstance(material, Material) and _isotropic(layers):
@@ -231,7 +232,7 @@ def _facing(cells: IntArray, x: FloatArray) -> IntArray:
 
 
 def contact_reach(layers: Layers, edge: float, s: float) -> float:
-    """Return the radius, m, of the mesh about a contact for elements of an edge length, m."""
+    """Return the radius, m, of the mesh about a contact, for elements of a given edge length, m."""
     return min(_EDGES * edge, max(_LENGTHS * bending_length(layers, s), 3.0 * edge))
 
 
@@ -257,7 +258,7 @@ def _bending(layers: Layers) -> FloatArray:
 
 
 def bending_length(layers: Layers, s: float) -> float:
-    """Return λ = (D/(m s²))^(1/4), m, the decay length of bending e^{st}, for the smallest D."""
+    """Return the decay length λ = (D/(m s²))^(1/4), m, of bending e^{st}; D: smallest stiffness."""
     turns = np.pi / _DIRECTIONS * np.arange(_DIRECTIONS)
     c, d = np.cos(turns), np.sin(turns)
     curved = np.stack([c * c, d * d, 2.0 * c * d])

@@ -78,16 +78,16 @@ _WITHIN_EDGE = 0.15
 
 # If a patch does not fit on the surface: `_SMALLER`: largest ratio of successive radii. `_WITHIN`:
 # ratio of the next radius to the distance at which the surface ends. `_LEAST_PATCH`: smallest ratio
-# of the radius to the element's edge; below it a point force is used.
+# of the radius to the element's edge; for smaller patches a point force is used.
 _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 
-# Largest abs(resultant - 1) and couple/size of a functional without a warning. Largest sin² of the
-# angle between a force and a tube's axis.
+# Largest abs(resultant - 1) and couple/size of a functional without a warning, and largest sin² of
+# the angle between a force and the axis of a tube that it may strike.
 _NEARLY = 1e-3
 
 # Product s T of the shift s and the contact duration T. On the paper's beam, values of 8 to 14 are
-# equivalent; 3 times smaller or larger values need two more oscillators for the same force. Several
-# shifts at once were found to be less efficient per solve.
+# equivalent; values 3 times as small or as large need two more oscillators for the same accuracy.
+# Several shifts at once gave less accuracy per linear solution.
 SHIFT_TIMES_DURATION = 10.0
 
 # Largest ratio of thickness to width of the solid elements of a sheet, with a margin for rounding.
@@ -96,7 +96,7 @@ _FLAT = 0.1 * (1.0 + 1e-6)
 # Range of abs(b) for which bᵀKb and bᵀMb neither overflow nor underflow.
 _SMALLEST, _LARGEST = 1e-50, 1e50
 
-# Largest share of a translation's energy outside the rigid modes that counts as rounding.
+# Largest share of a translation's energy outside the rigid modes that counts as a rounding error.
 _OF_ANOTHER_MOTION = 1e-12
 
 
@@ -218,10 +218,10 @@ class ContactPoint(Frozen):
 
     @cached_property
     def reversed(self) -> ContactPoint:
-        """The contact point for the other role, projectile instead of target.
+        """The same contact point as that of a projectile instead of a target, or vice versa.
 
-        The direction of travel is reversed. A given direction on a shell or beam stays, and the
-        other side is touched.
+        The direction of travel is reversed. On a shell or beam a direction that the caller gave
+        stays, and the opposite side is touched.
 
         :meta private:
         """
@@ -254,9 +254,10 @@ class ContactPoint(Frozen):
         """Return the functional b on the body with finer elements, from their shape functions."""
         point, along, surface = self.point, self.direction, body.surface
         alike = self.body.mesh is body.mesh
-        with held_warnings():  # the same warnings were given for the point before
+        with held_warnings():  # the original point gave the same warnings
             if alike and self.patch is None and self.on_surface:
-                # Use a patch: under a point force the added functions' compliance is unbounded.
+                # The force acts on a patch: a point force would cause unbounded deflection of the
+                # added functions.
                 return body.functional(self.body.contact(point=point).along(np.array(along)))
             if alike or point is None or along is None or self.node is not None:
                 return body.functional(self.b)
@@ -324,7 +325,7 @@ class ContactPoint(Frozen):
         return abs(float(direction @ self._axis)) / float(np.linalg.norm(self._axis))
 
     def check_wall(self) -> None:
-        """Refuse a force that would bend the wall of a tube of beam elements, which is rigid.
+        """Refuse a force across a tube of beam elements, whose wall is rigid and would not bend.
 
         :meta private:
         """
@@ -365,7 +366,7 @@ class ContactPoint(Frozen):
 
     @property
     def width(self) -> float:
-        """Contact radius, m, or an estimate of it.
+        """Contact radius, m; an estimate if it is not known.
 
         :meta private:
         """
@@ -583,7 +584,7 @@ def own_contact_time(tip: ContactPoint) -> float:
     """
     if tip.on_surface:
         assert tip.material is not None
-        # Mean displacement of a half-space under Hertz's pressure.
+        # The displacement of a half-space is its mean under Hertz's pressure.
         compliance = 0.6 / (tip.width * tip.material.plane_strain_modulus)
     else:
         stiffness = quadratic(tip.body.K, tip.b) / float(tip.b @ tip.b) ** 2
@@ -735,7 +736,7 @@ def _with_room(
 ) -> ContactPoint:
     """Return the contact point with a patch of the given radius, or of a smaller one that fits."""
     surface: Any = body.surface
-    with held_warnings():  # the same warnings were given for the point before
+    with held_warnings():  # the original point gave the same warnings
         least = min(radius, _LEAST_PATCH * edge_length(surface, point))
         while True:
             try:
@@ -817,7 +818,7 @@ def _of_functional(body: FEModel, b: Any) -> ContactPoint:
         return tip
     forces, resultant = tip.forces[0], tip.resultant
     length = float(np.linalg.norm(resultant))
-    with np.errstate(invalid="ignore", divide="ignore"):  # the resultant may be 0
+    with np.errstate(invalid="ignore", divide="ignore"):  # a resultant of 0 causes NaN
         centre = (forces @ resultant / length**2) @ body.nodes
     couple = float(np.linalg.norm(np.cross(body.nodes - centre, forces).sum(axis=0)))
     if abs(length - 1.0) > _NEARLY or couple > _NEARLY * np.ptp(body.nodes, axis=0).max():

@@ -55,7 +55,7 @@ class StaticMode:
 def static_mode(
     tip: ContactPoint, *, invert: Callable[[float], LinearSolver] | None = None
 ) -> StaticMode:
-    """Return the static mode, or the rigid motion excited by b if there is one.
+    """Return the static mode or, if b excites a rigid motion, that rigid motion.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def highest_shift(tip: ContactPoint) -> float:
 
 
 def refuse_massless(tips: Sequence[ContactPoint]) -> None:
-    """Refuse contact on massless dofs, whose compliance modes of a truncated model lack.
+    """Refuse contact on massless dofs, whose compliance the modes of a truncated model lack.
 
     Raises
     ------

@@ -28,7 +28,7 @@ _ON_SIDE, _IN_CELL = 3, 2
 _SIDES, _CELLS, _FLOOR = 1.0, 2.4, 0.6
 _NEAR, _FINER = 3.0, 0.3
 
-# Largest number of halvings: the limit for triangles and tetrahedra with a corner at the point.
+# Largest number of halvings of triangles and tetrahedra; those with a corner at the point reach it.
 _MOST_OF_SIDE, _MOST_OF_CELL = 14, 3
 
 # Number of quadrature points per batch, which fits into the caches.
@@ -186,8 +186,8 @@ def _simplex_rule(d: int) -> ArrayPair:
 def _children(d: int, inside: list[list[tuple[int, int]]]) -> FloatArray:
     """Return the barycentric coordinates of the vertices of a split simplex's parts.
 
-    The parts are one at each vertex and those `inside`. All vertices are midpoints of two vertices
-    of the simplex, given as pairs.
+    There is one part at each vertex; `inside` lists the other parts. All vertices are midpoints of
+    two vertices of the simplex, given as pairs.
     """
     unit, each = np.eye(d + 1), range(d + 1)
     pieces = [[(i, j) for j in each] for i in each] + inside

@@ -48,9 +48,10 @@ _OF_SECTION = 2.0
 # deviation.
 _NEARLY = 1e-2
 
-# Contact at an edge. `_ABOUT`: radius of the mesh in element edges (with 4 edges, forces change by
-# less than 0.5 %). `_MOST`: largest number of halvings of the elements before the last one; results
-# for smaller elements are extrapolated linearly in the logarithm of the elements' size.
+# For a contact at an edge. `_ABOUT`: radius of the mesh in element edges (with 4 edges, forces
+# change by less than 0.5 %). `_MOST`: largest number of halvings of the elements before the last
+# one; results for smaller elements are extrapolated linearly in the logarithm of the elements'
+# size.
 _ABOUT, _MOST = 2.0, 3
 
 
@@ -107,7 +108,8 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
     cosine = float(tip.direction @ normal)
     pressed = _pressed(body.surface, tip)
     whole = np.abs(body.on_dofs(pressed) - tip.b / cosine).max() <= ROUNDING
-    # If supports carry a part of the force, use b, which lacks it. Leave out added shape functions.
+    # If supports carry a part of the force, b is used, which lacks this part. Loads on added shape
+    # functions are left out.
     forces = (pressed if whole else tip.forces / cosine)[:, : mesh.n_nodes]
     shares, couples = forces[0] @ normal, forces[1]
     loaded = shares != 0.0
@@ -130,7 +132,7 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
     halvings, unsure = min(max(0, round(math.log2(edge / t))), _MOST), 0.0
     if at_edge and whole:
         # The compliance of a plate mesh is linear in the logarithm of the elements' size. At an
-        # edge it equals that of a solid if the size is t, within a factor of 2.
+        # edge it equals the compliance of a solid if the size is t, within a factor of 2.
         yields = _halved(tip, numbers, slow, halvings)
         unsure = abs(yields[-1] - yields[-2])
         finest = math.log2(edge / t) - halvings

@@ -26,8 +26,8 @@ from ..fem import (
 from ..mesh import Mesh, Place, Surface, nearest_line, plane_of
 
 # `_OFF_SURFACE`: largest ratio of a given point's distance from the surface to the size of the face
-# there. `_SAID`: ratio above which a warning is given. Linear elements deviate about as much from a
-# round body.
+# there. `_SAID`: ratio above which a warning is given, about the deviation of linear elements from
+# a round body.
 _OFF_SURFACE, _SAID = 0.1, 0.02
 
 # Smallest |cosine| between a surface's normal and a direction that presses on it: 84°.
@@ -41,8 +41,8 @@ _FACE = 1e-6
 # Kinks of the shape functions between faces limit its accuracy; see tests/fem/test_patch.py.
 _RINGS, _AROUND = 24, 64
 
-# Rotation of each ring relative to the previous ring, as a fraction of the angle between points, so
-# that no two rings are aligned alike with the edges of the faces.
+# Rotation of each ring relative to the previous ring, as a fraction of the angle between points.
+# Without it, several rings would be aligned alike with the edges of the faces.
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 # Smallest cosine of the angle between a normal on the patch and that at its middle: 45°.
@@ -250,7 +250,7 @@ def _couples(
 
 
 def _bent(mesh: Mesh, number: int, shape: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return the nodes of a shell element, and `linked` for shape functions at its points."""
+    """Return a shell element's nodes, and displacements at its points per nodal rotation."""
     block = next(of for of in mesh.blocks if number < of.numbers.stop)
     nodes = block.cells[number - block.first]
     groups = [nodes[None]]
@@ -351,7 +351,7 @@ def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
     reach = 2.0 * surface.mesh.size
     found = [
         float(surface.pierced(point[None], axis, reach=reach, outward=False).distance[0])
-        for axis in (along, -along)  # one of the two finds only the touched face, at distance 0
+        for axis in (along, -along)  # in one direction the only face found is the touched one
     ]
     return max((d for d in found if 0.0 < d < np.inf), default=np.inf)
 
@@ -375,7 +375,7 @@ def _place(surface: Surface, point: FloatArray) -> Place:
 
 
 def _pressing(point: FloatArray, along: FloatArray | None, normals: FloatArray) -> FloatArray:
-    """Return the direction, by default against the normal; refuse tangential directions.
+    """Return the force's direction, by default against the normal; refuse tangential directions.
 
     On a sharp edge, the direction must press on at least one of the faces that meet there.
     """

@@ -39,9 +39,9 @@ from ..fem import (
 )
 from ..mesh import Mesh, meshio_of_all_kinds, plane_of
 
-# Default ratio of the largest drawn displacement to the bodies' size; it shows the motion and keeps
-# the shape recognisable. The factor on displacements is rounded down, so that the ratio is .03 to
-# .08.
+# Default ratio of the largest drawn displacement to the bodies' size, which shows the motion and
+# keeps the shape recognisable. The factor on displacements is rounded down, so that the ratio is
+# .03 to .08.
 _SHOWN = 0.08
 
 # Percentile of stress at which the colours end: if they ended at the peak under a contact, the rest
@@ -55,8 +55,7 @@ _OTHERWISE = "write files for ParaView: to_vtu(path)"
 
 DOWN = (0.0, 0.0, -1.0)
 
-# Direction to the camera: components along two axes perpendicular to `down`, and opposite to
-# `down`.
+# Direction to the camera: components along two axes perpendicular to `down`, and against `down`.
 _VIEW = (0.55, -0.75, 0.5)
 
 
@@ -237,7 +236,7 @@ def write_series(
     digits = len(str(len(times) - 1))
     names = [f"{stem.name}_{i:0{digits}d}.vtu" for i in range(len(times))]
     for i, name in enumerate(names):
-        # Binary in double precision, which reads back bit for bit.
+        # Binary data in double precision are read back bit for bit.
         meshio.Mesh(
             mesh.nodes,
             [(block.kind, block.cells) for block in mesh.blocks],
@@ -260,7 +259,7 @@ def write_series(
 # Relative error of a history above which a warning is issued.
 _BADLY_WRONG = 0.2
 
-# Number of even times of a record at which the largest value of a history is searched.
+# Number of evenly spaced times of a record at which the largest value of a history is searched.
 LOOKS = 200
 
 

@@ -164,7 +164,8 @@ class Response:
         else:
             model, loads = self.recovery.model, self.recovery.loads
             q, rates = motion.observed(None, times)
-            # M Ẍ + C Ẋ is needed. C is that of Rayleigh damping; modal damping acts on free dofs.
+            # The ground's forces include M Ẍ + C Ẋ. C is that of Rayleigh damping; modal damping
+            # acts on free dofs.
             inertia = (model.modes.T @ loads) @ motion.force(times)
             inertia = inertia - model.omega[:, None] ** 2 * (q + beta * rates)
             found = (of.inertia.T @ model.modes) @ inertia
@@ -322,9 +323,9 @@ def response_of(run: Any, body: int) -> Response | None:
             continue
         known, touched = extraction_of(contact.law, model, port), model.touched_at(port)
         if touched is None or touched.direction is None or not (known and known.splitting):
-            continue  # for a shell the field of the mesh remains
+            continue  # for a shell only the mesh's own field is known
         if touched.body.mesh is None or touched.body.mesh.thin:
-            continue  # with shells beside solids, too
+            continue  # shells beside solids keep the mesh's field, too
         inward = float(np.sign(known.splitting.frame[2] @ touched.direction))
         between = plan.round_contact(contact)
         width = partial(np.full_like, fill_value=known.radius)

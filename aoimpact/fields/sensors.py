@@ -136,8 +136,8 @@ class History:
         apart = [self.seen(of, self.t) - self.values for of in self.source.others]
         if not apart:
             return np.full_like(self.values, np.nan)
-        # The largest difference is taken, not the sum: if other runs lie on both sides of this one,
-        # differences cancel.
+        # Not the sum but the largest difference is taken: differences would cancel if other runs
+        # lie on both sides of this run.
         return _DIFFERENCES * len(apart) * max(apart, key=lambda of: float(np.abs(of).max()))
 
     def told(self) -> FloatArray:

@@ -55,7 +55,7 @@ from ..scene import Contact, Friction, Load, Oblique, Scenario
 from .foreseen import Foreseen, goes_against
 from .oblique import axes_of, with_tangents
 
-# Least speed, m/s: squares and energies of lower speeds underflow, those of speeds above
+# Smallest speed, m/s: squares and energies of lower speeds underflow; those of speeds above
 # 1/LEAST_SPEED overflow.
 LEAST_SPEED = 1e-60
 
@@ -104,7 +104,8 @@ class Scene:
     """
 
     def __init__(self, *, gravity: float | ArrayLike = 0.0) -> None:
-        # gravity: component along the direction of travel, or length of the vector `_falls`.
+        # gravity: component along the direction of travel or, if given as a vector (`_falls`), its
+        # length.
         self.gravity, self._falls = number_or_vector("gravity", gravity, "m/s²")
         self._members: list[Member] = []
         self._contacts: list[Contact] = []

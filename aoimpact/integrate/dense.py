@@ -21,7 +21,8 @@ from ..scene import Scenario
 from .events import Events
 from .motion import Motion
 
-# Numbers of samples of a curve: in each step in contact, and in the free motion of a whole record.
+# Numbers of samples of a curve: _PER_STEP: in each step in contact; _IN_FREE_MOTION: in a whole
+# record of free motion.
 _PER_STEP = 8
 _IN_FREE_MOTION = 240
 

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from ..base import ROUNDING, ArrayPair, FloatArray
 
 # A parabola is fitted to a peak if the ratio of the curvature at either neighbouring sample to that
-# at the peak is at least this. If both ratios are smaller than this, the force jumps or is not
-# resolved. A jump changes the curvature only at the samples next to it. Half a sine of N steps has
-# the ratio cos(π/N), so that four steps suffice.
+# at the peak is at least this. If the ratios at both neighbours are smaller, the force jumps or is
+# not resolved. A jump changes the curvature only at the samples next to it. Half a sine of N steps
+# has the ratio cos(π/N), so that four steps suffice.
 _LEAST_CURVATURE = 0.5
 
 
@@ -118,7 +118,7 @@ def find_contacts(
     ends where the falling force, extrapolated linearly, is zero. Contacts or gaps shorter than a
     step are not detected.
     """
-    closed = force != 0.0  # also while a law pulls
+    closed = force != 0.0  # laws that pull have negative forces
     change = np.diff(closed.astype(np.int8))
     first, last = np.flatnonzero(change == 1), np.flatnonzero(change == -1)
     zeros = np.append(_zeros(t, indentation, rate, np.append(first, last)), t[[0, -1]])

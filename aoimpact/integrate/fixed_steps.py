@@ -186,7 +186,7 @@ def solve_newmark(plan: Scenario, rule: Newmark) -> tuple[SteppedRecorder, float
 def _to_tolerance(
     step: Callable[..., SteppedRecorder], first: float, rtol: float, plan: Scenario
 ) -> tuple[SteppedRecorder, StepError]:
-    """Halve the step until runs with three successive steps agree."""
+    """Return the run, with halved steps, that agrees with the last two runs, and its error."""
     before = [_trial(step, 0.5 * first), _trial(step, first)]
     for halving in range(2, _MOST_HALVINGS + 2):
         dt = first / 2**halving

@@ -82,7 +82,7 @@ class Adaptive:
     rtol: float = 1e-8
 
     def __post_init__(self) -> None:
-        checked(self, rtol=partial(within, low=TIGHTEST, high=1.0, below=True))  # double precision
+        checked(self, rtol=partial(within, low=TIGHTEST, high=1.0, below=True))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -97,7 +97,7 @@ def time_error(
         return StepError(1.0, _CHANGES)
     scales = _scales(peaks)
     alone = peaks * [_touch_error(fine, contact) for contact in range(len(peaks))] / scales
-    # For an error of second order, `near` is three times the error, and a quarter of `far`.
+    # For an error of second order, `near` is three times the error, and `far` four times `near`.
     found = max(
         StepError(max(near, far / 4.0), _CHANGES),
         StepError(float(alone.max()), _SUDDEN),
@@ -137,7 +137,8 @@ def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[
     """Return change and size of peak, then of impulse, of a force of shape (axes, times)."""
     every, rubs = t[::2], len(ours) > 1
     size, other = (np.linalg.norm(of, axis=0) if rubs else of[0] for of in (ours, theirs))
-    # Friction has a kink at the start of full slip, where a parabola does not give the peak.
+    # Friction has a kink at the start of full slip, where a parabola through samples misses the
+    # peak.
     peaks = [of.max() if rubs else find_peak(at, of)[0] for at, of in ((t, size), (every, other))]
     around = np.maximum(size[::2], other) >= _AROUND_PEAK * max(peaks)
     away = np.linalg.norm(ours[:, ::2] - theirs, axis=0)
@@ -164,7 +165,8 @@ def _touch_error(run: SteppedRecorder, contact: int) -> float:
         return 1.0  # a damper stops the bodies within the first step, in all runs alike
     if len(first) == 0:
         return 0.0
-    # A body with mass arrives with its previous velocity and may lose most of it within the step.
+    # A body with mass arrives with its previous velocity, and a step may remove most of this
+    # velocity.
     before = np.zeros(len(first))
     if not any(bodies[body].massless for body, _ in run.plan.contacts[contact].ports):
         before = np.maximum(run.rates(contact)[0][first - 1], 0.0)

@@ -77,7 +77,7 @@ def relative_curvatures(radii_1: Any, radii_2: Any, angle: Any) -> tuple[float, 
     turn = real("angle", angle, unit="rad")
     cosine, sine = math.cos(turn), math.sin(turn)
     one, other, total = first[0] - first[1], second[0] - second[1], sum(first) + sum(second)
-    # |A - B| from eq. (4.4), written as a sum of squares
+    # |A - B| of eq. (4.4), written as a sum of squares
     apart = math.hypot(one + other * (cosine - sine) * (cosine + sine), 2.0 * other * cosine * sine)
     low, high = (total - apart) / 4.0, (total + apart) / 4.0
     if low <= 4.0 * np.finfo(float).eps * high or high <= 0.0:
@@ -179,6 +179,6 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
         if not materials or None in materials:
             return None
         root = 0.75 * k * math.fsum(1.0 / of.plane_strain_modulus for of in materials if of)
-        radius = root * root  # ** would raise OverflowError
+        radius = root * root  # `**` would raise OverflowError
     modulus = 0.75 * k / math.sqrt(radius)
     return RoundContact(k, modulus, radius, getattr(law, "eccentricity", 0.0))

@@ -83,7 +83,8 @@ _NO_DENT = 1e-12
 # contact radius is 0.8 of the patch's radius.
 MOST_SHARE = 0.95
 
-# Eccentricity e up to which summaries omit it: √(a b) differs from a circle's radius by about e⁴.
+# Eccentricity e up to which summaries omit it: √(a b) then differs from a circle's radius by about
+# e⁴.
 _ROUND = 0.1
 
 # Symbols of some parameters in summaries.
@@ -154,7 +155,7 @@ class ContactLaw:
     depends_on_rate: bool = False
     has_memory: bool = False
 
-    # True if functions of the caller give the force, which may be slow, noisy or wrong.
+    # True if functions of the caller, which may be slow, noisy or wrong, give the force.
     by_caller: bool = False
 
     # True if the force may be negative: the contact then ends where the indentation reaches 0.
@@ -189,7 +190,7 @@ class ContactLaw:
             raise InputError(self._refused()) from None
 
     def _refused(self) -> str:
-        """Return the text of the error that the core cannot make the law."""
+        """Return the message of the error raised if the core cannot make the law."""
         return f"{self!r} has powers of parameters beyond the range of numbers"
 
     def _fields(self) -> tuple[Field[Any], ...]:
@@ -404,7 +405,7 @@ class ContactLaw:
         0.0001
         """
         wanted = math.log(positive("energy", energy, unit="J"))
-        if not self.has_memory and (k := getattr(self, "k", None)):  # k δ^(n+1)/(n+1)
+        if not self.has_memory and (k := getattr(self, "k", None)):  # the work is k δ^(n+1)/(n+1)
             n = getattr(self, "n", self.power)
             found = (wanted + math.log(n + 1.0) - math.log(k)) / (n + 1.0)
         else:
@@ -513,7 +514,7 @@ class ContactLaw:
         velocity: float,
         number: Callable[[float], float] | None = None,
     ) -> Self:
-        """Return the law damped for a restitution e; `number`: published e ↦ damping number."""
+        """Return the law with restitution e; `number`: published damping number for a given e."""
         e = within("restitution", restitution, _LEAST_RESTITUTION, 1.0)
         m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
         closed_form, scale = self._closed_form(m, v)

@@ -54,7 +54,7 @@ def hunt_crossley_restitution(damping: float) -> float:
     if damping < 1e-17:  # e = 1 - 2/3 χ V to first order
         return 1.0
     wanted = _lead(damping)
-    kept = damping * (1.0 - 2.0 / 3.0 * damping)  # u e
+    kept = damping * (1.0 - 2.0 / 3.0 * damping)  # u e to second order
     if damping > _SMALL:
         kept = 1.0 + float(scipy.special.lambertw(-math.exp(-1.0 - wanted)).real)
     # Newton steps restore the digits that W loses near its branch point, kept = 0. Near kept = 1,

@@ -12,12 +12,12 @@ from ..base import ROUNDING, InputError, unit_vector
 from ..contact import ContactSurface
 from .elastic import Hertz
 
-# Directions of travel count as given in one frame if the cosine of their angle is at least this:
+# Smallest cosine of the angle between two directions of travel that count as given in one frame:
 # 5°.
 _ONE_FRAME = math.cos(math.radians(5.0))
 
-# If the relative change of k over all angles between the surfaces is at most this, any angle will
-# do.
+# Largest relative change of k over all angles between the surfaces at which the angle does not
+# matter.
 _NO_MATTER = 0.01
 
 _CURE = "give law="
@@ -29,7 +29,7 @@ _DOUBT = 0.3
 
 @dataclass(frozen=True)
 class LawFromSurfaces:
-    """Hertz's law of two surfaces.
+    """Hertz's law of two surfaces, with its error.
 
     Attributes
     ----------

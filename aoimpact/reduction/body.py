@@ -42,7 +42,7 @@ from .band import Band, band_of
 if TYPE_CHECKING:
     from .star import AOModel
 
-# Function that returns the fields of a body's namespace in the core's order.
+# Function that returns the fields of the core's `aoi_modes`, in its order, from a mapping.
 _PARTS = itemgetter(*_core.MODES.split())
 
 # Relative difference, due to rounding errors of the mesh, below which a translation and the rigid
@@ -234,7 +234,7 @@ class BodyModel(ABC):
 
     @abstractmethod
     def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
-        """Return Σ |r_p| |r_q| / ω² over modes above `slowest`, rad/s, or a bound of the sum.
+        """Return Σ |r_p| |r_q| / ω² over modes above `slowest`, rad/s, or an upper bound of it.
 
         Returns
         -------
@@ -500,7 +500,7 @@ class Body(Frozen, BodyModel):
         return self.vectors() if callable(self.vectors) else self.vectors
 
     def seen(self, functionals: FloatArray) -> FloatArray:
-        """Return functionals of the modes, functionals @ modes, shape (n,) or (m, n).
+        """Return the values of functionals for each mode, functionals @ modes, (n,) or (m, n).
 
         :meta private:
         """
@@ -633,7 +633,7 @@ class Body(Frozen, BodyModel):
         return AsWhole(centre, moving, weight, self.seen(functionals), self.seen(momenta.T).T)
 
     def rates(self, velocity: Velocity) -> FloatArray:
-        """Return q̇ of the body moving undeformed, shape (n,).
+        """Return the modal rates q̇ of the body moving undeformed, shape (n,).
 
         Parameters
         ----------
@@ -663,7 +663,7 @@ class Body(Frozen, BodyModel):
     # --------------------------------------------------------------- for the core
 
     def for_core(self, gravity: Pull = 0.0, load: ArrayPair | None = None) -> tuple[Any, ...]:
-        """Return the core's tuple (aoi_modes).
+        """Return the body as the core's tuple `aoi_modes`.
 
         Parameters
         ----------
@@ -694,7 +694,7 @@ class Body(Frozen, BodyModel):
     def receptance(self, omega: npt.ArrayLike) -> npt.NDArray[Any]:
         """Return the receptances Σ_j r_pj r_qj/(ω_j² - ω² + 2iσ_jω) + R, m/N.
 
-        They are real without damping.
+        The receptances are real without damping.
 
         Parameters
         ----------
@@ -737,8 +737,8 @@ class Body(Frozen, BodyModel):
         """Lowest and highest frequency, Hz, between which the model has its body's receptance.
 
         In this band the receptance, averaged over neighbouring frequencies, has a relative error
-        below 1e-3. To find it takes a static solution for each contact point. The band of a model
-        given by numbers is unlimited.
+        below 1e-3. Finding the band takes a static solution for each contact point. The band of a
+        model given by numbers is unlimited.
         """
         return (0.0, math.inf) if self._band is None else self._band.limits
 
@@ -800,8 +800,8 @@ class Body(Frozen, BodyModel):
         return shape @ np.abs(self.push[:, fast].T), by_weight
 
     def _with_tips(self, tips: tuple[ContactPoint, ...]) -> Body:
-        # If the direction of a contact point on a sheet was given, b stays, and only the side
-        # changes.
+        # If the caller gave the direction of a contact point on a sheet, b stays, and only the
+        # touched side changes.
         changed = [one is not was for one, was in zip(tips, self.tips, strict=True)]
         sign = np.array([np.sign(one.b @ was.b) for one, was in zip(tips, self.tips, strict=True)])
         shape, push = sign[:, None] * self.shape, sign[:, None] * self.push
@@ -839,7 +839,7 @@ def of_modes(
     r = np.ascontiguousarray(r if coordinates is None else r @ coordinates)
     if len(omega2) and omega2[0] == 0.0:
         held = [not moves_rigidly(tip) for tip in tips]
-        r[np.ix_(held, omega2 == 0.0)] = 0.0  # remove rounding errors
+        r[np.ix_(held, omega2 == 0.0)] = 0.0  # removes rounding errors
     return Body(
         n=len(omega2),
         omega=np.sqrt(omega2),
@@ -882,7 +882,7 @@ def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArra
     first = push / size
     if not tip.translates:
         return first[:, None]
-    assert tip.direction is not None  # so has a body that translates
+    assert tip.direction is not None  # a body that translates has a direction
     way = rigid.T @ (tip.body.M @ tip.body.translation(tip.direction))
     rest = way - (first @ way) * first
     rest -= (first @ rest) * first

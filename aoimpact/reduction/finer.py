@@ -76,7 +76,7 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
     more = m_orthonormal(space, np.column_stack(members + changes), M)
     space = np.hstack([space, more])
     stiffness = space.T @ (K @ space)
-    stiffness[: rigid.shape[1]] = stiffness[:, : rigid.shape[1]] = 0.0  # remove rounding errors
+    stiffness[: rigid.shape[1]] = stiffness[:, : rigid.shape[1]] = 0.0  # removes rounding errors
     omega2, within = np.linalg.eigh(stiffness)
     found = of_modes(
         tuple(tips),

@@ -48,8 +48,8 @@ from ..linalg import (
 from .body import Body, checked_ports, of_modes, ways_of
 from .star import AOModel, excited, of_body
 
-# Largest ratio between a shift and the best shift at which both are equally good: on the paper's
-# beam, shifts of 8 to 14 divided by the contact time are.
+# Largest ratio between a shift and the best shift at which both are equally good. On the paper's
+# beam, shifts from 8/T to 14/T are, with the contact time T.
 _AS_GOOD = 1.3
 
 # Largest number of vectors per wanted oscillator in the search for missing oscillators.
@@ -63,8 +63,8 @@ _MOST_IDLE = 2
 ORDER_FITTED = 5
 
 # _SHARPENED_FROM: number of vectors per contact point after which the shift is first raised.
-# _SHARPENED_BY: ratio of the number at which it is next raised, and for which the raised shift is
-# best, to the last. Each change costs a factorisation.
+# _SHARPENED_BY: ratio of the next such number to the last one; the raised shift is best for the
+# next number. Each change costs a factorisation.
 _SHARPENED_FROM, _SHARPENED_BY = 48, 4
 
 # _DOUBTFUL: Ritz value, relative to the largest, below which a mechanism is possible, though
@@ -73,11 +73,12 @@ _SHARPENED_FROM, _SHARPENED_BY = 48, 4
 _DOUBTFUL, _NO_STIFFNESS = 1e-12, 1e-14
 
 
-# Largest ratio of a vector's orthogonal remainder to its length at which it is linearly dependent.
+# Ratio of the orthogonal remainder of a vector to its length below which the vector counts as
+# linearly dependent.
 _NOTHING_NEW = 1e-11
 
-# Ratio of lengths after and before a pass of Gram-Schmidt above which another pass changes no
-# digit.
+# Ratio of a vector's lengths after and before a pass of Gram-Schmidt above which a further pass
+# would change no digit.
 _NO_CANCELLATION = 0.5
 
 # For the search of a compact body's static mode in the span of Krylov vectors: _FIRST: first number
@@ -108,8 +109,8 @@ class KrylovSpace:
     that is kept returns models of any order; each next order costs one more solution. Symmetric
     bodies may need up to three solutions when models are accurate to rounding errors, which then
     add motions that no port excites. The static mode of a constrained compact body is a combination
-    of some six to ten vectors, which larger models need anyway. For slender and thin bodies, it
-    takes a factorisation of K.
+    of some six to ten vectors, which larger models need anyway. For slender and thin bodies, the
+    static mode takes a factorisation of K.
 
     Parameters
     ----------
@@ -167,15 +168,16 @@ class KrylovSpace:
         self.contact_time = SHIFT_TIMES_DURATION / shift
         refuse_mechanism(self.tips)
         refuse_massless(self.tips)
-        # shift: s of K + s²M, rad/s, which grows with the number of vectors; _slow: shifts that
-        # take turns with it.
+        # shift: s of K + s²M, rad/s, which grows with the number of vectors; _slow: shifts for slow
+        # motion, used in turn with `shift`.
         self.shift, self._slow = shift, tuple[float, ...]()
         self._highest = highest if boolean("sharpened", sharpened) else 0.0
         self.solver_name, self._solver = "", checked_solver(solver)
         self._solvers: dict[float, LinearSolver] = {}
         rigid = body.rigid_modes
         self.rigid_count = rigid.shape[1]
-        # Rigid motions are taken out of b: they are in the basis, and would dominate if s is small.
+        # Rigid motions are taken out of b: the basis contains them, and for small s they would
+        # dominate the Krylov vectors.
         functionals = np.stack([tip.b for tip in self.tips])
         elastic = functionals - (functionals @ rigid) @ (body.M @ rigid).T
         rigid_only = np.linalg.norm(elastic, axis=1) <= _RIGID_ONLY * np.linalg.norm(functionals)
@@ -256,8 +258,8 @@ class KrylovSpace:
     def of_vectors(self, n: int) -> Body:
         """Return the model of the static mode and `n` further vectors: `n` oscillators, or fewer.
 
-        Its modes are computed when they are needed, which makes the model cheap, but it keeps a
-        reference to the whole space.
+        The model is cheap, as its modes are computed only when needed, but it keeps a reference to
+        the whole space.
 
         :meta private:
         """
@@ -317,10 +319,11 @@ class KrylovSpace:
         return self._basis[:count].T
 
     def _grow(self, count: int) -> int:
-        """Grow to `count` vectors, rigid motions included; return their number.
+        """Grow the space to `count` vectors, rigid motions included; return their number.
 
-        There are fewer if the functionals excite no more motions. Earlier vectors do not change.
-        Rigid motions come first, then the static modes of ports that rigid motions do not move.
+        There are fewer vectors if the functionals excite no more motions. Earlier vectors do not
+        change. Rigid motions come first, then the static modes of ports that rigid motions do not
+        move.
         """
         self._wanted = max(self._wanted, count)
         if len(self._ordered) == self.rigid_count < count and self._next == self._given:
@@ -454,7 +457,7 @@ class KrylovSpace:
             until *= _SHARPENED_BY
             first = max(first, min(until / ORDER_FITTED * self.shift, self._highest))
         shifts = (first, *self._slow)
-        for passed in set(self._solvers) - set(shifts):  # shifts replaced by the raised one
+        for passed in set(self._solvers) - set(shifts):  # solvers of the shift before it was raised
             at = self._solvers.pop(passed).at
             if at is not None and first not in self._solvers:
                 self._solvers[first] = at(first**2)

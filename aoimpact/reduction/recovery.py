@@ -29,8 +29,9 @@ from ..linalg import ROUGH
 if TYPE_CHECKING:
     from .body import Body
 
-# s T for a contact of duration T. On beams struck at midspan and at the end, supported and free,
-# errors hardly change for values between 3 and 20; below 3, they grow if slow modes are left out.
+# Product s T of the frequency s and the contact duration T. On beams struck at midspan and at the
+# end, supported and free, errors hardly change for products between 3 and 20; below 3, they grow if
+# slow modes are left out.
 PACE = 10.0
 
 # Relative residual ‖f - A x‖ / ‖f‖ to which an iterative solver computes a correction. Relative
@@ -89,7 +90,7 @@ class Recovery:
 
     @cached_property
     def basis(self) -> FloatArray:
-        """Displacement per unit coordinate, then that per unit force at once, (n_dofs, n + p)."""
+        """Displacements due to unit coordinates and, at once, to unit forces, (n_dofs, n + p)."""
         at_once = np.zeros_like(self.loads)
         if (following := self.model.following) is not None:
             at_once[:, : following.shape[1]] = following
@@ -107,7 +108,7 @@ class Recovery:
 
     @cached_property
     def _correction(self) -> ArrayPair:
-        """(K + s²M)⁻¹ r per coordinate and force: shapes (n_dofs, k) and weights (k, n + p).
+        """(K + s²M)⁻¹ r per coordinate and force, as shapes (n_dofs, k) times weights (k, n + p).
 
         Unbalanced forces r are orthogonal to the model's shapes. With any number of
         anti-oscillators or Krylov vectors, r has only one direction for each force, since K times
@@ -123,8 +124,7 @@ class Recovery:
         strained, inertia = body.K @ self.basis, body.M @ self.basis
         model, n = self.model, len(self.model.omega)
         push = model.modes.T @ loads
-        # Part of the loads, such as the weight, that acts on rigid motions which the model does not
-        # contain.
+        # The loads, such as the weight, also act on rigid motions that the model does not contain.
         omitted = body.rigid_modes.T @ (loads - inertia[:, :n] @ push)
         r = -strained
         r[:, :n] += inertia[:, :n] * model.omega**2

@@ -39,8 +39,8 @@ from .body import Body, checked_ports, of_modes
 from .krylov import KrylovSpace
 from .star import AOModel, excited, with_shapes
 
-# Largest number of dofs for which LAPACK computes all oscillators. It takes about a minute; more
-# dofs would take minutes and gigabytes.
+# Largest number of dofs for which LAPACK computes all oscillators. This takes about a minute; with
+# more dofs it would take several minutes and gigabytes.
 _DENSE_MOST = 6000
 
 # Largest number of Lanczos steps: _MOST_STEPS, or _SOME + _SHARE_OF_DOFS times the number of dofs
@@ -70,7 +70,7 @@ _Found = tuple[FloatArray, FloatArray, FloatArray]
 def _oscillators(
     tip: ContactPoint, static: StaticMode, omega2: FloatArray, phi: FloatArray
 ) -> _Found:
-    """Return oscillators by eqs. (6), (9), (12) from constraint modes in ascending frequency.
+    """Return oscillators, eqs. (6), (9), (12), from constraint modes in ascending frequency.
 
     Modes of equal frequency become one oscillator.
     """
@@ -142,7 +142,7 @@ def _first_oscillators(
         x -= idle @ (idle.T @ (M @ x))
         parts = basis[: k + 1] @ (M @ x)
         x -= parts @ basis[: k + 1]
-        x -= (basis[: k + 1] @ (M @ x)) @ basis[: k + 1]  # a second pass, against rounding
+        x -= (basis[: k + 1] @ (M @ x)) @ basis[: k + 1]  # second pass: removes rounding errors
         diagonal[k], off[k] = parts[k], math.sqrt(x @ (M @ x))
         if not math.isfinite(off[k]):
             raise ConvergenceError("the contact functional is too small to be computed with")

@@ -545,7 +545,7 @@ def star_of(body: Body) -> AOModel:
 
 
 def of_body(numbers: AOModel, body: Body) -> AOModel:
-    """Return an anti-oscillator model with damping, name and origin of a finite-element body."""
+    """Return an anti-oscillator model with the damping and name of a body, its `origin`."""
     found = replace(numbers, damping=body.damping, name=body.name)
     object.__setattr__(found, "origin", body)
     return found
@@ -560,8 +560,8 @@ def excited(body: Body) -> BoolArray:
         If the port excites no mode.
     """
     there, on = body.spanning, body.coordinates
-    # The rounding error of bᵀφ depends on the size of the vectors' contributions to φ, even if they
-    # cancel.
+    # The rounding error of bᵀφ depends on the sizes of the vectors' contributions to φ, even if the
+    # contributions cancel.
     size2 = np.einsum("ij,ij->j", there, there)
     size2 = size2 if on is None else size2 @ on**2
     weight = body.shape[0] ** 2
@@ -601,7 +601,7 @@ def with_shapes(
     placed[: n + 1, others.shape[1] :] = coordinates * r
     shape = np.concatenate([np.zeros(others.shape[1]), r])[None]
     follow = None
-    if numbers.m0 == 0.0:  # a force at once moves the contact, but no oscillator
+    if numbers.m0 == 0.0:  # a force at once moves only the contact
         follow = numbers.residual * np.concatenate([[1.0], -np.ones(n), np.zeros(len(still.T))])
     body = Body(
         kind="AO" if n or numbers.k0 else "rigid",

@@ -31,13 +31,12 @@ if TYPE_CHECKING:
 # Function of a run and times, s, that returns the values of histories, shape (rows, times).
 History = Callable[["Run", FloatArray], FloatArray]
 
-# Least value that an error is divided by, relative to the largest value of all contacts of a scene:
-# a contact that only grazes has no accurate digits.
+# Smallest value that an error is divided by, relative to the largest value of all contacts of a
+# scene. The values of a contact that only grazes have no accurate digits.
 _LEAST_CONTACT = 0.1
 
-# Least value that an error is divided by: for a rebound velocity, relative to the largest initial
-# velocity; for a restitution, absolute. A body that is almost stopped has no accurate digits in
-# either.
+# Smallest value that an error is divided by: for a rebound velocity, relative to the largest
+# initial velocity; for a restitution, absolute. Neither has accurate digits if a body almost stops.
 _LEAST_REBOUND = 0.1
 
 # Number of times during a contact at which the momenta of two runs are compared.
@@ -48,7 +47,7 @@ _BETWEEN = 65
 
 
 def recorded(rows: Callable[[Run], FloatArray]) -> History:
-    """Return a `History` from a function that returns rows at a run's own times."""
+    """Return a `History` made of a function that returns rows at a run's own times."""
     return partial(read, rows)
 
 
@@ -310,7 +309,7 @@ def look_up(result: Run, name: str, argument: str) -> float:
                 f"{argument}: {name!r}: {type(found).__name__} has no {part!r}"
                 f"{suggestion(name, known)}"
             ) from None
-    if found is None:  # an unknown error
+    if found is None:  # the error is not known
         return math.nan
     if not isinstance(found, (numbers.Real, np.bool_)):
         raise InputTypeError(
@@ -585,7 +584,8 @@ _ALL = (
 
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}
 
-# Names for ``quantity=`` in an impact and in a scene, and columns that a sweep keeps by default.
+# Names that ``quantity=`` accepts in an impact and in a scene, and columns that a sweep keeps by
+# default.
 IMPACT_CHOICES = tuple(QUANTITIES)
 SCENE_CHOICES = tuple(one.name for one in _ALL if one.scenes)
 COLUMNS = tuple(one.name for one in _ALL if one.column)

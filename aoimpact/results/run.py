@@ -406,8 +406,8 @@ class Cost:
 
 _NOTHING_KNOWN = LeftOut()
 
-# Numbers of points of a curve. _PER_PERIOD: in the shortest period of the models; _FEWEST, _MOST:
-# least and largest total.
+# Numbers of points of a curve. _PER_PERIOD: points per shortest period of the models; _FEWEST,
+# _MOST: smallest and largest total number.
 _PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
 
 

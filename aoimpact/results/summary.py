@@ -134,7 +134,8 @@ def _told(run: Run, name: str, digits: int = 4, *, listed: bool = False, along: 
 def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
     """Return the error of a number, with its parts if `listed`; empty where none is known.
 
-    Empty also if only the error of time integration is known, as of bodies given by numbers.
+    The text is also empty if only the error of time integration is known, as for bodies given by
+    numbers.
     """
     error = run.error[name]
     if error.mesh is error.contact is error.model is None or not error.least >= ROUNDING:

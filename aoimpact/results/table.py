@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 ROLES = ("projectile", "target")
 
 # Name, unit and description of every history of a contact, of a body and of the run, in the order
-# of the CSV file. "kinetic_energy" is the attribute ``energy.kinetic``, and so on.
+# of the CSV file. "kinetic_energy" is the attribute ``energy.kinetic``; other energies are named
+# alike.
 _HISTORIES = {
     "contact": (
         ("force", "N", "contact force, positive in compression"),

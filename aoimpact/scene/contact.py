@@ -96,8 +96,8 @@ class Friction(NamedTuple):
         """Return the core's tuple; the normal compliance is that of `law`.
 
         If it differs from the normal compliance of the meshes, due to the contact's width or an
-        altered law, the difference divided by `ratio` is added to the tangential compliances.
-        `precision` is as for `_PRECISION`.
+        altered law, the difference divided by `ratio` is added to the tangential compliances. For
+        `precision` see `_PRECISION`.
         """
         if self.compliance is None:
             return self.mu, self.ratio, precision, None
@@ -201,7 +201,7 @@ class Contact(NamedTuple):
         return Port(self.first, self.first_port), Port(self.second, self.second_port)
 
     def for_core(self, law: CoreLaw, precision: float = _PRECISION) -> tuple[Any, ...]:
-        """Return the core's tuple of the contact; `precision` is as for `_PRECISION`."""
+        """Return the core's tuple of the contact; for `precision` see `_PRECISION`."""
         if self.friction is None:
             return *self[:4], self.gap, law
         return *self[:4], self.gap, law, self.friction.for_core(self.law, precision)

@@ -51,8 +51,8 @@ _MORE_STEPS = 2
 _BARELY, _FALLS = 1e-12, 1e-3
 
 # Largest imbalance in equilibrium: _BALANCED: relative to the forces on the same coordinate;
-# _SETTLED: relative to the largest force, for bodies that touch without force. Ten times both
-# values, or a tenth of _BALANCED, give the same results.
+# _SETTLED: relative to the largest force, for bodies that touch without force. Results are the same
+# with ten times both values, and with a tenth of _BALANCED.
 _BALANCED, _SETTLED = 1e-12, 1e-14
 
 # _UNITS: rounding error of positions, in units in the last place, one unit for each term of an
@@ -116,7 +116,7 @@ class _Springs:
 
 @dataclass(frozen=True, eq=False)
 class _Configuration:
-    """The bodies displaced by x.
+    """The bodies displaced by x, and the forces on them.
 
     Attributes
     ----------
@@ -343,7 +343,8 @@ class _Statics:
         room, columns = np.maximum(-at.depth, 0.0), self.directions.tocsc()
         x = np.where(self.sprung & (self.reach.T @ at.force == 0.0), self.first.x, at.x)
         floating = list(self.floating(at))
-        # Two passes, in both orders: in a row of bodies each makes room for the next.
+        # There are two passes, in both orders: in a row of bodies each body makes room for the
+        # next.
         for where, way in (*floating, *reversed(floating)):
             closing = columns[:, where] @ way
             nearer = closing > 0.0

@@ -229,7 +229,7 @@ class Scenario:
         return equilibrium(self.modal, self.contacts, gravity=self.gravity, forces=forces)
 
     def stepped(self, body: int) -> SteppedBody:
-        """Return a body for a run with fixed steps."""
+        """Return the body that Newmark's rule integrates, in modes or in all dofs."""
         model, load, rest = self.bodies[body], self.load_on(body), self.rest
         start = self.start(body)
         if not isinstance(model, FullModel) or model.in_modes:

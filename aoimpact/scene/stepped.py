@@ -71,7 +71,7 @@ class SteppedBody:
 
     @property
     def _matrices(self) -> tuple[Any, Any, Any]:
-        """K, M and C."""
+        """Stiffness, mass and damping matrices K, M and C."""
         omega, decay = self.parts["omega"], self.parts.get("decay")
         damping = np.zeros_like(omega) if decay is None else 2.0 * decay
         K, C = (sp.diags_array(of).tocsr() for of in (omega**2, damping))
