@@ -139,7 +139,7 @@ def main() -> None:
         on_part(nodes, mp.mpf(1)),
     )
     declare(
-        "int_0^1 (1-x)^n/n! P_l(x) dx, by n.",
+        "Integrals int_0^1 (1-x)^n/n! P_l(x) dx, in row n and column l.",
         "series[2 * AOI_RADAU_MOMENTS][AOI_NODES]",
         [series(n) for n in range(2 * MOMENTS)],
     )
@@ -149,29 +149,29 @@ def main() -> None:
         [on_part(nodes, c) for c in nodes],
     )
     declare(
-        "Slopes at the nodes of the cardinal polynomials of 0 and the nodes, by columns.",
+        "Slopes, at the nodes, of the cardinal polynomials of the points 0 and nodes, by columns.",
         "slope_at_node[AOI_NODES + 1][AOI_NODES]",
         by_columns(slopes(ends, nodes)),
     )
-    declare("Law points at an edge; else the nodes.", "edge_point[3][AOI_NODES]", [*edges, nodes])
+    declare("Evaluation points at edges, else nodes.", "edge_point[3][AOI_NODES]", [*edges, nodes])
     declare(
-        "Values at an edge's points of the cardinal polynomials of 0 and the nodes, by columns.",
+        "Values, at an edge's points, of the same cardinal polynomials, by columns.",
         "indentation_at_edge[2][AOI_NODES + 1][AOI_NODES]",
         [by_columns([lagrange(ends, x) for x in points]) for points in edges],
     )
     declare(
-        "Matrix from values at an edge's points to the nearest polynomial at nodes, by columns.",
+        "Matrix from values at an edge's points to the least-squares fit's at nodes, by columns.",
         "edge_projection[2][AOI_NODES][AOI_NODES]",
         [by_columns(projection(nodes, points, edge_weights)) for points in edges],
     )
     rest = (CHECKS - STAGES) * [mp.mpf(0)]
     declare(
-        "Points where a law's force is checked: of a finer rule at an edge; else 1 - node.",
+        "Check points of a law's force: those of a finer rule at an edge; else 1 - node.",
         "check_point[3][AOI_EDGE_CHECKS]",
         [*checks, [*extra, *rest]],
     )
     declare(
-        "Weights of these points; for 1 - node, in the quadrature on these and the nodes.",
+        "Weights of the check points; for 1 - node, in the quadrature on 1 - node and the nodes.",
         "check_weight[3][AOI_EDGE_CHECKS]",
         [check_weights, check_weights, [*weights([*nodes, *extra])[STAGES:], *rest]],
     )

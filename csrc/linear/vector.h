@@ -10,7 +10,7 @@ double aoi_vector_dot(size_t n, const double *x, const double *y);
 /* Returns the sum of weight (factor x)^2 over n components; weight and factor may be NULL, for ones. */
 double aoi_vector_squares(size_t n, const double *weight, const double *factor, const double *x);
 
-/* Adds factor x to y; both have n doubles and do not overlap. */
+/* Adds factor * x to y; both have n doubles and do not overlap. */
 void aoi_vector_add(size_t n, double factor, const double *x, double *y);
 
 /* True if none of n doubles is infinite or NaN. */

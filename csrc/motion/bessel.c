@@ -1,5 +1,6 @@
-/* Integrals of exponentials against Legendre polynomials: modified spherical Bessel functions of complex
- * arguments (Abramowitz and Stegun, 10.1.14 and 10.2), each computed in the direction in which it is stable. */
+/* Integrals of exponentials times Legendre polynomials, by modified spherical Bessel functions of complex
+ * arguments (Abramowitz and Stegun, 10.1.14 and 10.2). Each function is computed in the direction in which its
+ * recurrence is stable. */
 #include "motion/oscillator.h"
 
 #include <float.h>
@@ -7,7 +8,7 @@
 
 enum { MOST = 16, MARGIN = 48, SERIES_TERMS = 14 };
 
-/* Argument from which on the upward recurrence loses at most one digit at the orders used. */
+/* Modulus of the argument from which on the upward recurrence loses at most one digit at the orders used. */
 static const double UPWARD_FROM = 20.0;
 
 typedef struct complex_number {
@@ -35,9 +36,9 @@ static complex_number sum(complex_number a, complex_number b)
     return (complex_number){a.re + b.re, a.im + b.im};
 }
 
-/* Number of terms of the series of i_0(y), down to the square of rounding: the real part of the sum
- * may be smaller than the imaginary one by as much as rounding, or the reverse. More terms would
- * only take time, most of all if they underflow. */
+/* Returns the number of terms of the series of i_0(y), down to the square of rounding: the real part of the sum
+ * may be smaller than the imaginary part by a factor as small as rounding, or the reverse. More terms would only
+ * take time, most of all if they underflow. */
 static int terms_of(complex_number square)
 {
     const double size = hypot(square.re, square.im);
@@ -48,7 +49,7 @@ static int terms_of(complex_number square)
     return count;
 }
 
-/* e^-y i_l(y) by its power series, |y| < 1. */
+/* Computes e^-y i_l(y) for l < count by its power series, for |y| < 1. */
 static void exponential_series(complex_number y, complex_number left, size_t count,
                                complex_number *value)
 {
@@ -66,11 +67,12 @@ static void exponential_series(complex_number y, complex_number left, size_t cou
     }
 }
 
-/* Miller's algorithm: i_(l-1) = i_(l+1) + (2l+1)/y i_l downward from large l, scaled by the larger of i_0, i_1. */
+/* Computes e^-y i_l(y) by Miller's algorithm: the recurrence i_(l-1) = i_(l+1) + (2l+1)/y i_l runs downward from
+ * large l, and the result is scaled to the given i_0 or i_1, whichever is larger. */
 static void exponential_downward(complex_number y, complex_number i0, complex_number i1,
                                  size_t count, complex_number *value)
 {
-    /* Small enough to grow by a factor of 113!!, large enough for its square not to underflow. */
+    /* The start value may grow by a factor of 113!! without overflow, and its square does not underflow. */
     complex_number above = {0.0, 0.0}, here = {1e-60, 0.0};
     const complex_number inverse = over((complex_number){1.0, 0.0}, y);
     for (size_t l = count + MARGIN; l > 0; l--) {
@@ -93,7 +95,7 @@ void aoi_bessel_exponential(double real, double imaginary, size_t count, double 
 {
     const complex_number y = {0.5 * real, 0.5 * imaginary};
     const double size = hypot(y.re, y.im), left = exp(-real);
-    /* e^-2y, e^-y */
+    /* e^-2y */
     const complex_number twice = {left * cos(imaginary), -left * sin(imaginary)};
     complex_number value[MOST] = {{0.0, 0.0}};
     if (size < 1.0) {

@@ -1,4 +1,4 @@
-/* Energies of a body, and the work of loads and damping on it. */
+/* Energies of a body in modes, and the work of loads and damping on it. */
 #include "motion/energy.h"
 #include "motion/modes.h"
 #include "motion/path.h"
@@ -39,7 +39,8 @@ static double gravity_work(const aoi_modes *body, const double *x0, const double
     return work;
 }
 
-/* Sum over the ports of the load at a time, times the displacement of the port at x, J. */
+/* Returns the work of constant loads, J: the sum over the ports of the load at a time, times the displacement of
+ * the port due to the modes' coordinates x. */
 static double loaded(const aoi_modes *body, double time, const double *x)
 {
     double work = 0.0;
@@ -63,8 +64,8 @@ static int loads_rise(const aoi_modes *body, double time)
     return 0;
 }
 
-/* Energy that loads f store in the residual compliance R over a time in which no load bends, the integral of f^T R
- * f', J. */
+/* Returns the energy that loads f store in the residual compliance R over a time in which no load bends, J: the
+ * integral of f^T R f'. */
 static double residual_work(const aoi_modes *body, double from, double to)
 {
     const double length = to - from;
@@ -92,7 +93,7 @@ double aoi_modes_bent_work(const aoi_modes *body, double time, const double *for
 
 /* ---------------------------------------------------------------------------------- in free motion */
 
-/* Slope in time of the loads' force on mode j: sum of slope times shape over the ports. */
+/* Returns the slope in time of the loads' force on mode j: the sum over the ports of load slope times shape. */
 static double rise_on(const aoi_modes *body, size_t j, double time)
 {
     double sum = 0.0;
@@ -104,7 +105,8 @@ static double rise_on(const aoi_modes *body, size_t j, double time)
     return sum;
 }
 
-/* Motion of a mode under loads that are linear in time. force: set to the Legendre coefficients of the loads. */
+/* Returns the motion of a mode under gravity and loads that are linear in time. force: set to the Legendre
+ * coefficients of both. */
 static aoi_path path_of(const aoi_modes *body, size_t j, double from, double length, double x, double v,
                         double *force)
 {
@@ -116,7 +118,8 @@ static aoi_path path_of(const aoi_modes *body, size_t j, double from, double len
     return (aoi_path){body->omega[j], body->decay ? body->decay[j] : 0.0, length, x, v, 1.0, force, 1};
 }
 
-/* Work of changing loads on the modes over a time in which no load bends; advances x, v to its end. */
+/* Returns the work of the loads on the modes over a time in which no load bends, J; advances x, v to the end of
+ * that time. */
 static double rising_work(const aoi_modes *body, double from, double to, double *x, double *v)
 {
     double work = 0.0;
@@ -134,7 +137,7 @@ static double rising_work(const aoi_modes *body, double from, double to, double 
     return work + loaded(body, from, x);
 }
 
-/* As rising_work, over any time, from bend to bend. */
+/* Returns the work of the loads on the modes over any time, J: the sum of rising_work from bend to bend. */
 static double changing_work(const aoi_modes *body, double from, double to, const double *x0,
                             const double *v0, double *scratch)
 {
@@ -161,7 +164,7 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
     if (!changing) {
         *work = gravity_work(body, x0, x1) + loaded(body, from, x1) - loaded(body, from, x0);
     } else if (!body->decay) {
-        *work = gained; /* undamped and load-free otherwise: work equals the energy gained */
+        *work = gained; /* without damping, the work equals the energy gained              */
     } else {
         *work = gravity_work(body, x0, x1) + changing_work(body, from, to, x0, v0, scratch);
     }
@@ -175,13 +178,13 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
 
 /* -------------------------------------------------------------------------- in a step of contact */
 
-/* Integrals over a part of a step, J. lost: energy dissipated by damping; rising: work due to the change of the
- * loads since the start of the step. */
+/* Integrals over a part of a step, J. lost: energy dissipated by damping; rising: work of the change of the loads
+ * since the start of the step. */
 typedef struct step_integrals {
     double lost, rising;
 } step_integrals;
 
-/* Adds the integrals of mode j. */
+/* Adds the contribution of mode j to the integrals. */
 static void add_mode(const aoi_modes *body, size_t j, double from, double h, double place,
                      const double *force, double x, double v, step_integrals *sum)
 {
@@ -203,8 +206,8 @@ static void add_mode(const aoi_modes *body, size_t j, double from, double h, dou
     sum->rising += rise * moment;
 }
 
-/* Integral over time of the slopes of the loads times the deflection of the residual compliance under contact
- * forces, J. */
+/* Returns the integral over time of the slopes of the loads times the deflection of the residual compliance under
+ * the contact forces, J. */
 static double bent_by(const aoi_modes *body, double from, double h, double place, const double *force)
 {
     double sum = 0.0;

@@ -1,15 +1,15 @@
-/* Free motion at evenly spaced times. */
+/* States of a body in free motion at evenly spaced times. */
 #include "motion/even.h"
 #include "motion/modes.h"
 
 #include <math.h>
 
-/* Number of successive states that are each computed from the one before, which adds an error of
- * some 3e-16 of a mode's amplitude. */
+/* Largest number of successive states that are each computed from the state before. This adds an error of some
+ * 3e-16 of a mode's amplitude. */
 enum { FOLLOWING = 32 };
 
-/* NEARLY_EVEN, SMALL_ANGLE: largest deviation from even spacing, relative to the spacing, and as an angle of the
- * fastest mode, rad: times rounded to doubles are not quite even. The deviation is corrected to first order, since
+/* Largest deviations from even spacing. NEARLY_EVEN: relative to the spacing; SMALL_ANGLE: as phase angle of the
+ * fastest mode, rad. Times rounded to doubles are not quite even. The deviation is corrected to first order, since
  * the square of the angle is below rounding. */
 static const double NEARLY_EVEN = 1e-6, SMALL_ANGLE = 1e-8;
 
@@ -31,7 +31,7 @@ static void make(aoi_even *even, const aoi_modes *body)
     }
 }
 
-/* Advances four modes by the spacing, and by the deviation of the time from it. */
+/* Advances four modes by the spacing and by the deviation `off` of the time from even spacing, s. */
 static void turn(const aoi_even_lanes *of, double off, double *x, double *v)
 {
     double place[AOI_LANES], speed[AOI_LANES];
@@ -46,7 +46,7 @@ static void turn(const aoi_even_lanes *of, double off, double *x, double *v)
     memcpy(v, speed, sizeof speed);
 }
 
-/* True if the state can be computed from that at the last time, which lies in the same free motion. */
+/* True if the next state can be computed from the last one, which lies in the same free motion. */
 static int follows(aoi_even *even, const aoi_modes *body, double spacing)
 {
     if (!(fabs(spacing - even->spacing) <= NEARLY_EVEN * spacing)) {

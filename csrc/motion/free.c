@@ -24,7 +24,8 @@ void aoi_forced_fit(double from, double length, const double *values, aoi_forced
     }
 }
 
-/* Derivative of the indentation added by contact forces; 0: the indentation itself. */
+/* Returns a derivative with respect to time of the indentation added by contact forces; derivative = 0: the
+ * indentation itself, m. */
 static double forced_at(const aoi_free_pair *pair, int derivative)
 {
     const aoi_forced *forced = pair->forced;
@@ -65,8 +66,8 @@ void aoi_free_pair_motion(const aoi_free_pair *pair, int most, double *of)
     }
 }
 
-/* The first positive root of c + b t + a t^2, or infinity. With c < 0 the parabola becomes positive there; with c =
- * 0 (bodies that have just separated) it becomes positive again. */
+/* Returns the first positive time t at which c + b t + a t^2 becomes positive, or infinity. For c = 0 (bodies that
+ * have just separated) this is the time at which the parabola becomes positive again. */
 static double first_root(double c, double b, double a)
 {
     if (c > 0.0 || (c == 0.0 && (b > 0.0 || (b == 0.0 && a > 0.0)))) {
@@ -90,16 +91,17 @@ static double first_root(double c, double b, double a)
     return first;
 }
 
-/* Phase advance of a mode in the time left, rad, below which the mode is treated as slow only: its equilibrium under
- * a load may be very far away. Tried: 49 runs change, by 4e-8 where rtol is 1e-5. */
+/* Phase advance of a mode in the time left, rad, below which the mode is treated as slow: its equilibrium under a
+ * load, about which a fast mode is bounded, may be very far away. Tried: 49 runs change, by 4e-8 where rtol is
+ * 1e-5. */
 static const double HARDLY_TURNS = 0.1;
 
-/* Upper bound of a mode's contribution to the indentation over a time: for a slow mode a parabola, for a fast mode
- * its amplitude about an equilibrium that loads may move. */
+/* Upper bound of a mode's contribution to the indentation over a time. For a slow mode it is a parabola, for a
+ * fast mode the amplitude about an equilibrium that moves with the loads. */
 typedef struct bound {
     double level, rate, bend; /* bound of a slow mode, level + rate t + bend t^2 */
     double rest, drift;       /* bound of a fast mode, rest + drift t */
-    double now, later;        /* for omega = 0: the acceleration stays between `now` and `later` */
+    double now, later;        /* for omega = 0: limits between which the acceleration stays      */
 } bound;
 
 static int only_slow(double omega, double within) { return omega * within < HARDLY_TURNS; }
@@ -140,8 +142,8 @@ static int next_side(const aoi_free_pair *pair, const size_t *at)
     return pair->body[1]->omega[at[1]] < pair->body[0]->omega[at[0]];
 }
 
-/* Modes with omega = 0 of both bodies, taken together: rigid motion common to both bodies cancels in the
- * gap. With equal decays their accelerations change from now to later by the same function of time. */
+/* Sums over the modes of both bodies with omega = 0, so that rigid motion common to both bodies cancels in the
+ * gap. If all decays are equal, all accelerations change from now to later by the same function of time. */
 typedef struct drifting {
     double now, later, apart; /* sums over the modes; apart: of max(now, later) of each mode */
     double decay;
@@ -162,8 +164,8 @@ static double bend_of(const drifting *sum)
     return 0.5 * (sum->alike ? fmax(sum->now, sum->later) : sum->apart);
 }
 
-/* A time within which the bodies cannot touch: the longest over all ways to split the modes into slow and fast ones.
- * level, rate: the bound with all modes fast. */
+/* Returns a time within which the bodies cannot touch, s: the longest over all ways to split the modes into slow
+ * and fast ones. level, rate: bound of the indentation and of its rate with all modes fast. */
 static double safe_stride(const aoi_free_pair *pair, double level, double rate, double within)
 {
     const size_t count = pair->body[0]->n + pair->body[1]->n;
@@ -191,9 +193,9 @@ static double safe_stride(const aoi_free_pair *pair, double level, double rate, 
     return best;
 }
 
-/* Changes level and drift from the indentation and its rate to those of the bound with all modes fast. The gap and
- * the residual compliance stay included. scale: magnitude of the terms of the indentation, now or within the time,
- * since bodies may rest at their origin. */
+/* Changes level and drift from the indentation and its rate to the bounds of both with all modes fast. The gap and
+ * the residual compliance stay included. scale: set to the magnitude of the terms of the indentation, now and
+ * within the time, since bodies may rest at their origin. */
 static void all_fast(const aoi_free_pair *pair, double within, double *level, double *drift,
                      double *scale)
 {
@@ -211,7 +213,7 @@ static void all_fast(const aoi_free_pair *pair, double within, double *level, do
         }
     }
     if (*scale == 0.0 && start == 0.0) {
-        *scale = falls; /* rigid bodies side by side, all at zero */
+        *scale = falls; /* rigid bodies side by side, with all terms zero */
     }
 }
 
@@ -223,7 +225,7 @@ static void fly_pair(aoi_free_pair *pair, double to)
     pair->time = to;
 }
 
-/* Time up to which no load bends, at most limit. */
+/* Returns the time up to which no load bends, at most limit, s. */
 static double stop_of(const aoi_free_pair *pair, double limit)
 {
     const double bend = fmin(aoi_modes_next_bend(pair->body[0], pair->time),
@@ -231,7 +233,8 @@ static double stop_of(const aoi_free_pair *pair, double limit)
     return fmin(bend, limit);
 }
 
-/* True if bodies at touch are about to be pressed together. */
+/* True if bodies that touch are about to press on each other: the first derivative of the indentation that is not
+ * zero is positive. */
 static int closes(const double *of)
 {
     for (int derivative = 1; derivative <= AOI_DERIVATIVES; derivative++) {
@@ -242,8 +245,9 @@ static int closes(const double *of)
     return 0;
 }
 
-/* Bodies at zero to rounding that nothing presses together count as apart: they have just let go, or stay side by
- * side until a load draws one away. */
+/* Widens the gap by rounding between bodies whose indentation is zero within rounding and that nothing presses
+ * together, so that they count as apart: they have just separated, or stay side by side until a load draws one
+ * away. */
 static void part(aoi_free_pair *pair, double within)
 {
     double of[AOI_DERIVATIVES + 1], scale;
@@ -256,8 +260,8 @@ static void part(aoi_free_pair *pair, double within)
     }
 }
 
-/* The time in which an indentation changes by its rounding. A rate that is itself rounding error does not determine
- * this time: bodies that rest side by side may be about to be pressed together. */
+/* Returns the time in which an indentation changes by its rounding error, s. A rate that is itself rounding error
+ * does not determine this time: bodies that rest side by side may be about to press on each other. */
 static double rounding_time(double rounding, const double *of)
 {
     const double rate = of[1], jerk = fabs(of[3]);
@@ -281,8 +285,8 @@ int aoi_free_pair_next_touch(aoi_free_pair *pair, double limit, size_t most, int
             return AOI_OK;
         }
         double stride = safe_stride(pair, level, drift, within);
-        /* Within rounding of a touch that does not occur, advance by the time in which the indentation changes by
-         * its rounding. */
+        /* Where a touch is missed by less than rounding, advance by the time in which the indentation changes by
+         * its rounding error. */
         const double rounding = DBL_EPSILON * scale;
         if (of[1] != 0.0 && stride * fabs(of[1]) < rounding) {
             stride = fmax(stride, rounding_time(rounding, of));

@@ -4,24 +4,24 @@
 
 #include <math.h>
 
-/* Small number added to each angle, so that none is 0 and sin(x)/x is a number. It does not change an angle above
- * 1e-19. Its powers up to the seventh, times any coefficient of a series below, are normal numbers: processors take
- * a hundred times as long for subnormal ones, and each free body has an angle of 0. */
+/* Small number added to each angle, so that no angle is 0 and sin(x)/x is defined. Angles above 1e-19 stay
+ * unchanged. Its powers up to the seventh, times any coefficient of a series below, are normal numbers: processors
+ * take a hundred times as long for subnormal numbers, and each free body has an angle of 0. */
 static const double LEAST = 1e-36;
 
 /* 1.5 * 2^52: adding a number to it rounds the number to an integer. */
 static const double ROUNDER = 6755399441055744.0;
 
-/* Largest angle for which pi/2 in four parts is exact enough: 2^31 quarters. */
+/* Largest angle that is reduced by pi/2 in four parts, about 2^31 quarter turns, for which this is exact enough. */
 static const double FARTHEST = 3e9;
 
-/* pi/2, of which the first two parts times an integer below 2^31 are exact (W. J. Cody and W. Waite,
- * Software Manual for the Elementary Functions, 1980). */
+/* pi/2 as the sum of four parts. The products of the first two with an integer below 2^31 are exact (W. J. Cody
+ * and W. Waite, Software Manual for the Elementary Functions, 1980). */
 static const double QUARTER[4] = {1.570796012878418, 3.139164164167596e-07, 6.223371969669989e-14,
                                   2.0222662487959506e-21};
 static const double QUARTERS = 0.6366197723675814; /* 2/pi */
 
-/* Taylor coefficients for angles up to pi/4: terms left out are below 1e-18. */
+/* Taylor coefficients for angles up to pi/4, where the terms left out are below 1e-18. */
 enum { TAYLOR = 8 };
 static const double OF_SINE[TAYLOR] = {
     -1.0 / 6.0,         1.0 / 120.0,         -1.0 / 5040.0,          1.0 / 362880.0,
@@ -30,8 +30,8 @@ static const double OF_COSINE[TAYLOR] = {
     -1.0 / 2.0,       1.0 / 24.0,         -1.0 / 720.0,         1.0 / 40320.0,
     -1.0 / 3628800.0, 1.0 / 479001600.0, -1.0 / 87178291200.0, 1.0 / 20922789888000.0};
 
-/* Sines and cosines without branches: x = r + k pi/2 with |r| <= pi/4 and k in -2 .. 2 (whole turns left out); then
- * sin(k pi/2) = k (2 - |k|) and cos(k pi/2) = 1 - |k|. */
+/* Computes sines and cosines without branches: x = r + k pi/2 with |r| <= pi/4 and k in -2 .. 2, whole turns left
+ * out; then sin(k pi/2) = k (2 - |k|) and cos(k pi/2) = 1 - |k|. */
 static void sines(const double *restrict x, double *restrict sine, double *restrict cosine)
 {
     for (size_t i = 0; i < AOI_LANES; i++) {
@@ -80,11 +80,12 @@ void aoi_turn_motions(const aoi_turn *turn, aoi_motions *motions)
 
 /* ------------------------------------------------------------------------------------- integrals */
 
-/* Argument up to which the recurrence runs downward from two series, and beyond which it runs
- * upward: each is stable there. */
+/* Argument up to which the Bessel functions follow from two series by the downward recurrence, and above which the
+ * upward recurrence is used: each is stable there. */
 static const double UPWARD_FROM = 6.0;
 
-/* j_l(y) / y^l = sum over k of (-y^2/2)^k / (k! (2l+1)!! (2l+3) (2l+5) .. (2l+2k+1)), l = 7 and 6. */
+/* Coefficients for l = 7 and 6 of j_l(y) / y^l = sum over k of (-y^2/2)^k / (k! (2l+1)!! (2l+3) (2l+5) ..
+ * (2l+2k+1)). */
 enum { TERMS = 18 };
 static const double OF_LAST[2][TERMS] = {
     {4.9333382666716e-07, -1.450981843138706e-08, 1.9091866357088235e-10, -1.5152274886577965e-12,
@@ -100,12 +101,12 @@ static const double OF_LAST[2][TERMS] = {
 
 typedef double bessel[AOI_NODES][AOI_LANES];
 
-/* g_l = j_l / y^l: g_(l-1) = (2l+1) g_l - y^2 g_(l+1). */
+/* Computes j_l(y) by the downward recurrence of g_l = j_l / y^l: g_(l-1) = (2l+1) g_l - y^2 g_(l+1). */
 static void downward(const double *y, bessel value)
 {
     double z[AOI_LANES], power[AOI_LANES];
     for (size_t i = 0; i < AOI_LANES; i++) {
-        z[i] = y[i] < UPWARD_FROM ? y[i] * y[i] : 0.0; /* larger ones are left to upward() */
+        z[i] = y[i] < UPWARD_FROM ? y[i] * y[i] : 0.0; /* larger arguments are left to upward() */
         power[i] = 1.0;
     }
     for (size_t first = 0; first < 2; first++) {
@@ -133,7 +134,7 @@ static void downward(const double *y, bessel value)
     }
 }
 
-/* j_(l+1) = (2l+1)/y j_l - j_(l-1). */
+/* Computes j_l(y) by the upward recurrence j_(l+1) = (2l+1)/y j_l - j_(l-1). */
 static void upward(const aoi_turn *turn, bessel value)
 {
     double inverse[AOI_LANES];
@@ -172,7 +173,8 @@ static void spherical_bessel(const aoi_turn *turn, bessel value)
     }
 }
 
-/* The integrals of e^(iz(1-x)), z = 2y, are (-i)^l e^(iy) j_l(y); (-i)^l goes through four values. */
+/* The integrals of e^(iz(1-x)) P_l(x) over [0, 1], z = 2y, are (-i)^l e^(iy) j_l(y); (-i)^l takes four values in
+ * turn. */
 void aoi_turn_integrals(const aoi_turn *turn, aoi_integrals *integrals)
 {
     bessel value;

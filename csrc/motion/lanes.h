@@ -1,5 +1,5 @@
 /* Modes of a body, four at a time, in loops of constant length, which compilers vectorise. The result for a mode
- * does not depend on its neighbours, nor, undamped, on the C library's sine. */
+ * does not depend on its neighbours and, for undamped modes, not on the C library's sine. */
 #ifndef AOI_LANES_H
 #define AOI_LANES_H
 
@@ -10,36 +10,38 @@
 
 enum { AOI_LANES = 4 };
 
-/* Undamped oscillators after a time: half their phase angles, and the sine and cosine of these. */
+/* Rotation of the phases of AOI_LANES undamped modes in a time: half the phase angles, and their sines and
+ * cosines. */
 typedef struct aoi_turn {
     double time, half[AOI_LANES], sine[AOI_LANES], cosine[AOI_LANES];
 } aoi_turn;
 
-/* aoi_motion of AOI_LANES modes; ramp is set only on request. */
+/* The aoi_motion of AOI_LANES modes; ramp is set only on request. */
 typedef struct aoi_motions {
     double impulse[AOI_LANES], rate[AOI_LANES], step[AOI_LANES], ramp[AOI_LANES];
 } aoi_motions;
 
-/* The integrals of aoi_oscillator_integrals, of AOI_LANES modes. */
+/* The integrals of aoi_oscillator_integrals for AOI_LANES modes. */
 typedef struct aoi_integrals {
     double impulse[AOI_NODES][AOI_LANES], rate[AOI_NODES][AOI_LANES];
 } aoi_integrals;
 
-/* omega: AOI_LANES angular frequencies, 0 for a mode without a spring. */
+/* Compute the rotation, motion and integrals of AOI_LANES undamped modes over a time. omega: their angular
+ * frequencies, 0 for a mode without a spring. */
 void aoi_turn_make(const double *omega, double time, aoi_turn *turn);
 void aoi_turn_motions(const aoi_turn *turn, aoi_motions *motions);
 void aoi_turn_integrals(const aoi_turn *turn, aoi_integrals *integrals);
 
-/* Number of modes from the first on, at most AOI_LANES. */
+/* Returns the number of modes from mode `first` on, at most AOI_LANES. */
 static inline size_t aoi_lanes_count(const aoi_modes *body, size_t first)
 {
     return body->n - first < AOI_LANES ? body->n - first : AOI_LANES;
 }
 
-/* Copies the values of `count` modes to the lanes; lanes without a mode are 0. */
+/* Copies the values of `count` modes to the lanes, and sets the other lanes to 0. */
 static inline void aoi_lanes_take(const double *values, size_t count, double *lanes)
 {
-    if (count == AOI_LANES) { /* constant, for the compiler */
+    if (count == AOI_LANES) { /* a constant length, for the compiler */
         memcpy(lanes, values, AOI_LANES * sizeof *lanes);
         return;
     }

@@ -108,11 +108,11 @@ void aoi_modes_port(const aoi_modes *body, size_t port, const double *x, const d
     *velocity = aoi_vector_dot(body->n, shape, v);
 }
 
-/* As aoi_lanes_of, for damped modes or modes under a load. */
+/* Computes the result of aoi_lanes_of, for damped modes or modes under a load. */
 static void one_by_one(const aoi_modes *body, size_t first, double time, aoi_motions *motions,
                        aoi_integrals *integrals)
 {
-    /* lanes without a mode have the weight 0, but need finite values */
+    /* lanes without a mode have zero weight, but must be finite */
     memset(motions, 0, sizeof *motions);
     if (integrals) {
         memset(integrals, 0, sizeof *integrals);

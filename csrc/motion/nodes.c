@@ -4,7 +4,7 @@
 
 enum { N = AOI_NODES };
 
-/* Accumulates a whole column block in registers (vectorised over rows, two or four at once). */
+/* Sums all columns in registers (vectorised over two or four rows). */
 void aoi_nodes_multiply(const double *restrict column, const double *x, double *y)
 {
     const double a = x[0], b = x[1], c = x[2], d = x[3], e = x[4], f = x[5], g = x[6], h = x[7];
@@ -25,8 +25,8 @@ void aoi_nodes_multiply_from(double start, const double *column, const double *n
     aoi_nodes_add(start, column, y);
 }
 
-/* Subtracts multiples of the pivot row from the rows first .. last - 1. Column k then holds that of
- * the inverse. */
+/* Subtracts multiples of the pivot row from the rows first .. last - 1. Column k is replaced by that of the
+ * inverse. */
 static void eliminate(size_t k, size_t first, size_t last, const double *restrict pivot_row,
                       double *restrict matrix)
 {

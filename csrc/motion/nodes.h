@@ -1,11 +1,11 @@
-/* Values at the nodes of a step, in loops of constant length. Matrices are stored by columns, so that compilers
- * vectorise over rows. */
+/* Operations on values at the nodes of a step, in loops of constant length. Matrices are stored by columns, so
+ * that compilers vectorise over rows. */
 #ifndef AOI_NODES_H
 #define AOI_NODES_H
 
 #include "law/law.h"
 
-/* y += factor x. */
+/* Adds factor * x to y. */
 static inline void aoi_nodes_add(double factor, const double *restrict x, double *restrict y)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {
@@ -13,15 +13,15 @@ static inline void aoi_nodes_add(double factor, const double *restrict x, double
     }
 }
 
-/* y = sum over the columns of column[j] x[j]; y may be x. */
+/* Sets y to the product of a matrix, given by its columns, and x; y may be x. */
 void aoi_nodes_multiply(const double *column, const double *x, double *y);
 
-/* As aoi_nodes_multiply, for a polynomial given by its value at the start, which multiplies the first column, and
- * its values at the nodes. */
+/* Sets y to the product of a matrix of AOI_NODES + 1 columns and the values of a polynomial: its value at the
+ * start, then those at the nodes. */
 void aoi_nodes_multiply_from(double start, const double *column, const double *nodes, double *y);
 
-/* Inverts a matrix of AOI_NODES rows, stored by rows or by columns, in place and without pivoting:
- * its pivots must be near or above 1. */
+/* Inverts a matrix of AOI_NODES rows, stored by rows or by columns, in place and without pivoting. Its pivots must
+ * be near or above 1. */
 void aoi_nodes_invert(double *matrix);
 
 static inline double aoi_nodes_dot(const double *x, const double *y)
@@ -34,7 +34,7 @@ static inline double aoi_nodes_dot(const double *x, const double *y)
     return even + odd;
 }
 
-/* The largest of `largest` and the values at the nodes; NaN are ignored. */
+/* Returns the largest of `largest` and the values at the nodes. NaN are ignored. */
 static inline double aoi_nodes_largest(double largest, const double *values)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {

@@ -8,23 +8,25 @@
 
 enum { SERIES_TERMS = 18 };
 
-/* Sum of two successive coefficients below which a series ends: the totals are between 1/8 and 1. */
+/* The series ends when two successive coefficients add up to less than this; the totals are between 1/8 and 1. */
 static const double NOTHING = 1e-19;
 
-/* Arguments below which the closed forms lose digits to cancellation. */
+/* Arguments below which the closed forms lose digits to cancellation. SERIES_LIMIT: of the oscillator; RAMP_LIMIT:
+ * of the second integral of an exponential. */
 static const double SERIES_LIMIT = 0.5, RAMP_LIMIT = 1.0;
 
-/* Ratio of omega to the decay below which the two exponentials are far enough apart to be subtracted. */
+/* Ratio of omega to decay below which the two exponentials of an overdamped mode differ enough to be subtracted. */
 static const double SLOW_SHARE = 0.5;
 
-/* Largest ratio of |omega^2 - decay^2| to decay^2 that counts as critical damping. */
+/* Ratio of |omega^2 - decay^2| to decay^2 below which damping counts as critical. */
 static const double CRITICAL = 1e-6;
 
-/* The Taylor series of the impulse response from its own differential equation. */
+/* Computes the motion by the Taylor series of the impulse response, whose coefficients follow from the
+ * differential equation. */
 static void series(double omega, double decay, double time, aoi_motion *motion)
 {
     const double damping = 2.0 * decay * time, spring = omega * time * (omega * time);
-    double before = 0.0, here = 1.0; /* coefficients k-1 and k of impulse / time */
+    double before = 0.0, here = 1.0; /* coefficients k-1 and k of the series of impulse / time */
     *motion = (aoi_motion){0.0, 0.0, 0.0, 0.0};
     for (int k = 1; k < SERIES_TERMS && fabs(before) + fabs(here) > NOTHING; k++) {
         motion->impulse += here;
@@ -50,7 +52,8 @@ static void undamped(double omega, double time, aoi_motion *motion)
     *motion = (aoi_motion){all.impulse[0], all.rate[0], all.step[0], (time - all.impulse[0]) / (omega * omega)};
 }
 
-/* Neither strongly overdamped nor short: step and ramp follow from the differential equation. */
+/* Computes the motion if the mode is not strongly overdamped and the time not short: step and ramp follow from the
+ * differential equation. */
 static void damped(double omega, double decay, double time, aoi_motion *motion)
 {
     const double square = (omega - decay) * (omega + decay), turn = sqrt(fabs(square));
@@ -69,7 +72,7 @@ static void damped(double omega, double decay, double time, aoi_motion *motion)
     motion->ramp = (time - motion->impulse - damping * motion->step) / spring;
 }
 
-/* The first and the second integral of e^(-s t) over a time. */
+/* Computes the first and the second integral of e^(-s t) over a time. */
 static void creep(double s, double time, double *once, double *twice)
 {
     const double z = s * time;
@@ -86,7 +89,8 @@ static void creep(double s, double time, double *once, double *twice)
     *twice = time * time * total;
 }
 
-/* Strongly overdamped: two exponentials, of which the slow one is constant without a spring. */
+/* Computes the motion of a strongly overdamped mode as a difference of two exponentials, of which the slow one is
+ * constant if there is no spring. */
 static void overdamped(double omega, double decay, double time, aoi_motion *motion)
 {
     const double split = sqrt((decay - omega) * (decay + omega)), fast = decay + split;
@@ -113,8 +117,8 @@ void aoi_oscillator_motion(double omega, double decay, double time, aoi_motion *
     }
 }
 
-/* Integrals of the impulse response and of its rate where omega^2 - decay^2 = square is not near zero. slow: the
- * lower of the two rates of decay, for square < 0. */
+/* Computes the integrals of the impulse response and of its rate if omega^2 - decay^2 = square is not near zero.
+ * slow: the lower of the two decay rates, for square < 0. */
 static void damped_integrals(double square, double slow, double decay, double h, size_t count,
                              double *impulse, double *rate)
 {
@@ -130,14 +134,15 @@ static void damped_integrals(double square, double slow, double decay, double h,
         if (square > 0.0) {
             impulse[k] = imaginary[k] / root;
             rate[k] = real[k] - decay * impulse[k];
-        } else { /* real: of the slow exponential, imaginary: of the fast one */
+        } else { /* real: integrals of the slow exponential, imaginary: of the fast one */
             impulse[k] = (real[k] - imaginary[k]) / (2.0 * root);
             rate[k] = 0.5 * (real[k] + imaginary[k]) - decay * impulse[k];
         }
     }
 }
 
-/* Damped modes use complex exponentials; others the integrals of sin(omega t)/omega and cos(omega t), as in lanes.c. */
+/* For a damped mode, the integrals are those of complex exponentials; otherwise those of sin(omega t)/omega and
+ * cos(omega t), as in lanes.c. */
 void aoi_oscillator_integrals(double omega, double decay, double h, size_t count, double *impulse,
                               double *rate)
 {
@@ -148,8 +153,8 @@ void aoi_oscillator_integrals(double omega, double decay, double h, size_t count
             damped_integrals(square, slow, decay, h, count, impulse, rate);
             return;
         }
-        /* Nearly critical: the integrals are even functions of the root of square, and are
-         * extrapolated linearly in square from two values. */
+        /* Near critical damping, the integrals are even functions of the root of square. They are extrapolated
+         * linearly in square from two values. */
         double further[AOI_NODES], further_rate[AOI_NODES];
         const double share = (square - near) / (3.0 * near);
         damped_integrals(near, 0.0, decay, h, count, impulse, rate);

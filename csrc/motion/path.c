@@ -1,6 +1,6 @@
-/* Motion of a mode under a polynomial force: a polynomial particular solution and a free
- * oscillation about it. The loss by damping and the work of a rising load are integrals over it,
- * exact for any number of periods. */
+/* Motion of a mode under a polynomial force: a polynomial particular solution and a free oscillation about it. The
+ * energy dissipated by damping and the work of a rising load are integrals over this motion, exact for any number
+ * of periods. */
 #include "motion/oscillator.h"
 #include "motion/path.h"
 #include "motion/polynomial.h"
@@ -13,7 +13,8 @@
 
 void aoi_path_follow(double omega, double decay, double h, const double *f, double *x, double *v)
 {
-    double above[2] = {0.0, 0.0}, slope_above[2] = {0.0, 0.0}; /* as in aoi_legendre_derive */
+    /* sums of the coefficients above k, of even and of odd degree */
+    double above[2] = {0.0, 0.0}, slope_above[2] = {0.0, 0.0};
     for (size_t k = AOI_NODES; k-- > 0;) {
         const double weight = 2.0 * (2.0 * (double)k + 1.0);
         const double bend = weight * slope_above[(k + 1) % 2] / h;
@@ -24,7 +25,7 @@ void aoi_path_follow(double omega, double decay, double h, const double *f, doub
     }
 }
 
-/* Coefficients of v with v' + 2 decay v = f, for a force f that is linear in time. */
+/* Finds the Legendre coefficients of the v that solves v' + 2 decay v = f, for a force f that is linear in time. */
 static void follow_free(double decay, double h, const double *f, double *v)
 {
     memset(v, 0, AOI_NODES * sizeof *v);
@@ -32,17 +33,17 @@ static void follow_free(double decay, double h, const double *f, double *v)
     v[0] = (f[0] - 2.0 * v[1] / h) / (2.0 * decay);
 }
 
-/* Value of decay times time above which v decays so much that its square is not close to a polynomial. */
+/* Value of decay times time above which v decays so fast that v^2 is not close to a polynomial. */
 static const double STRONG = 0.1;
 
-/* Velocity of the polynomial solution at the nodes of the part, and the state x, v at the start of the oscillation
- * about it. Returns 0 if no polynomial solution is used. */
+/* Finds the velocity of the polynomial solution at the nodes of the part, and the state x, v at the start of the
+ * oscillation about that solution. Returns 0 if no polynomial solution is used. */
 static int along(const aoi_path *path, double *velocity, double *x, double *v)
 {
     double place[AOI_NODES], rate[AOI_NODES];
     *x = path->x;
     *v = path->v;
-    /* no digits are lost under a force linear in time */
+    /* under a force linear in time no digits are lost, whatever the damping */
     const double decay = path->straight ? 0.0 : path->decay;
     if (aoi_path_rings(path->omega, decay, path->h)) {
         aoi_path_follow(path->omega, path->decay, path->h, path->force, place, rate);
@@ -50,21 +51,21 @@ static int along(const aoi_path *path, double *velocity, double *x, double *v)
     } else if (path->omega == 0.0 && path->straight && 2.0 * path->decay * path->h > AOI_PATH_FAST) {
         follow_free(path->decay, path->h, path->force, rate);
     } else {
-        return 0; /* too slow, or overdamped */
+        return 0; /* the mode is too slow, or overdamped */
     }
     *v -= aoi_legendre_at_start(rate);
     aoi_legendre_at_nodes(rate, 0.0, path->place, velocity);
     return 1;
 }
 
-/* Displacement and velocity at a share of the part. */
+/* Finds displacement and velocity at a position in the part of the path up to path->place; share: 0 to 1. */
 static void state_at(const aoi_path *path, double share, double *x, double *v)
 {
     double values[AOI_NODES], legendre[AOI_NODES], impulse[AOI_NODES], rate[AOI_NODES];
     const double part = path->place * share, time = part * path->h;
     const double pull = path->omega * path->omega * path->x;
     aoi_motion motion;
-    /* the force up to that time, at the nodes of the part before it */
+    /* the force at the nodes of the interval from the start to that position */
     aoi_legendre_at_nodes(path->force, 0.0, part, values);
     aoi_nodes_to_legendre(values, legendre);
     aoi_oscillator_motion(path->omega, path->decay, time, &motion);
@@ -78,15 +79,15 @@ static void state_at(const aoi_path *path, double share, double *x, double *v)
     }
 }
 
-/* Finds the integrals by quadrature. Where damping is strong, the integral of v^2 follows from the balance of the
- * mode's energy: the force does little work on motion that decays at once. The dissipated energy is 2 decay times
- * the integral, so that the division leaves an error of the rounding of the mode's energy. */
+/* Finds the integrals by quadrature. If damping is strong, the integral of v^2 follows from the mode's energy
+ * balance instead: the force does little work on motion that decays at once. The energy dissipated is 2 decay
+ * times the integral, and its error is the rounding error of the mode's energy. */
 static void by_quadrature(const aoi_path *path, double *squared, double *moment)
 {
     const double time = path->place * path->h;
     double x = path->x, v = path->v, work = 0.0, slope;
     *squared = *moment = 0.0;
-    for (size_t i = 0; i < AOI_NODES; i++) { /* the last node is the end */
+    for (size_t i = 0; i < AOI_NODES; i++) { /* the last node is the end of the part */
         const double weight = aoi_radau_to_legendre[0][i] * time;
         state_at(path, aoi_radau_node[i], &x, &v);
         *squared += weight * v * v;
@@ -101,8 +102,8 @@ static void by_quadrature(const aoi_path *path, double *squared, double *moment)
     }
 }
 
-/* Adds the contributions of the oscillation from x, v to the integrals: those of its velocity alone, and those of
- * its product with the polynomial's velocity. */
+/* Adds to the integrals the terms with the velocity of the oscillation from x, v: alone, and times the velocity of
+ * the polynomial solution. */
 static void add_oscillation(const aoi_path *path, const double *velocity, double x, double v,
                             double *squared, double *moment)
 {
@@ -111,7 +112,7 @@ static void add_oscillation(const aoi_path *path, const double *velocity, double
     aoi_motion motion;
     aoi_oscillator_motion(path->omega, path->decay, time, &motion);
     aoi_oscillator_integrals(path->omega, path->decay, time, AOI_NODES, impulse, rate);
-    /* the integrals run back from the end: hence the sign */
+    /* the sign alternates since the integrals run back from the end */
     for (size_t k = 0; k < AOI_NODES; k++, sign = -sign) {
         const double of = sign * time * (v * rate[k] - pull * impulse[k]);
         *squared += 2.0 * of * aoi_nodes_dot(aoi_radau_to_legendre[k], velocity);

@@ -1,4 +1,5 @@
-/* Polynomials over one step, in shifted Legendre polynomials: values, falls through a level, tops. */
+/* Polynomials over one step, in shifted Legendre polynomials: values, positions where they fall below a level, and
+ * maxima. */
 #include "motion/polynomial.h"
 #include "motion/radau.h"
 #include "motion/nodes.h"
@@ -8,8 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-/* (k+1) P_(k+1) = (2k+1) xi P_k - k P_(k-1): (2k+1)/(k+1) and k/(k+1). This keeps the dependency
- * chain short: one product and one difference per degree. */
+/* Coefficients (2k+1)/(k+1) and k/(k+1) of the recurrence of P_(k+1), (k+1) P_(k+1) = (2k+1) xi P_k - k P_(k-1).
+ * With them the chain of dependent operations is short: one product and one difference per degree. */
 static const double of_last[AOI_NODES + 1] = {1.0,     3.0 / 2,  5.0 / 3,  7.0 / 4, 9.0 / 5,
                                                11.0 / 6, 13.0 / 7, 15.0 / 8, 17.0 / 9};
 static const double of_one_before[AOI_NODES + 1] = {0.0,     1.0 / 2, 2.0 / 3, 3.0 / 4, 4.0 / 5,
@@ -34,7 +35,8 @@ double aoi_legendre_evaluate(size_t count, const double *coefficient, double at,
     return value;
 }
 
-/* Clenshaw's recurrence at a constant number of points, so that compilers vectorise over these. */
+/* Evaluates a series by Clenshaw's recurrence at a constant number of points, so that compilers vectorise over the
+ * points. */
 static inline void at_points(size_t count, const double *restrict coefficient, size_t points,
                              const double *restrict place, double *restrict values)
 {
@@ -73,7 +75,7 @@ void aoi_legendre_at_nodes(const double *coefficient, double from, double length
     at_points(AOI_NODES, coefficient, AOI_NODES, place, values);
 }
 
-/* P_k' = 2 ((2k-1) P_(k-1) + (2k-5) P_(k-3) + ...). */
+/* By the relation P_k' = 2 ((2k-1) P_(k-1) + (2k-5) P_(k-3) + ...) on [0, 1]. */
 void aoi_legendre_derive(size_t count, const double *coefficient, double *derivative)
 {
     double above[2] = {0.0, 0.0}; /* sums of the coefficients above k, of even and of odd degree */
@@ -112,7 +114,7 @@ void aoi_legendre_fit(double start, const double *nodes, double *coefficient)
     coefficient[AOI_NODES - 1] -= coefficient[AOI_NODES]; /* P_8 - P_7 is 0 at the nodes, and 2 at the start */
 }
 
-/* Value of a polynomial minus a level; with of_slope, slope of the polynomial. */
+/* Returns the value of a polynomial minus a level; with of_slope = 1 its slope instead. */
 static double value_at(size_t count, const double *coefficient, int of_slope, double level, double at)
 {
     double slope;
@@ -120,13 +122,14 @@ static double value_at(size_t count, const double *coefficient, int of_slope, do
     return of_slope ? slope : value - level;
 }
 
-/* Zero of value_at between two places where the sign of value_at differs: the secant method, Illinois variant. */
+/* Returns a zero of value_at between two positions at which its signs differ, by the secant method (Illinois
+ * variant). */
 static double zero_between(size_t count, const double *coefficient, int of_slope, double level,
                            double low, double high)
 {
     double value_low = value_at(count, coefficient, of_slope, level, low);
     double value_high = value_at(count, coefficient, of_slope, level, high);
-    if ((value_low > 0.0) == (value_high > 0.0)) { /* rounding has taken the change of sign */
+    if ((value_low > 0.0) == (value_high > 0.0)) { /* the change of sign is lost in rounding */
         return fabs(value_low) < fabs(value_high) ? low : high;
     }
     int side = 0;
@@ -163,7 +166,8 @@ int aoi_legendre_falls(const double *values, const double *coefficient, double l
     return 0;
 }
 
-/* Derivative of a series of count coefficients, and its values at the start and the nodes. */
+/* Finds the derivative of a series of count coefficients, and the values of the derivative at the start and the
+ * nodes. */
 static void derive(size_t count, const double *coefficient, double *derived, double *values)
 {
     memset(derived, 0, (AOI_NODES + 1) * sizeof *derived);
@@ -180,7 +184,7 @@ int aoi_legendre_top(size_t count, const double *coefficient, double *place, dou
         rest += fabs(coefficient[k]) * 0.5 * (double)(k * (k + 1));
     }
     if (fabs(coefficient[1]) > rest) {
-        return 0; /* it only rises or only falls */
+        return 0; /* the polynomial is monotonic */
     }
     derive(count, coefficient, derived, slope);
     derive(count, derived, twice, bend);
@@ -188,7 +192,8 @@ int aoi_legendre_top(size_t count, const double *coefficient, double *place, dou
         double from = i > 0 ? aoi_radau_node[i - 1] : 0.0, to = aoi_radau_node[i];
         int rises = slope[i] > 0.0, falls = slope[i + 1] <= 0.0;
         if (rises != falls && (bend[i] > 0.0) == falls && (bend[i + 1] > 0.0) == rises) {
-            /* The slope comes nearest to the other sign in between: there may be a top with a bottom beside it. */
+            /* The slope has an extremum nearest to zero in this interval: if its sign changes there, a maximum and
+             * a minimum lie side by side. */
             const double middle = zero_between(count, derived, 1, 0.0, from, to);
             const int up = aoi_legendre_evaluate(count, derived, middle, &ignored) > 0.0;
             from = up ? middle : from;

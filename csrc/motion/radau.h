@@ -1,4 +1,4 @@
-/* Constants of the collocation method on the Radau nodes (radau.c). */
+/* Constants of collocation on the Radau nodes; radau.c describes them. */
 #ifndef AOI_RADAU_H
 #define AOI_RADAU_H
 

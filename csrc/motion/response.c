@@ -16,10 +16,11 @@
 
 enum { SQUARE = AOI_NODES * AOI_NODES, OF_PAIR = AOI_RADAU_MOMENTS + 2 * AOI_NODES };
 
-/* Angle, rad, up to which sines are summed by their series, for all modes at once; above, Bessel functions are used. */
+/* Phase angle of a mode up to a node, rad, up to which the modes' sines are summed as power series, all modes
+ * together; for larger angles Bessel functions are used. */
 static const double SERIES_LIMIT = 3.0;
 
-/* Ratio of a term of the series to the first term below which it adds nothing. */
+/* A term of the series that is smaller than this, relative to the first term, is left out with all later ones. */
 static const double NOTHING = 1e-18;
 
 static size_t pairs_for(const aoi_modes *body, size_t columns)
@@ -33,8 +34,8 @@ size_t aoi_response_size(const aoi_modes *body, size_t columns)
     return aoi_plus(aoi_plus(aoi_times(6 * AOI_NODES, body->n), pairs), aoi_times(body->ports, AOI_NODES));
 }
 
-/* Number of pairs. A pair is a port, where modes have shapes, and a column, where modes have pushes; with
- * AOI_BY_MODES, it is one mode twice. */
+/* Returns the number of pairs for which influences are computed. A pair is a port, which gives the shapes of the
+ * modes, and a column, which gives their pushes; with AOI_BY_MODES it is a mode with itself. */
 static size_t pairs_of(const aoi_response *response, const aoi_modes *body)
 {
     return pairs_for(body, response->columns.count);
@@ -59,7 +60,7 @@ static const double *push_of(const aoi_response *response, const aoi_modes *body
     return body->push + (response->columns.port ? response->columns.port[column] : column) * body->n + j;
 }
 
-/* Modes j .. j + 3 contribute to the pairs from first_pair to last_pair - 1. */
+/* first_pair, last_pair: range of the pairs to which modes j .. j + 3 contribute; last_pair is not included. */
 static size_t first_pair(const aoi_response *response, size_t j)
 {
     return response->columns.count == AOI_BY_MODES ? j : 0;
@@ -75,15 +76,14 @@ static double decay_of(const aoi_modes *body, size_t j)
     return body->decay ? body->decay[j] : 0.0;
 }
 
-/* True if the series is used for a mode up to a node, where it is more exact than Bessel
- * functions. */
+/* True if the power series is used for a mode up to a node. It is more accurate there than Bessel functions. */
 static int is_slow(const aoi_modes *body, size_t j, double h, size_t node)
 {
     return body->omega[j] * (h * aoi_radau_node[node]) <= SERIES_LIMIT && decay_of(body, j) == 0.0;
 }
 
-/* Adds four modes' powers of -z^2 to the moments, up to the term of the series that adds nothing
- * even for the largest angle; returns their number. */
+/* Adds the powers of -z^2 of four modes to the moments, up to the term of the series that is negligible even for
+ * the largest angle. Returns the number of powers. */
 static size_t add_powers(const double *weight, const double *square, double largest, double *moments)
 {
     double power[AOI_LANES], reached = 1.0;
@@ -99,9 +99,8 @@ static size_t add_powers(const double *weight, const double *square, double larg
     return m;
 }
 
-/* Adds modes j .. j + 3, as far as they are slow up to node i and not up to the next, to the
- * moments of all pairs, which grow from node to node, from the last to the first. Returns the
- * number of moments. */
+/* Adds those of modes j .. j + 3 that are slow up to node i, but not up to the next node, to the moments of all
+ * pairs. Nodes are taken from the last to the first, so that moments only grow. Returns the number of moments. */
 static size_t add_slow(const aoi_response *response, const aoi_modes *body, size_t j, size_t i)
 {
     const double h = response->h, node = aoi_radau_node[i];
@@ -131,8 +130,8 @@ static size_t add_slow(const aoi_response *response, const aoi_modes *body, size
     return used;
 }
 
-/* Adds modes j .. j + 3, as far as they are fast up to node i, to the sums against Legendre
- * polynomials on the part of the step up to that node. */
+/* Adds those of modes j .. j + 3 that are fast up to node i to the integrals against Legendre polynomials on the
+ * part of the step up to that node. */
 static void add_fast(const aoi_response *response, const aoi_modes *body, size_t j, size_t i,
                      const aoi_integrals *of)
 {
@@ -158,9 +157,9 @@ static void add_fast(const aoi_response *response, const aoi_modes *body, size_t
     }
 }
 
-/* Adds the slow modes to the sums up to node i, by their moments: with z = omega h and c the node,
+/* Adds the slow modes to the integrals up to node i, by their moments. With z = omega h and c the node, the sum is
  *   sum_m (-z^2)^m h^2 c^(2m+2) int_0^1 (1-t)^(2m+1)/(2m+1)! P_l(t) dt,
- * for the rates h c^(2m+1) and (1-t)^(2m)/(2m)!. */
+ * and for the rates, with h c^(2m+1) and (1-t)^(2m)/(2m)! instead. */
 static void add_series(const aoi_response *response, const double *moments, size_t used, size_t i, double *sums)
 {
     const double part = response->h * aoi_radau_node[i], square = aoi_radau_node[i] * aoi_radau_node[i];
@@ -174,8 +173,8 @@ static void add_series(const aoi_response *response, const double *moments, size
     }
 }
 
-/* Converts the sums against the first Legendre polynomials up to node i to row i of an influence,
- * which is stored by columns. */
+/* Converts the integrals against the first Legendre polynomials, up to node i, to row i of an influence, which is
+ * stored by columns. */
 static inline void put_row(const double *sums, size_t count, size_t i, double *influence)
 {
     double row[AOI_NODES] = {0.0};
@@ -187,13 +186,13 @@ static inline void put_row(const double *sums, size_t count, size_t i, double *i
     }
 }
 
-/* True if a body is one free mass: the most common body, with the cheapest response. */
+/* True if a body is a single free mass, the most common body, whose response is the cheapest. */
 static int is_free_mass(const aoi_modes *body)
 {
     return body->n == 1 && body->omega[0] == 0.0 && decay_of(body, 0) == 0.0;
 }
 
-/* Fills the tables of a free mass: double integrals of the force, with int_0^1 (1-t) P_l(t) dt = 1/2, -1/6, 0, 0,
+/* Fills the tables of a free mass with double integrals of the force: int_0^1 (1-t) P_l(t) dt = 1/2, -1/6, 0, 0,
  * ... */
 static void free_mass(aoi_response *response, const aoi_modes *body)
 {
@@ -217,7 +216,7 @@ static void free_mass(aoi_response *response, const aoi_modes *body)
     }
 }
 
-/* Writes the motion of modes j .. j + 3 up to node i to their tables. */
+/* Stores the motion of modes j .. j + 3 up to node i in the tables. */
 static void put_motions(aoi_response *response, const aoi_modes *body, size_t j, size_t i,
                         const aoi_motions *of)
 {
@@ -230,7 +229,7 @@ static void put_motions(aoi_response *response, const aoi_modes *body, size_t j,
     }
 }
 
-/* Writes the effect of forces on modes j .. j + 3 over the whole step, whose end is the last node. */
+/* Stores the effect of forces on modes j .. j + 3 over the whole step, whose end is the last node. */
 static void put_integrals(aoi_response *response, const aoi_modes *body, size_t j,
                           const aoi_integrals *of)
 {
@@ -246,7 +245,7 @@ static void put_integrals(aoi_response *response, const aoi_modes *body, size_t 
     }
 }
 
-/* Fills the tables and the sums of all modes at node i; used: number of moments so far. */
+/* Fills the tables and the integrals of all modes at node i. used: number of moments so far. */
 static void modes_at_node(aoi_response *response, const aoi_modes *body, size_t i, size_t *used)
 {
     const double h = response->h;
@@ -322,7 +321,7 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_
     }
 }
 
-/* Adds the deflection of the residual compliance due to the loads' change since the start. */
+/* Adds the deflection of the residual compliance due to the change of the loads since the start of the step. */
 static void residual_share(const aoi_modes *body, size_t port, double sign, double time, double h,
                            double *displacement, double *rate)
 {

@@ -1,4 +1,4 @@
-/* Aggregation of the nodes of a graph: the coarse nodes of smoothed aggregation. */
+/* Aggregation of the nodes of a graph to the coarse nodes of smoothed aggregation. */
 #include "multigrid/multigrid.h"
 
 enum { FREE = -1 };
@@ -18,7 +18,7 @@ static int surrounded_by_free(const int32_t *start, const int32_t *indices,
     return 1;
 }
 
-/* Gives node i and those of its neighbours that are free the same number. */
+/* Gives node i and its free neighbours the same aggregate number. */
 static void gather(const int32_t *start, const int32_t *indices, int32_t *aggregate, size_t i,
                    size_t number)
 {
@@ -30,7 +30,7 @@ static void gather(const int32_t *start, const int32_t *indices, int32_t *aggreg
     }
 }
 
-/* The first aggregate of the first pass beside a free node, or FREE. */
+/* Returns the number of an aggregate of the first pass that has a neighbour of node i; FREE if there is none. */
 static int32_t beside(const int32_t *start, const int32_t *indices, const int32_t *aggregate,
                       size_t i)
 {
@@ -54,8 +54,8 @@ size_t aoi_graph_aggregate(size_t n, const int32_t *start, const int32_t *indice
             gather(start, indices, aggregate, i, count++);
         }
     }
-    /* Nodes that join an aggregate are marked by numbers below FREE, so that no chain grows out of one aggregate
-     * during the pass. After the first pass, each free node is beside an aggregate. */
+    /* Nodes that join an aggregate are marked by numbers below FREE during this pass, so that no chain of nodes
+     * joins an aggregate. After the first pass, each free node has a neighbour in an aggregate. */
     for (size_t i = 0; i < n; i++) {
         if (aggregate[i] == FREE) {
             aggregate[i] = FREE - 1 - beside(start, indices, aggregate, i);

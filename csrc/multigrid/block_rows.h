@@ -1,6 +1,6 @@
-/* r -= A x for some rows of a symmetric matrix of blocks. Included once for each precision: REAL is its
- * type and OF(x) a name of its own. Vectors have aoi_four_width numbers per node, except those that
- * spread reads and gather writes. */
+/* Subtracts A x from r, for some rows of a symmetric matrix A of blocks. This file is included once for each
+ * precision: REAL is its type, and OF(x) a name of its own. Vectors have aoi_four_width numbers per node, except
+ * those that spread reads and gather writes. */
 #include "multigrid/four.h"
 #include "multigrid/multigrid.h"
 
@@ -31,7 +31,7 @@ static void OF(gather)(const aoi_blocks *matrix, aoi_part part, const REAL *wide
     }
 }
 
-/* r_i -= B x_j. */
+/* Subtracts a block times x from r: r_i -= B x_j. */
 static inline void OF(along)(size_t b, const REAL *block, const REAL *x, REAL *r)
 {
     for (size_t k = 0; k < b; k++) {
@@ -43,7 +43,7 @@ static inline void OF(along)(size_t b, const REAL *block, const REAL *x, REAL *r
     }
 }
 
-/* r_j -= B^T x_i. */
+/* Subtracts a transposed block times x from r: r_j -= B^T x_i. */
 static inline void OF(across)(size_t b, const REAL *block, const REAL *x, REAL *r)
 {
     for (size_t c = 0; c < b; c++) {
@@ -53,9 +53,9 @@ static inline void OF(across)(size_t b, const REAL *block, const REAL *x, REAL *
     }
 }
 
-/* Products with the 3 x 3 blocks of a row except the diagonal one, whose index is `diagonal`: blocks before it act
- * on row i alone, blocks behind it also, transposed, on column i. Each row of a block is read together with the
- * number that follows, which exists since the last block of all is a diagonal one. */
+/* Subtracts the products with the 3 x 3 blocks of a row, except the diagonal block, whose index is `diagonal`.
+ * Blocks before it act on row i alone; blocks after it also act on column i, transposed. Each row of a block is
+ * read together with the number that follows it, which exists because the last block of all is a diagonal one. */
 static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, size_t row, size_t diagonal,
                                 const REAL *x, REAL *r)
 {
@@ -85,9 +85,9 @@ static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, si
     }
 }
 
-/* r_i -= A_ij x_j for all j that the row stores, and r_j -= A_ji x_i for those behind the diagonal: r_i is complete
- * then, since the rows before row i have already subtracted their part. b: block size, a compile-time constant where
- * speed matters. */
+/* Subtracts A_ij x_j from r_i for all stored blocks j of row i, and A_ji x_i from r_j for those after the
+ * diagonal. r_i is then complete, since the rows before row i have already subtracted their part. b: block size, a
+ * compile-time constant where speed matters. */
 static inline void OF(row)(const aoi_blocks *matrix, const REAL *values, size_t b, size_t row,
                            const REAL *x, REAL *r)
 {

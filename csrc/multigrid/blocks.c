@@ -18,7 +18,7 @@
 #define OF(x) aoi_exact_##x
 #include "multigrid/block_rows.h"
 
-/* Index of a row's diagonal block, or stored_count where the row is not sound. */
+/* Returns the index of a row's diagonal block, or stored_count if the row is invalid. */
 static size_t find_diagonal(const aoi_blocks *matrix, size_t row, size_t stored_count)
 {
     const int32_t i = matrix->order[row], n = (int32_t)matrix->n, *indices = matrix->indices;
@@ -65,7 +65,7 @@ void aoi_blocks_subtract(const aoi_blocks *matrix, aoi_part part, int stage, con
     }
 }
 
-/* y = -y of a part. */
+/* Changes the sign of y in a part of the rows. */
 static void negate(const aoi_blocks *matrix, aoi_part part, double *y)
 {
     for (size_t row = part.begin; row < part.end; row++) {
@@ -93,16 +93,16 @@ void aoi_blocks_multiply(const aoi_blocks *matrix, aoi_part part, int stage, con
     negate(matrix, part, y);
 }
 
-/* One step: next = keep d + add D^-1 (r - A d), with r - A d left in r, and x += next. d of other
- * rows is read, so that next has to be another vector. One pass through A does it: each row of r is
- * complete when its turn is over. x has no padding. */
+/* A Chebyshev step: next = keep d + add D^-1 (r - A d) and x += next, where r is replaced by r - A d. The d of
+ * other rows is read, so that next must be another vector. One pass through A suffices: each row of r is complete
+ * after its turn. x has no padding. */
 typedef struct chebyshev {
     float keep, add;
     const float *d;
     float *next, *x, *r;
 } chebyshev;
 
-/* sum_c D^-1_kc r_c of node i. */
+/* Returns component k of D^-1 r at node i, sum_c D^-1_kc r_c. */
 static inline float by_inverse(const aoi_blocks *matrix, size_t b, size_t i, size_t k, const float *r)
 {
     const float *row = matrix->inverse + b * (b * i + k);
@@ -141,7 +141,8 @@ static void take_step(const aoi_blocks *matrix, aoi_part part, const chebyshev *
     }
 }
 
-/* d = add D^-1 r, x += d. The fourth floats of d and next are set, since they will be read. */
+/* Makes the first step at a node: d = add D^-1 r, x += d. The fourth floats of d and next are also set, since they
+ * will be read. */
 static inline void start_row(const aoi_blocks *matrix, size_t b, size_t i, float add, float *d,
                              float *next, float *x, const float *r)
 {
@@ -168,7 +169,7 @@ static void first_step(const aoi_blocks *matrix, aoi_part part, float add, float
     }
 }
 
-/* Coefficients of the step `stage`, counted from 1, from rho of Chebyshev's recurrence. */
+/* Returns the coefficients of step `stage`, counted from 1, by the recurrence for Chebyshev's rho. */
 static chebyshev step_of(size_t stage, double low, double high)
 {
     const double middle = 0.5 * (high + low), half = 0.5 * (high - low);

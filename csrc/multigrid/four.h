@@ -1,12 +1,12 @@
-/* Four floats or doubles at a time, a name for each operation: with SSE2 instructions where available, else one by
- * one, with bit-identical results. gcc does not vectorise loops of four. */
+/* Operations on four floats or doubles at a time, by SSE2 instructions where available, otherwise one by one with
+ * bit-identical results. gcc does not vectorise loops of four. */
 #ifndef AOI_LINEAR_FOUR_H
 #define AOI_LINEAR_FOUR_H
 
 #include <stddef.h>
 
-/* Numbers per node in vectors that are read and written four numbers at a time: nodes with three numbers have a
- * fourth, unused one. */
+/* Returns the numbers per node in vectors that are read and written four numbers at a time: nodes with three
+ * numbers get a fourth, unused one. */
 static inline size_t aoi_four_width(size_t b) { return b == 3 ? 4 : b; }
 
 #ifdef __SSE2__

@@ -1,7 +1,7 @@
-/* Newmark's rule (section 3.1 of the paper) on a linear body, solved for accelerations, which keep their digits
- * where dt is small. Displacements are formed as dt (v + dt/4 a), never with a rounded dt^2, since energy is conserved
- * only if its ratio to dt is exact. The residual compliance of a body in modes deflects at once under the forces; the
- * velocity of the deflection is its change over the step. */
+/* Newmark's rule (section 3.1 of the paper) for a linear body. It is solved for accelerations, which keep their
+ * digits if dt is small. Displacements are formed as dt (v + dt/4 a), never with a rounded dt^2: energy is
+ * conserved only if dt^2 divided by dt is exactly dt. The residual compliance of a body in modes deflects at once
+ * under the forces; the velocity of this deflection is its change over the step divided by dt. */
 #include "newmark/body.h"
 #include "linear/vector.h"
 

@@ -1,7 +1,7 @@
-/* Newmark's rule on the finite-element model itself (section 3.1): M (1 + alpha gamma dt) + K (beta
- * dt^2 + beta gamma dt) is factorised once by the caller; a step is one product with K (and one with M
- * where alpha is not zero) and one back-substitution, and the forces at the ports enter through the
- * responses to unit forces, which are kept. */
+/* Newmark's rule for a finite-element model (section 3.1). The caller factorises M (1 + alpha gamma dt) + K
+ * (beta_N dt^2 + beta gamma dt) once, with beta_N and gamma of the rule. A step takes one product with K (also one
+ * with M if alpha is not zero) and one back-substitution. The forces on the ports act through the responses to
+ * unit forces, which are kept. */
 #include "newmark/body.h"
 #include "linear/sparse.h"
 #include "linear/vector.h"
@@ -9,13 +9,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Largest number of iterations of conjugate gradients, which need some tens for a consistent mass matrix scaled by
- * its diagonal. */
+/* Largest number of iterations of conjugate gradients, of which a consistent mass matrix scaled by its diagonal
+ * takes some tens. */
 enum { MOST_ITERATIONS = 1000 };
 
 static const double CONVERGED = 1e-15;
 
-/* Adds gravity - K (u + beta v) - alpha M v to out; spare is overwritten. */
+/* Adds gravity - K (u + beta v) - alpha M v to `out`; spare and product are overwritten. */
 static void add_forces_within(const aoi_stepped *body, double *spare, double *product, double *out)
 {
     const aoi_full *full = body->model->full;
@@ -92,7 +92,7 @@ static void take_diagonal(const aoi_sparse *matrix, double *diagonal)
     }
 }
 
-/* Divides r by the diagonal of M, z = 0 where the diagonal is not positive; returns r^T z. */
+/* Sets z to r divided by the diagonal of M, and to 0 where the diagonal is not positive. Returns r^T z. */
 static double scaled_by_mass(size_t n, const double *diagonal, const double *r, double *z)
 {
     double sum = 0.0;
@@ -134,7 +134,7 @@ static int solve_mass(const aoi_sparse *M, const aoi_pause *pause, double *r, do
     return AOI_ERROR_NO_CONVERGENCE;
 }
 
-/* Sets the accelerations at the start; degrees of freedom without mass have none. */
+/* Finds the accelerations at the start; degrees of freedom without mass get zero. */
 static int full_begin(aoi_stepped *body)
 {
     const aoi_full *full = body->model->full;

@@ -1,4 +1,4 @@
-/* Newmark's rule on natural modes, each an oscillator of its own with any damping:
+/* Newmark's rule for natural modes, each an independent oscillator with any damping:
  *   (1 + 2 decay gamma dt + omega^2 beta dt^2) a' = f - omega^2 p - 2 decay q
  * with the predictors p of displacement and q of velocity. */
 #include "newmark/body.h"
@@ -10,12 +10,13 @@
 /* Indices of `own`: omega^2, 2 decay and gravity of each mode, divided by the factor of a' above. */
 enum { STIFFNESS, DRAG, DRIVE };
 
-/* A plain body keeps its predictors: of displacements, q, in own[PLACE], of rates, w, in free_a.
- * The correction of a step and the prediction of the next add up to one update: q' = q + dt (w +
- * (gamma + 1/2) dt a), w' = w + dt a. */
+/* A plain body keeps its predictors: q of displacements in own[PLACE], w of rates in free_a. The correction of a
+ * step and the prediction of the next are combined in one update: q' = q + dt (w + (gamma + 1/2) dt a), w' = w +
+ * dt a. */
 enum { PLACE = DRIVE };
 
-/* Indices of weighted sums over q: displacement and free acceleration of the port, and of the centre of mass. */
+/* Indices of weighted sums over the displacement predictors q: displacement and free acceleration of the port
+ * (PORT, PORT_A), and of the centre of mass. */
 enum { PORT, PORT_A, CENTRE, CENTRE_A };
 
 static double twice_decay(const aoi_modes *modes, size_t j)
@@ -91,7 +92,8 @@ void aoi_plain_start(aoi_stepped *body)
     body->centre_rate = aoi_vector_dot(modes->n, modes->centre, rate);
 }
 
-/* sum_j seen[j] place_j, row by row: the compiler keeps the sums of even and of odd modes in vector registers. */
+/* Computes sum_j seen[j] place_j for all four weights, row by row: the compiler keeps the sums of even and of odd
+ * modes in vector registers. */
 static void look(size_t n, const double *restrict seen, const double *restrict place, double *restrict sum)
 {
     double even[AOI_PLAIN_SEEN] = {0.0, 0.0, 0.0, 0.0}, odd[AOI_PLAIN_SEEN] = {0.0, 0.0, 0.0, 0.0};
@@ -124,7 +126,7 @@ void aoi_plain_predict(aoi_stepped *body, double *displacement, double *velocity
     *velocity = body->port_rate + step->correct_v * body->port_a;
 }
 
-/* Advances place and rate by a step. */
+/* Advances the predictors place and rate by a step, and sets the accelerations a. */
 static void advance(size_t n, double force, const aoi_rule_step *step, const double *restrict gain,
                     const double *restrict stiffness, double *restrict place, double *restrict rate,
                     double *restrict a)
@@ -138,7 +140,7 @@ static void advance(size_t n, double force, const aoi_rule_step *step, const dou
     }
 }
 
-/* Advances place and rate by a step, and sets x and v at its end. */
+/* Advances the predictors place and rate by a step, and sets x and v at the step's end. */
 static void advance_seen(size_t n, double force, const aoi_rule_step *step, const double *restrict gain,
                          const double *restrict stiffness, double *restrict place, double *restrict rate,
                          double *restrict x, double *restrict v)

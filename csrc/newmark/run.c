@@ -1,5 +1,5 @@
-/* Bodies, contacts and loads in time by Newmark's rule. A step: predict all bodies, solve the contact equations, correct
- * all bodies, write the record. */
+/* Runs of bodies, contacts and loads by Newmark's rule. A step predicts all bodies, solves the contact equations,
+ * corrects all bodies and writes the record. */
 #include "newmark/body.h"
 #include "linear/vector.h"
 #include "law/law.h"
@@ -11,16 +11,17 @@
 #include <math.h>
 #include <string.h>
 
-/* Number of columns of the record that are gathered before they are written: a cache line of each row. */
+/* Number of columns of the record that are gathered before they are written: they fill a cache line in each row. */
 enum { BLOCK = 8 };
 
-/* Capacity for the springs of a contact with friction, whose number is about 2/sqrt(precision). */
+/* Capacity for the springs of a contact with friction, which needs about 2/sqrt(precision). */
 enum { SPRINGS = 2048 };
 
 struct aoi_newmark {
     const aoi_system *system;
     aoi_rule_step step;
-    int energies, loaded, deflects; /* loaded: a body has a load; deflects: a body has a residual compliance */
+    /* loaded: 1 if a body has a load; deflects: 1 if a body has a residual compliance */
+    int energies, loaded, deflects;
     double *record;
     size_t columns, done, failed;
     aoi_coupled coupled;
@@ -28,12 +29,12 @@ struct aoi_newmark {
     aoi_stepped *body;
     aoi_contact_state *state;                /* one for each contact force                                */
     aoi_rubbing *rubbing;                    /* one for each contact with friction                        */
-    double *displacement, *velocity;         /* of all ports; in a step first without contact forces */
+    double *displacement, *velocity;         /* of all ports; within a step first without contact forces */
     double *displacement_before;             /* displacements at the last column                          */
-    double *push, *push_before;              /* forces on all ports, with loads: now and before           */
+    double *push, *push_before;              /* forces on all ports, loads included: now and one step before */
     double *load, *load_before;
-    double *load_work, *gravity_start;       /* work of loads; of gravity at the start, J                 */
-    double *column;                          /* some columns of the record, row by row                    */
+    double *load_work, *gravity_start;       /* work of loads so far; value of gravity's work at the start, J */
+    double *column;                          /* gathered columns of the record, row by row                */
 };
 
 static aoi_newmark lay_out(const aoi_system *system, void *block, size_t *size)
@@ -102,8 +103,8 @@ aoi_progress aoi_newmark_progress(const aoi_newmark *run)
 
 /* ------------------------------------------------------------------------------ the contacts */
 
-/* Decrease of the indentation or slide at force i (or of its rate) per unit of force j, through the
- * bodies that both act on. */
+/* Returns the reduction of the indentation or slide at force i (or, with of_rate = 1, of its rate) per unit of
+ * force j, through the bodies on which both forces act. */
 static double coupling(const aoi_newmark *run, size_t i, size_t j, int of_rate)
 {
     const aoi_contact *one = &run->system->contact[run->state[i].contact];
@@ -140,7 +141,7 @@ static int couple(aoi_newmark *run)
     return AOI_OK;
 }
 
-/* Moves the springs of friction to the place that a step has found. */
+/* Moves the springs of friction to the indentation and slides that a step has found. */
 static int rub(aoi_contact_state *contact)
 {
     aoi_rubbing *of = contact->rubbing;
@@ -154,7 +155,7 @@ static int rub(aoi_contact_state *contact)
     return status;
 }
 
-/* Starts the friction of a contact whose bodies have moved straight from (0, 0) to an indentation and slides. */
+/* Starts the friction of a contact, for straight motion of the bodies from (0, 0) to their indentation and slides. */
 static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, const aoi_newmark *run)
 {
     aoi_rubbing *rubbing = contact->rubbing;
@@ -172,14 +173,15 @@ static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, cons
     }
     if (status == AOI_OK) {
         status = rub(contact);
-        rubbing->guess[1] = rubbing->guess[2] = 0.0; /* for the guess of the next step */
+        rubbing->guess[1] = rubbing->guess[2] = 0.0; /* no slide is the guess for the next step */
         rubbing->start_energy = aoi_friction_energy(of->friction, &rubbing->state);
         contact->start_energy = aoi_law_potential(&of->friction->law, NULL, rubbing->depth);
     }
     return status;
 }
 
-/* Sets the state of a contact at the start. A force that depends on the rate acts as soon as the bodies touch. */
+/* Sets the state of a contact force at the start. A force that depends on the rate acts as soon as the bodies
+ * touch. */
 static int contact_begin(const aoi_newmark *run, size_t i, const aoi_start *start)
 {
     aoi_contact_state *contact = &run->state[i];
@@ -213,7 +215,7 @@ static int contact_begin(const aoi_newmark *run, size_t i, const aoi_start *star
                                                                                      : AOI_ERROR_PATCH;
 }
 
-/* Advances the three forces of a contact with friction from the last step to this one. */
+/* Updates the three forces of a contact with friction, and its state, from the last step to this one. */
 static int rubbing_advance(aoi_contact_state *contact)
 {
     aoi_rubbing *of = contact->rubbing;
@@ -253,8 +255,8 @@ static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *co
 
 /* --------------------------------------------------------------------------- the record */
 
-/* Writes the rows of friction. Returns the energy of the stretches less that of the compliance
- * taken out of law and friction, which is in the bodies. */
+/* Writes the rows of friction. Returns the energy of the stretches minus that of the compliance taken out of law
+ * and friction, J; the latter energy is stored in the bodies. */
 static double write_friction(const aoi_contact_state *contact, double *row)
 {
     const aoi_rubbing *of = contact->rubbing;
@@ -273,7 +275,7 @@ static double write_friction(const aoi_contact_state *contact, double *row)
 static void write_contact(const aoi_contact_state *contact, int energies, double *row)
 {
     const aoi_rubbing *rubbing = contact->rubbing;
-    /* with friction, the law as a function of the contact's own indentation */
+    /* with friction the law is a function of the contact's own indentation */
     const aoi_law *law = rubbing ? &rubbing->rub.friction.law : contact->law;
     const double stretched = rubbing ? write_friction(contact, row) : 0.0;
     row[AOI_CONTACT_FORCE * BLOCK] = contact->force;
@@ -287,7 +289,7 @@ static void write_contact(const aoi_contact_state *contact, int energies, double
     }
 }
 
-/* Adds the work of loads and of gravity on a body since the start. */
+/* Adds the work of loads and gravity on body b since the start to its row of work. */
 static void write_work(aoi_newmark *run, size_t b, double *row)
 {
     const size_t *first = run->system->first_port;
@@ -298,7 +300,7 @@ static void write_work(aoi_newmark *run, size_t b, double *row)
     row[AOI_BODY_WORK * BLOCK] += run->load_work[b] - run->gravity_start[b];
 }
 
-/* Writes the present state as the next column of the block. */
+/* Writes the present state to column `slot` of the block of gathered columns. */
 static void write_column(aoi_newmark *run, size_t slot)
 {
     const aoi_system *system = run->system;
@@ -332,8 +334,8 @@ static void copy_rows(const double **from, double **to, size_t rows, size_t colu
     }
 }
 
-/* Writes count gathered columns to the record, from column first on. Without energies, the rows of energies, which
- * follow two other rows of each contact and body, are not written. */
+/* Writes `count` gathered columns to the record, from column `first` on. If energies are not wanted, their rows,
+ * which follow two other rows of each contact and body, are left out. */
 static void write_block(const aoi_newmark *run, size_t first, size_t count)
 {
     const aoi_system *system = run->system;
@@ -354,7 +356,7 @@ static void write_block(const aoi_newmark *run, size_t first, size_t count)
 
 /* ---------------------------------------------------------------------------- in time */
 
-/* The loads on all ports at a time, and their rates just after it where slope is not NULL. */
+/* Finds the loads on all ports at a time and, if slope is not NULL, their rates just after that time. */
 static void find_loads(aoi_newmark *run, double time, double *slope)
 {
     const aoi_system *system = run->system;
@@ -374,7 +376,7 @@ static void find_loads(aoi_newmark *run, double time, double *slope)
     }
 }
 
-/* Sets the contact forces on all ports, or their rates. */
+/* Sets `push` to the forces on all ports (or their rates) due to the contact forces (or their rates). */
 static void find_push(const aoi_newmark *run, const double *force, double *push)
 {
     memset(push, 0, run->system->first_port[run->system->body_count] * sizeof *push);
@@ -384,8 +386,8 @@ static void find_push(const aoi_newmark *run, const double *force, double *push)
     }
 }
 
-/* Adds the effect of a force on a port to the displacements and velocities of all ports of its body
- * at the end of the step. */
+/* Adds the effect of a force on a port of body b to the displacements and velocities of all its ports at the end
+ * of the step. */
 static void press(aoi_newmark *run, size_t b, size_t port, double force)
 {
     const aoi_stepped *body = &run->body[b];
@@ -396,8 +398,8 @@ static void press(aoi_newmark *run, size_t b, size_t port, double force)
     }
 }
 
-/* Sets displacements and velocities of the ports at the start from the state and the deflection of the residual
- * compliance. */
+/* Sets displacements and velocities of the ports at the start, from the bodies' coordinates and the deflection of
+ * the residual compliance. */
 static void find_ports(aoi_newmark *run)
 {
     const aoi_system *system = run->system;
@@ -414,8 +416,8 @@ static void find_ports(aoi_newmark *run)
     }
 }
 
-/* Sets the forces on the ports at the start and, extrapolated by their rates, one step before, if the rates of
- * contact forces are given. slope: rates of the loads. */
+/* Sets the forces on the ports at the start and one step before; the latter are extrapolated from the rates of the
+ * forces. If contact forces are not given, both are zero. slope: rates of the loads. */
 static void start_push(aoi_newmark *run, const aoi_start *start, const double *slope)
 {
     const size_t ports = run->system->first_port[run->system->body_count];
@@ -434,7 +436,7 @@ static void start_push(aoi_newmark *run, const aoi_start *start, const double *s
     }
 }
 
-/* True if a body rests deflected by forces that are not given: only an adaptive run finds them. */
+/* True if a body rests deflected by contact forces that are not given: only an adaptive run finds these. */
 static int rests_deflected(const aoi_system *system, const aoi_start *start)
 {
     return start->rested && !start->force && aoi_system_bends(system);
@@ -464,7 +466,7 @@ static int begin(aoi_newmark *run, const aoi_start *start)
 {
     const aoi_system *system = run->system;
     const size_t ports = system->first_port[system->body_count];
-    /* arrays of the first step, not in use yet */
+    /* arrays of the first step, which are not in use at the start */
     double *push = run->load_before, *slope = run->displacement_before;
     set_states(run);
     int status = couple(run);
@@ -534,7 +536,7 @@ int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule
     return status;
 }
 
-/* Moves all bodies and ports to the end of a step without contacts. */
+/* Advances all bodies and ports to the end of a step, under loads but without contact forces. */
 static int predict(aoi_newmark *run, double time)
 {
     const aoi_system *system = run->system;
@@ -569,7 +571,7 @@ static int predict(aoi_newmark *run, double time)
     return AOI_OK;
 }
 
-/* Adds the contact forces to bodies and ports. */
+/* Adds the effect of the contact forces to bodies and ports. */
 static void correct(aoi_newmark *run)
 {
     const aoi_system *system = run->system;
@@ -624,7 +626,7 @@ static int step(aoi_newmark *run, double time)
 int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done)
 {
     int status = last < run->columns ? AOI_OK : AOI_ERROR_ARGUMENT;
-    size_t written = run->done + 1, column = written; /* those from written to column-1 are in the block */
+    size_t written = run->done + 1, column = written; /* the block has the columns from `written` to column - 1 */
     for (; column <= last && status == AOI_OK; column++) {
         if (column - written == BLOCK) {
             write_block(run, written, BLOCK);
