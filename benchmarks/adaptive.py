@@ -1,4 +1,4 @@
-"""Adaptive against Newmark, SciPy, CVODE and Exudyn: time at the same true error, in one run.
+"""Times of Adaptive, Newmark, SciPy, CVODE and Exudyn at the same true error, in one run.
 
     python benchmarks/adaptive.py [--scene rigid] [--scene pair] [--scene beam]
 

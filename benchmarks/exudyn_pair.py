@@ -9,7 +9,7 @@ contact coordinate at the end, steps; or the reason of a failure.
 
 Each AO model is one GenericODE2 object; the contact is a coordinate spring whose force is a
 symbolic user function, so that no Python is called while it runs. Indentation and its rate are
-recorded at every step; the peak is that of a cubic through both at the steps around it.
+recorded at every step; the peak is that of a cubic interpolation of both between adjacent steps.
 """
 
 from __future__ import annotations

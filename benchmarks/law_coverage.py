@@ -139,7 +139,7 @@ def table(scores: dict[tuple[str, str], list[float]]) -> Iterator[tuple[Any, ...
 
 
 def main() -> None:
-    """Fit, and print and write the table."""
+    """Fit the laws, print the table of coverage, and write it to a file."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("fits", type=int, nargs="?", default=200)
     arguments.add_argument("--workers", type=int, default=1)

@@ -172,7 +172,7 @@ def measure_full() -> list[Line]:
 
     def parts() -> None:
         for _ in range(steps):
-            x[:] = u  # repeated solves of one vector would underflow
+            x[:] = u  # reset: repeated solves would make x underflow
             _core.factors_solve(factors, work, x)
             model.K @ u
 

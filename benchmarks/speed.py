@@ -57,12 +57,12 @@ def block(size: tuple[float, ...], n: tuple[int, ...], *held: str) -> ao.Contact
 
 
 def plate(*n: int) -> ao.ContactPoint:
-    """Return the contact on the plate of README."""
+    """Return the contact point on the plate of the README's example."""
     return block((0.1, 0.08, 0.01), n, "xmin", "xmax")
 
 
 def ball(size: float = 0.003) -> ao.ContactPoint:
-    """Return the contact on the ball of README."""
+    """Return the contact point on the ball of the README's example."""
     mesh = ao.sphere_mesh(radius=0.01, size=size)
     return ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0, 0, -0.01))
 
@@ -133,7 +133,7 @@ def monte_carlo(spread: float, count: int = 300) -> Found:
 
 
 def oblique(target: Any, count: int = 10) -> Found:
-    """Time an impact with friction on a model made before."""
+    """Time an impact with friction, with a model made beforehand."""
     body = ao.simulate(BALL, target, DOWN, friction=0.2).models[1]
 
     def calls() -> None:

@@ -56,7 +56,7 @@ _ERRORS = "total", "mesh", "contact", "model", "time", "energy"
 
 
 def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
-    """Return the content of the report on a result."""
+    """Return the JSON content of the report on a result, as a dict."""
     kept: Any = keeper(quantities) if quantities else lambda _: {}
 
     def intervals(name: str) -> Any:
@@ -82,7 +82,7 @@ def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
 
 
 def rows(table: SweepTable) -> dict[str, Any]:
-    """Return the content of the report on a sweep; infinite parameters become "inf"."""
+    """Return the JSON content of the report on a sweep; infinite parameters become "inf"."""
     found = []
     for number, values in enumerate(table.data):
         row = dict(zip(table.columns, values.item(), strict=True))
@@ -94,6 +94,6 @@ def rows(table: SweepTable) -> dict[str, Any]:
 
 
 def as_json(report: dict[str, Any]) -> str:
-    """Return the text of a report, with all digits of numbers, and null for NaN or infinity."""
+    """Return a report as JSON, with all digits of numbers, and null for NaN or infinity."""
     known = json.loads(json.dumps(report), parse_constant=lambda _: None)
     return json.dumps(known, indent=2, ensure_ascii=False)

@@ -540,7 +540,7 @@ def _rows(frames: FloatArray, length: FloatArray, beam: Beam, places: FloatArray
     """
     moved, strain = (np.zeros((len(length), len(places), 6, 12)) for _ in range(2))
     for end, share, slope in ((0, 1.0 - places, -1.0 / length), (6, places, 1.0 / length)):
-        for row in (0, 3):  # stretch and twist
+        for row in (0, 3):  # stretch and twist are linear
             moved[:, :, row, end + row] = share
             strain[:, :, row, end + row] = slope[:, None]
     L, one = length, np.ones_like(length)

@@ -128,7 +128,7 @@ def each_of(material: AnyMaterial) -> tuple[OneMaterial, ...]:
 
 
 def material_of(material: AnyMaterial, cell: int) -> OneMaterial:
-    """Return the material of an element."""
+    """Return the material of the element with the index `cell`."""
     return each_of(material)[material.index[cell] if isinstance(material, Materials) else 0]
 
 

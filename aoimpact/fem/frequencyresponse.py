@@ -152,7 +152,7 @@ def frequency_response(
     if not np.isfinite(values).all():
         at = hertz[~np.isfinite(values)][0]
         raise InputError(f"frequencies: {at:g} Hz is a natural one without damping; take others")
-    factor = (1j * omega) ** list(KINDS).index(of)  # KINDS are ordered by time derivatives
+    factor = (1j * omega) ** list(KINDS).index(of)  # index in KINDS: number of time derivatives
     taken = 0 if modes is None else len(modes[0])
     return FrequencyResponse(hertz, factor * values, np.abs(factor) * error, of, taken)
 
@@ -249,7 +249,7 @@ def _by_modes(
     found, error = np.empty(len(omega), dtype=np.complex128), np.empty(len(omega))
     for some in np.array_split(np.arange(len(omega)), 1 + len(omega) * len(own) // _AT_ONCE):
         of = omega[some, None]
-        with np.errstate(divide="ignore", invalid="ignore"):  # undamped resonance: refused later
+        with np.errstate(divide="ignore", invalid="ignore"):  # undamped resonance is refused later
             gain = 1.0 / (own**2 - of**2 + 2j * decay * of)
             found[some] = gain @ weight
             sharp, force, response = squares @ np.abs(gain.T) ** 2

@@ -235,7 +235,7 @@ class Layers:
         """
         first, second = high - low, 0.5 * (high**2 - low**2)
         sums = self._slopes[:, :3] * first + self._slopes[:, 3:] * second
-        along_x, along_y = sums @ self._moduli[number]  # slopes of σ
+        along_x, along_y = sums @ self._moduli[number]  # ∂σ/∂x, ∂σ/∂y
         return -np.array([[along_x[0], along_y[2]], [along_x[2], along_y[1]]])
 
     def _shear_stress(self, number: int, z: float) -> FloatArray:

@@ -62,7 +62,7 @@ _SQUARE = 1e-4
 _TURNS, _ANGLES = 48, 96
 
 # Least accepted ratio of the smallest to the largest eigenvalue of the compliance; below it, the
-# smallest may be negative and rounded to positive.
+# smallest may be positive only due to rounding.
 _ROUNDED = 8.0 * np.finfo(np.float64).eps
 
 # Limits to which Poisson's ratio of the isotropic equivalent of an orthotropic half-space is
@@ -362,7 +362,7 @@ def _half_space(material: Orthotropic, normal: Triple) -> Material:
         surface += np.linalg.inv(_barnett_lothe(material.tensor, n, np.cross(n, along)))
     surface /= _TURNS
     modulus = 2.0 / float(n @ surface @ n)
-    ratio = 0.25 * float(np.trace(surface) - n @ surface @ n) * modulus  # (2 - ν) E*/(4 G)
+    ratio = 0.25 * float(np.trace(surface) - n @ surface @ n) * modulus  # = (2 - ν) E*/(4 G)
     nu = (2.0 * ratio - 2.0) / (2.0 * ratio - 1.0) if ratio > 0.5 else _NU_LOW
     nu = min(max(nu, _NU_LOW), _NU_HIGH)
     return Material(E=modulus * (1.0 - nu**2), nu=nu, rho=material.rho)

@@ -965,7 +965,7 @@ def _checked_total(total: FloatArray) -> float:
 
 def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: AnyMaterial) -> None:
     """Refuse a body whose mass or stiffness overflows or underflows."""
-    stiffest = float(max(K.data.max(), -K.data.min()))  # nan and infinity fail the comparisons
+    stiffest = float(max(K.data.max(), -K.data.min()))  # nan and infinity fail the test below
     lightest = float(M.diagonal()[: 3 * mesh.n_nodes].min())
     if not (lightest > LEAST and mass < LARGEST and LEAST < stiffest < LARGEST):
         raise InputError(

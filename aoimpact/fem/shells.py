@@ -502,7 +502,7 @@ def _triangle(
     basic[..., 2] *= flatness[:, None, None]
     higher *= flatness[:, None, None, None, None]
     rows[:, :, :3, :, [0, 1, 5]] = basic[:, None] + higher
-    shear = _tied_shear(jacobian)  # (n, points, 2, 4, 6)
+    shear = _tied_shear(jacobian)  # (element, point, direction, node or bubble, dof)
     shear = np.einsum("nij,nqjak->nqiak", inverse, shear)
     rows[:, :, 6:8], inner[:, :, 6:8] = shear[..., :3, :], shear[..., 3, 3:5]
     return rows.reshape(n, len(_AREAS), 9, 18), inner, area[:, None] * _SHARES
@@ -544,7 +544,7 @@ def _optimal_membrane(plane: FloatArray, area: FloatArray, stiffness: FloatArray
     # x[:, i, j] = x_i - x_j; (i, j, k) are cyclic permutations, and edge i goes from i to j.
     x, y = (plane[:, :, None, d] - plane[:, None, :, d] for d in (0, 1))
     i, j, k = np.arange(3), np.array([1, 2, 0]), np.array([2, 0, 1])
-    basic = np.zeros((len(plane), 3, 3, 3))  # (strain, node, freedom)
+    basic = np.zeros((len(plane), 3, 3, 3))  # (element, strain, node, dof)
     basic[:, 0, :, 0] = basic[:, 2, :, 1] = 0.5 * y[:, j, k]
     basic[:, 1, :, 1] = basic[:, 2, :, 0] = 0.5 * x[:, k, j]
     basic[:, 0, :, 2] = 0.125 * y[:, j, k] * (y[:, i, k] - y[:, j, i])
@@ -552,7 +552,7 @@ def _optimal_membrane(plane: FloatArray, area: FloatArray, stiffness: FloatArray
     basic[:, 2, :, 2] = 0.25 * (x[:, k, i] * y[:, i, k] - x[:, i, j] * y[:, j, i])
     basic /= area[:, None, None, None]
     # Corner rotations minus the mean rotation, and the natural strains that they cause along edges.
-    beyond = np.zeros((len(plane), 3, 3, 3))  # (corner, node, freedom)
+    beyond = np.zeros((len(plane), 3, 3, 3))  # (element, corner, node, dof)
     beyond[..., 0], beyond[..., 1] = x[:, None, k, j], y[:, None, k, j]
     beyond[..., :2] /= 4.0 * area[:, None, None, None]
     beyond[:, i, i, 2] = 1.0

@@ -84,7 +84,7 @@ def displacement(
         change -= rigid @ (rigid.T @ (M @ change))
         x += change
         length = np.linalg.norm(x)
-        if length == 0.0:  # no load
+        if length == 0.0:  # the load is zero
             return x
         size = float(np.linalg.norm(change) / length)
         if size <= _AT_ROUNDING or (size <= _NEAR_ROUNDING and size > _STALLED * before):

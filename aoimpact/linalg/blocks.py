@@ -72,7 +72,7 @@ class Blocks:
         row = np.repeat(np.arange(n), np.diff(A.indptr))
         inside = part[row] == part[A.indices]
         kept = np.flatnonzero(~inside | (A.indices >= row))
-        if part.any():  # rows in order; in each row, blocks of other parts come first
+        if part.any():  # sort by row, then blocks of other parts first
             kept = kept[np.lexsort((inside[kept], place[row[kept]]))]
         starts = np.zeros(n + 1, dtype=np.int32)
         np.cumsum(np.bincount(place[row[kept]], minlength=n), out=starts[1:])
@@ -83,7 +83,7 @@ class Blocks:
         self.work_length = _WORK * n * (size + 1)
 
     def multiply(self, x: FloatArray, work: FloatArray) -> FloatArray:
-        """Return A x; `work` has `work_length` numbers."""
+        """Return A x; `work`: space for `work_length` numbers."""
         matrix, product = (self.pattern, self.values), np.empty_like(x)
         in_stages(2, self.parts, _core.blocks_multiply, matrix, x, product, work)
         return product

@@ -101,7 +101,7 @@ def in_order(A: Any) -> Any:
 
 
 def add_to_diagonal(A: Any, values: FloatArray) -> None:
-    """Add to the diagonal of a BSR matrix that stores all its diagonal blocks."""
+    """Add values to the diagonal of a BSR matrix, which must store every diagonal block."""
     size = A.blocksize[0]
     local = np.arange(size)
     A.data[diagonal_places(A)[:, None], local, local] += values.reshape(-1, size)

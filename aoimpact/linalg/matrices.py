@@ -161,7 +161,7 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
             f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
             "is too heavy to move, and give dofs that hardly have mass none"
         )
-    massless = np.flatnonzero(diagonal == 0.0)  # by _check_minors, these rows are zero
+    massless = np.flatnonzero(diagonal == 0.0)  # their rows are zero, by _check_minors
     bare = massless[K.diagonal()[massless] == 0.0]
     if len(bare):
         raise InputError(

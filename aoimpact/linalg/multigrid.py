@@ -49,7 +49,8 @@ _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
 _DENSE = 300
 
-# Largest ratio of an aggregated level's dofs to the finer level's; above it K hardly couples dofs.
+# Largest ratio of an aggregated level's dofs to those of the next finer level; above it, K hardly
+# couples the dofs.
 _SHRINKS = 0.7
 
 # `_SET_UP`, `_ITERATION`: time of the set-up and of an iteration per entry of K, s.
@@ -122,7 +123,7 @@ class Multigrid:
         return Inverse(None, self.iterate, by_columns(self.precondition), self._at)
 
     def _coarsen(self, A: Any, motions: FloatArray, places: Any, progress: Any) -> None:
-        """Build the levels from that of A down to the coarsest."""
+        """Build the levels, from that of the matrix A to the coarsest."""
         pencil, affordable = self.pencil, _most_in_coarsest(self.pencil)
         while True:
             first = not self._levels
@@ -151,7 +152,7 @@ class Multigrid:
             restriction = single.T.tocsr() if single.format == "csr" else single.T
             self._levels.append(_Level(smoother, single, restriction, width))
             A = in_order(congruent(A, P).tobsr((motions.shape[1],) * 2))
-            empty = A.diagonal() == 0.0  # rows of linearly dependent motions
+            empty = A.diagonal() == 0.0  # due to linearly dependent motions
             if empty.any():
                 add_to_diagonal(A, np.where(empty, self._scale, 0.0))
             progress.update()

@@ -63,7 +63,7 @@ class Pencil:
 
     @property
     def places(self) -> FloatArray | None:
-        """Coordinates of the rows, shape (n, 3), if they are known."""
+        """Coordinates of the rows, m, shape (n, 3); None if unknown."""
         if self.nodes is None or self.free is None:
             return None
         found: FloatArray = self.nodes[self.free // 3 % len(self.nodes)]
@@ -97,7 +97,7 @@ class Pencil:
         analysis of the pattern serves both.
         """
         for each in (self.K, self.M):
-            each.sum_duplicates()  # which also sorts the indices
+            each.sum_duplicates()  # also sorts the indices
         if not self.s2:
             return self.K
         K, data = self.K, np.empty_like(self.K.data)
@@ -110,7 +110,7 @@ class Pencil:
             if total.nnz != rows.nnz:
                 return K + self.s2 * self.M
             data[K.indptr[first] : K.indptr[last]] = total.data
-        found = copy(K)  # SciPy's constructors may copy the other arrays
+        found = copy(K)  # a constructor might copy the index arrays
         found.data = data
         return found
 

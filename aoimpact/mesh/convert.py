@@ -193,7 +193,7 @@ def _plan(kind: str, pattern: tuple[int, ...]) -> tuple[str, list[int], IntArray
         middles: dict[frozenset[int], list[int]] = {}
         for i, ends in enumerate(element.edges.tolist(), element.n_corners):
             middles.setdefault(frozenset(pattern[end] for end in ends), []).append(i)
-        for ends, nodes in middles.items():  # coinciding or zero edges
+        for ends, nodes in middles.items():  # edges that coincide or have no length
             same += [(nodes[0], other) for other in (*nodes[1:], *(ends if len(ends) == 1 else ()))]
         target = RAISED[target]
         edges = reference_element(target).edges.tolist()

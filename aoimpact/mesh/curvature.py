@@ -206,7 +206,7 @@ def _curved(surface: Surface, face: IntArray) -> BoolArray:
 def _flat(
     surface: Surface, start: IntArray, here: FloatArray, normal: FloatArray
 ) -> SurfaceShape | None:
-    """Return a shape of zero curvature if the faces around the point are coplanar, else None."""
+    """Return a `SurfaceShape` without curvature if the faces around are coplanar, else None."""
     face = np.flatnonzero(np.isin(surface.nodes, surface.nodes[start]).any(axis=1))
     joined, bends = _joined(surface, face, here)
     face = face[_linked(joined, np.isin(face, start))]

@@ -1,7 +1,7 @@
 """Shape functions and quadrature rules of each kind of element, with nodes in meshio's order.
 
-A kind is defined by its nodes and by the functions that its shape functions combine: each shape
-function is one at its own node and zero at the others.
+A kind is defined by its nodes and by the space of functions that its shape functions span. Each
+shape function is one at its own node and zero at the others.
 """
 
 from __future__ import annotations
@@ -500,7 +500,7 @@ def jacobians(corners: FloatArray, gradient: FloatArray) -> FloatArray:
     n_points, n_nodes, _ = gradient.shape
     x = corners.transpose(2, 0, 1).reshape(-1, n_nodes)
     slopes = gradient.transpose(1, 2, 0).reshape(n_nodes, 3 * n_points)
-    j = np.einsum("xn,nq->xq", x, slopes)  # not by BLAS, whose last bits vary with threads
+    j = np.einsum("xn,nq->xq", x, slopes)  # BLAS would vary in the last bits with threads
     found: FloatArray = j.reshape(3, len(corners), 3, n_points).transpose(0, 2, 1, 3)
     return found
 

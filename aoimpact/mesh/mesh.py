@@ -184,7 +184,7 @@ class Mesh(Frozen):
 
     @cached_property
     def size(self) -> float:
-        """The longest side of the bounding box of the mesh, m."""
+        """Length of the longest side of the bounding box of the mesh, m."""
         return float(np.ptp(self.nodes, axis=0).max())
 
     @property
@@ -371,11 +371,11 @@ def _check_elements(
 ) -> None:
     """Refuse elements that are duplicate, flat or inverted, or that repeat a corner."""
     cells, number = block.cells, np.r_[block.numbers]
-    elements = number if cell_labels is None else cell_labels[number]  # the user's numbers
+    elements = number if cell_labels is None else cell_labels[number]  # numbers that the user knows
     names = np.arange(len(nodes)) if node_labels is None else node_labels
     corners = np.sort(cells[:, : block.element.n_corners], axis=1)
     both = np.stack(twins(corners), axis=1)
-    for earlier, later in both[:1]:  # stiffness and mass would count twice
+    for earlier, later in both[:1]:  # their stiffness and mass would count twice
         of = names[cells[earlier]].tolist()
         two = f"element {elements[later]} repeats {elements[earlier]}, nodes {of}"
         raise MeshError(f"{len(both)} of {len(cells)} elements are there twice: {two}. Remove them")
@@ -437,8 +437,8 @@ def right_handed(kind: str, nodes: FloatArray, cells: IntArray) -> IntArray:
     if kind not in KINDS or not len(cells):
         return cells
     element = reference_element(kind)
-    for part in (cells[:1], cells):  # one right-handed element is enough to return
+    for part in (cells[:1], cells):  # the first element alone, then all
         _, highest = jacobian_range(nodes, part, element)
-        if not (highest < 0.0).all():  # also if det J is NaN
+        if not (highest < 0.0).all():  # true also if det J is NaN
             return cells
     return np.ascontiguousarray(cells[:, element.mirror])

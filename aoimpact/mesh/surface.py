@@ -133,7 +133,7 @@ class Surface:
 
     @cached_property
     def _counts(self) -> IntArray:
-        """Number of nodes on each of the sides."""
+        """Number of nodes on each of `sides`."""
         return np.array([len(face.nodes) for _, face in self.sides])
 
     def of_count(self, face: IntArray) -> Iterator[tuple[ReferenceFace, IntArray]]:
@@ -231,7 +231,7 @@ class Surface:
             gap = np.einsum("nui,ni->nu", tangents, point - x)
             before = uv
             step = _solved(tangents @ tangents.swapaxes(1, 2), gap)
-            u, v = np.clip(uv + step, 0.0, 1.0).T  # triangles: u + v ≤ 1 follows
+            u, v = np.clip(uv + step, 0.0, 1.0).T  # the next lines enforce u + v ≤ 1 on triangles
             excess = np.where(self._triangles[face], np.maximum(u + v - 1.0, 0.0), 0.0)
             u = np.clip(u - 0.5 * excess, 0.0, 1.0)
             uv = np.stack([u, np.minimum(v, np.where(excess > 0.0, 1.0 - u, 1.0))], axis=1)
@@ -378,7 +378,7 @@ def boundary(mesh: Mesh) -> Surface:
     for number, face in sides:
         block = mesh.blocks[number]
         key = np.full((len(block.cells), 4), -1)
-        if block.element.thin:  # kept even on the side of a solid
+        if block.element.thin:  # unique: kept even on the side of a solid
             key[:] = -2 - np.arange(block.first, block.numbers.stop)[:, None]
         else:
             key[:, : face.n_corners] = np.sort(block.cells[:, face.nodes[: face.n_corners]], axis=1)

@@ -26,7 +26,7 @@ COUNT = 28  # anti-oscillators of the beam
 STEP = 2e-6  # Newmark's step in the paper, s
 SHORT, LONG = 200e-6, 20e-3  # length of the records of Figs. 9 and 10, and of Fig. 11, s
 
-PAPER_FREQUENCIES = (58.0, 233.0, 315.0, 520.0, 915.0)  # Hz
+PAPER_FREQUENCIES = (58.0, 233.0, 315.0, 520.0, 915.0)  # natural, Table 5, Hz
 
 # Modes with a larger share of vertical motion in the kinetic energy count as vertical bending.
 _VERTICAL = 0.75
@@ -56,7 +56,7 @@ def beam_model(kind: str = "hexahedron", level: float = 0.0) -> ao.FEModel:
 
 @cache
 def beam() -> ao.ContactPoint:
-    """Return the centre of the beam's top surface."""
+    """Return the contact point at the centre of the beam's top surface."""
     return at_one_dof(beam_model(), (0.5 * LENGTH, 0.5 * WIDTH, WIDTH), (0.0, 0.0, -1.0))
 
 
