@@ -59,7 +59,7 @@ def adaptive_call(case: Case, exact: Outcome) -> Iterator[Run]:
 
 
 def plan_of(scene: dict[str, Any]) -> Scenario:
-    """Return the scenario that `simulate` makes of a scene."""
+    """Return the checked scenario that `simulate` makes from the arguments `scene`."""
     bodies = body_model("projectile", scene["projectile"]), body_model("target", scene["target"])
     contact = Contact(0, 0, 1, 0, scene["law"], scene.get("gap", 0.0))
     speeds = scene["velocity"], 0.0

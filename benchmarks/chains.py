@@ -43,9 +43,7 @@ def pass_on(scene: ao.Scene, count: int, rtol: float) -> int:
     duration = FROM_BALL_TO_BALL * count + 1e-4
     run = scene.simulate(duration=duration, solver=ao.Adaptive(rtol=rtol), energies=False)
     end = run.at([duration])
-    assert math.isclose(
-        sum(body.velocity[-1] for body in end.bodies), 1.0
-    )  # momentum / mass
+    assert math.isclose(sum(body.velocity[-1] for body in end.bodies), 1.0)  # momentum / mass
     return sum(contact.peak_force > 0.0 for contact in end.contacts)
 
 

@@ -132,7 +132,7 @@ def missing_node(name: str, labels: IntArray, node: int) -> InputError:
     """Return the error for an unknown label; a label of -1 means a node without a row in K."""
     known = np.unique(labels[labels > 0])
     if not len(known):
-        return InputError(f"{name} {node}: no row of K has the label of a node")
+        return InputError(f"{name} {node}: no row of K is labelled with a node")
     near = known[np.abs(known - node).argmin()]
     held = " with a row in K, supports may hold it" if (labels < 0).any() else ""
     run = f"the {len(known)} labelled nodes run from {known[0]} to {known[-1]}"

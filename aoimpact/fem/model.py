@@ -902,7 +902,7 @@ def grounded(K: Any, M: Any, free: IntArray) -> tuple[IntArray, Any, Any]:
 def completed(
     K: Any, M: Any, masses: Any, springs: FloatArray | None, free: IntArray
 ) -> dict[str, Any]:
-    """Return K and M on the free dofs with added masses and springs, and `FEModel.held`.
+    """Return a dict of K and M on the free dofs, with added masses and springs, and `held`.
 
     The arrays of the given K and M, over all dofs, are overwritten.
     """
@@ -927,7 +927,7 @@ def summed(matrix: Any, other: Any) -> Any:
 def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | None, IntArray | None]:
     if nodes is None:
         if free is not None:
-            raise InputError("free tells the nodes' dofs apart and needs nodes; give both or none")
+            raise InputError("free assigns rows to nodes' dofs, so needs nodes; give both or none")
         return None, None
     places = np.array(finite_array("nodes", nodes, shape=(None, 3), unit="m", most=HUGE))
     if free is None:
@@ -940,8 +940,8 @@ def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | Non
     dofs = integers("free", free, "integer dof numbers", shape=(n_dofs,))
     if dofs.min() < 0 or dofs.max() >= 6 * len(places):
         raise InputError(
-            f"free must be within 0 … {3 * len(places) - 1} for {len(places)} nodes, of rotations "
-            f"as many more, got {dofs.min()} … {dofs.max()}"
+            f"free must be within 0 … {3 * len(places) - 1} for displacements of {len(places)} "
+            f"nodes; as many rotations follow, got {dofs.min()} … {dofs.max()}"
         )
     if len(np.unique(dofs)) != n_dofs:
         raise InputError(f"free names {n_dofs - len(np.unique(dofs))} dofs more than once")
@@ -956,8 +956,8 @@ def _checked_total(total: FloatArray) -> float:
     gap = float(np.abs(total - mass * np.eye(3)).max())
     if gap > 1e-6 * mass:
         warn(
-            f"M moves {total[0, 0]:.4g}, {total[1, 1]:.4g} and {total[2, 2]:.4g} kg along x, y and "
-            f"z, with {np.abs(total - np.diag(np.diag(total))).max():.3g} kg between them: are its "
+            f"M has {total[0, 0]:.4g}, {total[1, 1]:.4g} and {total[2, 2]:.4g} kg along x, y and "
+            f"z, and {np.abs(total - np.diag(np.diag(total))).max():.3g} kg coupling them: are its "
             "rows in the order 3·node + component?"
         )
     return mass

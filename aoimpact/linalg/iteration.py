@@ -77,8 +77,8 @@ def conjugate_gradients(
             curvature = _inner(p, along)
             if not (rz > 0.0).all():
                 raise ConvergenceError(
-                    f"iterations with {what} have to be given up: it is nearly singular, and the "
-                    "rounding of what speeds them up takes over; take another solver"
+                    f"iterations with {what} stopped: it is nearly singular, and rounding errors "
+                    "in the preconditioner dominate; take another solver"
                 )
             if not (curvature > 0.0).all():
                 raise SingularError(

@@ -159,7 +159,7 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
         raise InputError(
             f"M has masses too far apart to be computed with: M[{least}, {least}] = "
             f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
-            "is too heavy to move, and give dofs that hardly have mass none"
+            "is too heavy to move, and give no mass to dofs with hardly any"
         )
     massless = np.flatnonzero(diagonal == 0.0)  # their rows are zero, by _check_minors
     bare = massless[K.diagonal()[massless] == 0.0]

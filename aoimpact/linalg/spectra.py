@@ -177,8 +177,9 @@ def _first_shift(K: Any, M: Any) -> float:
 def null_space(K: Any, M: Any, soft: float | None = None) -> FloatArray:
     """Return the M-orthonormal modes of zero stiffness, shape (n, r), from the matrices alone.
 
-    A mode counts as rigid if ‖Kφ‖ ≤ 1e-12 ‖|K||φ|‖, its elastic forces being rounding. Rigid modes
-    have some 1e-15; elastic modes of the slenderest meshes that doubles can represent have 1e-9.
+    A mode counts as rigid if ‖Kφ‖ ≤ 1e-12 ‖|K||φ|‖: its elastic forces are rounding errors. The
+    ratio is some 1e-15 for rigid modes, and 1e-9 for elastic modes of the slenderest meshes that
+    doubles can represent.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ def against_neighbours(nodes: FloatArray, groups: Sequence[IntArray]) -> list[Bo
     )
     n = int(owner[-1]) + 1
     one, other = np.hstack([np.stack(some) for some in pairs(number)])
-    # Collapsed elements, with `away` = 0, continue no other.
+    # An element collapsed to a line (`away` = 0) continues no other element.
     straight = dot(away[one], away[other]) < -SHARP * size[one] * size[other]
     some = (np.bincount(number)[number[one]] == 2) | straight
     alone = np.bincount(one[some], minlength=len(number)) == 1

@@ -1,8 +1,8 @@
 """Every table and figure of the paper, recomputed and shown beside its printed numbers.
 
 ``python -m aoimpact paper`` runs :func:`reproduce`; notebooks/paper.ipynb does the same step by
-step. The paper's curves are not published as numbers; numbers that it prints are drawn as thin
-lines and crosses. Figures have no windows.
+step. The paper's curves are not published as numbers. Numbers that it prints are drawn as thin
+lines and crosses. Figures are drawn without windows.
 """
 
 from __future__ import annotations
