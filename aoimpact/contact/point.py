@@ -784,9 +784,9 @@ def _on_beam(body: FEModel, point: FloatArray, along: FloatArray | None) -> Touc
     inner = not at_node or len(members) > 1
     if inner and (np.abs(axes @ along) > _ALONG * np.linalg.norm(axes, axis=1)).all():
         warn(
-            f"direction {plain(along)} is along the beam at point {plain(x)} m, where it has only "
-            "its side, and the contact law is that of this side; give a direction across the beam, "
-            "or a point at its end"
+            f"direction {plain(along)} is along the beam, which has only its side at point "
+            f"{plain(x)} m, and the contact law is that of this side; give a direction across the "
+            "beam, or a point at its end"
         )
     return Touch(x, along, forces, -along)
 
@@ -823,9 +823,9 @@ def _of_functional(body: FEModel, b: Any) -> ContactPoint:
     couple = float(np.linalg.norm(np.cross(body.nodes - centre, forces).sum(axis=0)))
     if abs(length - 1.0) > _NEARLY or couple > _NEARLY * np.ptp(body.nodes, axis=0).max():
         warn(
-            f"b is no mean displacement: its entries sum up to {plain(resultant)}, of length "
-            f"{length:.4g}, with a couple of {couple:.3g} N m; scale b so that it is 1, and leave "
-            "out what is across it, if u is not to be a multiple or to tell rotation"
+            f"b is no mean displacement: its nodal forces sum up to {plain(resultant)} N, of size "
+            f"{length:.4g} N, with a couple of {couple:.3g} N m; give entries that sum up to 1 "
+            "without a couple, unless u is to be a multiple or to include rotation"
         )
     return (
         tip if abs(length - 1.0) > PRINTED else _placed(replace(tip, direction=resultant / length))

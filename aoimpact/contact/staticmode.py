@@ -142,7 +142,7 @@ def fitted_shifts(
         contact_time = min(own_contact_time(tip) for tip in tips)
         if math.isinf(contact_time):
             raise InputError(
-                "no contact_time can be estimated where K gives b no stiffness; give it"
+                "contact_time cannot be estimated, as K gives b no stiffness; give contact_time"
             )
     else:
         positive("contact_time", contact_time, unit="s")

@@ -265,7 +265,7 @@ class Scene:
         mu = nonnegative("friction", 0.0 if friction is None else friction)
         if mu and (law.has_memory or law.pulls):
             raise InputError(
-                f"friction: law={law!r} remembers or pulls; give Hertz(...), a damped law and "
+                f"friction: law={law!r} has a memory or pulls; give Hertz(...), a damped law and "
                 "solver=Newmark(), or friction=0"
             )
         rubs = None if friction is None else Friction(mu)
@@ -590,7 +590,7 @@ class Scene:
         interest = quantity_of(quantity, bodies, pair=not plan.scene)
         if interest.sliding and plan.oblique is None:
             raise InputError(
-                f"quantity={interest.name!r} is of contacts with friction; give friction="
+                f"quantity={interest.name!r} needs contacts with friction; give friction="
             )
         if interest.name.endswith("restitution"):
             met = [body for of in plan.contacts for body, _ in of.ports]

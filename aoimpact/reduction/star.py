@@ -152,8 +152,8 @@ class AOModel(Frozen):
                 share = float(np.max(self.m0 * (away / np.sqrt(moments)) ** 2))
             if not share <= _MOST_TURNING:
                 raise InputError(
-                    f"inertia, mass and arm: m a²/I is {share:.3g} about an axis from which the "
-                    f"arm leads a away, and at most {_MOST_TURNING:g} is computed with; give all "
+                    f"inertia, mass and arm: m a²/I is {share:.3g} for the contact's distance a "
+                    f"from an axis of inertia I, and must be at most {_MOST_TURNING:g}; give all "
                     "of the body's inertia in kg m², or leave inertia and arm out"
                 )
         super().__post_init__()
@@ -533,7 +533,7 @@ def star_of(body: Body) -> AOModel:
     if body.numbers is not None:
         return body.numbers
     if body.ports > 1:
-        raise InputError(f"star: {body!r} is touched in several places, and a star in one")
+        raise InputError(f"star: {body!r} has several contact points, and an AO model has one")
     moved = excited(body)
     omega2, weight = body.omega[moved] ** 2, body.shape[0, moved] ** 2
     starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)

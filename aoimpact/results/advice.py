@@ -520,8 +520,8 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
     size = 0 if nodes is None else nodes.size
     if free is not None and np.count_nonzero(free < size) < size:
         warn(
-            "projectile moves though supports hold it, and nothing holds the target: exchange them "
-            "if it is what is struck; if it flies, leave its supports (fixed=) out"
+            "projectile moves though supports hold it, and nothing holds the target: if it is what "
+            "is struck, exchange both bodies; if it flies, leave its supports (fixed=) out"
         )
 
 

@@ -586,7 +586,7 @@ class Run:
 
     def __getitem__(self, body: Handle | int) -> BodyResult:
         if isinstance(body, Handle) and body.scene != self.plan.scene:
-            raise InputError(f"{body!r} is of another scene; take what this run's add returned")
+            raise InputError(f"{body!r} is of another scene; take a handle of this run's scene")
         index = body.body if isinstance(body, Handle) else body
         return self.bodies[integer("body", index, low=0, high=len(self.bodies) - 1)]
 
