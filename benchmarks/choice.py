@@ -71,14 +71,14 @@ def box(lengths: Any, divisions: Any, size: float, place: Any, fixed: Any) -> ao
 
 
 def plate(size: float) -> tuple[Any, ...]:
-    """A ball on a plate of 300 x 200 x 6 mm held at its edges, off its centre."""
+    """A ball on a plate of 300 x 200 x 6 mm held at its edges, struck off its centre."""
     edges = [(side, "xyz") for side in ("xmin", "xmax", "ymin", "ymax")]
     tip = box((0.3, 0.2, 0.006), (36, 24, 1), size, (0.12, 0.07, 0.006), edges)
     return BALL, tip, ON_ALUMINIUM, 3e-4
 
 
 def beam(size: float) -> tuple[Any, ...]:
-    """A ball on a beam of 500 x 20 x 20 mm held at its ends, at midspan."""
+    """A ball on a beam of 500 x 20 x 20 mm held at its ends, struck at midspan."""
     ends = [(side, "xyz") for side in ("xmin", "xmax")]
     tip = box((0.5, 0.02, 0.02), (60, 3, 3), size, (0.25, 0.01, 0.02), ends)
     return BALL, tip, ON_ALUMINIUM, 1e-3

@@ -120,7 +120,7 @@ def measure_star(folder: str) -> list[Line]:
 
 
 def scipy_loop(model: ao.FEModel, b: np.ndarray, steps: int) -> float:
-    """Run a plain loop on SciPy: one solve with its factors per step, and Newton's method."""
+    """Run Newmark's rule in a plain loop on SciPy's factors; return the peak force, N."""
     K, M, dof = model.K, model.M, int(np.argmax(np.abs(b)))
     sign, reach = b[dof], 0.25 * DT**2
     solve = spla.splu((M + reach * K).tocsc()).solve

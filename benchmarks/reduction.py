@@ -6,7 +6,7 @@
     python benchmarks/reduction.py --patch
     python benchmarks/reduction.py --eigen
 
-The first compares with one factorisation of K + s²M by the same solver and n + 2 solutions with it,
+The first call compares with one factorisation of K + s²M by the same solver and n + 2 solutions,
 for a sphere with elements of `size` mm. The second does so for bodies clamped at their ends,
 slender, thin and compact, which need their static mode as well. The third compares with the lowest
 constraint modes by ARPACK with factors by the same solver, for equal force error: for the sphere on
@@ -84,7 +84,7 @@ def clamped(
 
 
 def without_mesh(tip: ao.ContactPoint) -> ao.ContactPoint:
-    """Return the same body given by K and M alone, struck at the dof that moves most."""
+    """Return a contact at the main dof of `tip`, on its body given by K and M alone."""
     body = ao.FEModel(K=tip.body.K, M=tip.body.M)
     return body.contact(dof=int(np.argmax(np.abs(tip.b))))
 

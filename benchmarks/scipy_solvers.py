@@ -85,7 +85,7 @@ class OdeScene:
     matrix, push, depth, centre, start : ndarrays
         `centre` y is the velocity of the projectile's centre of mass, `start` is y at t = 0.
     compliance, gap : float
-        c, the compliance of massless contacts less that of the patches, m/N, and the gap, m.
+        c, the compliance of massless contacts minus that of the patches, m/N, and the gap, m.
     force : callable
         δ > 0 ↦ F and dF/dδ.
     scale : ndarray

@@ -204,8 +204,8 @@ def _scipy_run(
     ode: OdeScene | None, projectile: AOModel, velocity: float, method: str, rtol: float
 ) -> _Run:
     assert ode is not None
-    # An AO model of a body struck off its centre lacks a part of the rigid motion, whose velocity
-    # stays the same.
+    # The AO model of a body struck off its centre lacks a part of the rigid motion; its velocity is
+    # constant.
     kept = 0.0 if projectile.constrained else velocity * (1.0 - centre_weights(projectile).sum())
 
     def run() -> Outcome:

@@ -72,9 +72,9 @@ class Audit:
         Ratio of mass to the volume of the box around the nodes, kg/m³. If M lacks the constrained
         nodes, it is estimated from the free ones.
     speed : float or None
-        Speed of longitudinal waves, m/s: √(dᵀKd/tᵀMt) for a uniform strain d and a translation t
-        along an axis, median over the three axes. Exact for a free uniform body; supports raise the
-        value, added masses lower it.
+        Speed of longitudinal waves, m/s: √(dᵀKd/tᵀMt) for a displacement d of uniform strain and a
+        translation t along an axis, median over the three axes. Exact for a free uniform body;
+        supports raise the value, added masses lower it.
     rigid_residual : tuple of float
         ‖K r‖ / ‖abs(K) abs(r)‖ for the translations along x, y, z and, with coordinates, the
         rotations about them. Below 1e-6 the motion r meets no elastic force.

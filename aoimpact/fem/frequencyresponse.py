@@ -109,7 +109,7 @@ class FrequencyResponse(Frozen):
         )
 
     def plot(self, ax: Axes | None = None, **kwargs: Any) -> Axes:
-        """Draw the magnitude over frequency; keywords go to ``Axes.semilogy``.
+        """Draw the magnitude against frequency; keywords go to ``Axes.semilogy``.
 
         Examples
         --------

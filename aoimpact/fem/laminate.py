@@ -142,7 +142,7 @@ class Layers:
         return float(np.abs(self.interfaces[[0, -1]]).max())
 
     def seen_from(self, *, top: bool) -> Layers:
-        """Return the layers with the side of a contact, top or bottom, as their top.
+        """Return the layers, turned over unless `top`, so that a contact is on their top.
 
         :meta private:
         """

@@ -176,9 +176,9 @@ def element_frames(corners: FloatArray, layers: Layers | None) -> ArrayPair:
 def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatArray]:
     """Return the surface's unit normals at the nodes of elements, (n, 3 or 4, 3) for each group.
 
-    Each normal is the mean over the normals of all elements at the node that differ from that of
-    the element by less than the angle of `FOLD`, with equal orientation. The others belong to
-    another surface, joined at a fold.
+    Each normal is the mean of the normals of those elements at the node whose normals, turned to
+    the element's side, differ from the element's by less than the angle of `FOLD`. Other elements
+    belong to another surface, joined at a fold.
 
     Parameters
     ----------
@@ -387,7 +387,7 @@ def _stiffness(layers: Layers) -> FloatArray:
 
 
 def _mean_membrane(stiffness: FloatArray) -> tuple[float, float]:
-    """Return Poisson's ratio and shear stiffness, N/m, of the membrane, means over directions."""
+    """Return the membrane's Poisson ratio and shear stiffness, N/m, averaged over directions."""
     direct = float(stiffness[0, 0] + stiffness[1, 1])
     across, shear = float(stiffness[0, 1]), float(stiffness[2, 2])
     ratio = (direct + 6.0 * across - 4.0 * shear) / (3.0 * direct + 2.0 * across + 4.0 * shear)

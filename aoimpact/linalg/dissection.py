@@ -74,7 +74,7 @@ def fill(matrix: Any, places: FloatArray | None = None) -> Fill:
 def _cross_section(matrix: Any, along: FloatArray) -> float:
     """Return the size of a separator at the median of the coordinate `along`; n if constant."""
     below = _below(along[:, None])
-    mark = 1.0 + np.random.default_rng(0).random(len(below))  # random, since sums must not cancel
+    mark = 1.0 + np.random.default_rng(0).random(len(below))  # random: no sums cancel
     up = np.count_nonzero((matrix @ (mark * below))[~below])
     down = np.count_nonzero((matrix @ (mark * ~below))[below])
     return float(min(up, down)) if np.ptp(along) > 0.0 else float(len(along))
@@ -138,7 +138,7 @@ def _cut(
 
 
 def _below(places: FloatArray) -> BoolArray:
-    """Return which nodes lie below the median along their longest side: about half of them."""
+    """Return which nodes lie below the median along the longest side of their bounding box."""
     along = places[:, np.ptp(places, axis=0).argmax()]
     middle = np.partition(along, len(along) // 2)[len(along) // 2]
     below: BoolArray = along < middle

@@ -70,7 +70,7 @@ class Cost(NamedTuple):
 
 
 class Method(NamedTuple):
-    """A method of solution.
+    """A method that solves (K + s²M) x = f.
 
     Attributes
     ----------

@@ -2,9 +2,9 @@
 
 Davidson's method adds a block of preconditioned residuals to its basis at each step. With factors
 as preconditioner it is a block Lanczos method, which finds every member of a multiple eigenvalue.
-With V-cycles it is quicker than Lanczos' method with multigrid solutions: 16 modes of balls of
-20 000 and 45 000 dofs take 1.2 and 3.0 s of processor time instead of 6.8 and 17.5 s, those of a
-plate of 55 000 dofs 10.7 s instead of 30 s. Factors by PARDISO take 3.8, 11.8 and 7.2 s. SciPy's
+With V-cycles it is quicker than Lanczos' method with multigrid solutions: 16 modes of balls of 20
+000 and 45 000 dofs take 1.2 and 3.0 s of processor time instead of 6.8 and 17.5 s, those of a plate
+of 55 000 dofs 10.7 s instead of 30 s. With PARDISO's factors they take 3.8, 11.8 and 7.2 s. SciPy's
 `lobpcg` with the same V-cycles takes 1.2 to 2.2 times as long.
 """
 
@@ -30,7 +30,7 @@ DENSE_DOFS = 500
 EQUAL = 1e-9
 
 # Dofs up to which LAPACK replaces iterations that do not converge, as for the closely spaced
-# eigenvalues of K and M given in exchanged places.
+# eigenvalues of a pair K, M whose matrices were interchanged.
 _DENSE_AT_WORST = 2000
 
 # Smallest ratio of an elastic eigenvalue to the first guess of s²; smaller eigenvalues are rounding

@@ -19,7 +19,7 @@ _SINGULAR = 2e-15
 # Safety factor, times √n, on the condition estimated by one inverse iteration from a random vector.
 _UNLUCKY = 100.0
 
-# Dofs up to which the signs of the pivots are checked: SciPy copies all factors to show them.
+# Dofs up to which the signs of the pivots are checked: SciPy copies all factors for access to them.
 CHECKED_DOFS = 10_000
 
 # Costs for `of_factors`, including four solutions that check the factors, and both L and U with

@@ -206,7 +206,7 @@ def _curved(surface: Surface, face: IntArray) -> BoolArray:
 def _flat(
     surface: Surface, start: IntArray, here: FloatArray, normal: FloatArray
 ) -> SurfaceShape | None:
-    """Return a `SurfaceShape` without curvature if the faces around are coplanar, else None."""
+    """Return a `SurfaceShape` of a plane if the faces at the point are coplanar, else None."""
     face = np.flatnonzero(np.isin(surface.nodes, surface.nodes[start]).any(axis=1))
     joined, bends = _joined(surface, face, here)
     face = face[_linked(joined, np.isin(face, start))]
@@ -250,7 +250,7 @@ def _linked(joined: sp.csr_array, start: BoolArray) -> BoolArray:
 
 
 def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_array, FloatArray]:
-    """Return the adjacency matrix of faces over edges that are not sharp, and `_Region.bends`."""
+    """Return the adjacency matrix of faces joined at edges not sharp, and `_Region.bends`."""
     key = surface.ends(face).reshape(-1, 2)
     row = np.repeat(np.arange(len(face)), 4)
     middles = np.zeros((len(face), 4, 2))

@@ -202,7 +202,8 @@ class _Basis:
     @classmethod
     def of(cls, space: tuple[_Powers, ...], nodes: FloatArray, middle: float) -> _Basis:
         """Return the nodal basis of a space: each function is one at one node, zero elsewhere."""
-        # Each derivative along x, y or z is a number times a function of the same form.
+        # The derivative of a function along x, y or z is a number times a function of the same
+        # form.
         slopes = [
             (axis, column, of, factor)
             for column, (i, j, k, m) in enumerate(space)
@@ -234,7 +235,7 @@ class _Basis:
 
 
 def _monomials(points: FloatArray, powers: IntArray) -> FloatArray:
-    """Return xⁱ yʲ zᵏ (1 - z)⁻ˡ, shape (m, n); at the apex z = 1 the values on x = y = 0."""
+    """Return xⁱ yʲ zᵏ (1 - z)⁻ˡ, shape (m, n); at the apex z = 1 the limit on x = y = 0."""
     base = points.T
     if powers[:, 3].any():
         base = np.vstack([base, 1.0 / np.maximum(1.0 - base[2], _APEX)])

@@ -86,7 +86,7 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     weights = np.stack([n - x, x - y, y - z, z], axis=-1).reshape(-1, 4)
     barycentric, tets = np.unique(weights, axis=0, return_inverse=True)
     # The first barycentric coordinate belongs to the centre; the sum of the others is the layer.
-    # Sines of their shares give the direction, which makes the spacing on the sphere nearly even.
+    # Sines of their shares in this sum give the direction, and nearly even spacing on the sphere.
     share = barycentric[:, 1:]
     layer = share.sum(axis=1)
     angle = share / np.maximum(layer, 1)[:, None] * _ICOSAHEDRON_ANGLE

@@ -39,7 +39,7 @@ def weights_at(
     nodes : ndarray of int, shape (nodes per element,)
         Nodes of the element.
     weights : ndarray, shape (nodes per element,)
-        Their shape functions. Their sum is 1, without the functions added by `enriched`.
+        Values of the shape functions; those not added by `enriched` have a sum of 1.
 
     Raises
     ------

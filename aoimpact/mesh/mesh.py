@@ -87,8 +87,8 @@ class Mesh(Frozen):
         Coordinates, m.
     cells : array_like of int, shape (n_cells, nodes per cell)
         Node numbers of each element in meshio's (VTK's) order; for several kinds of elements, a
-        list of pairs (kind, cells). The attribute of such a mesh is an array as wide as the largest
-        element, in which shorter rows repeat their first node; see `blocks`.
+        list of pairs (kind, cells). The attribute `cells` of such a mesh is an array as wide as the
+        largest element, in which shorter rows repeat their first node; see `blocks`.
     kind : str, optional
         meshio's name of the kind of element, such as "tetra10", "hexahedron20", "quad" or "line";
         "mixed" for several kinds.

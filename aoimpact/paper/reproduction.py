@@ -93,7 +93,7 @@ def figure_05(ax: Axes) -> None:
 
 
 def figure_06(ax: Axes) -> None:
-    """Masses and springs of both AO models; those between the outer masses are the modified law."""
+    """Masses and springs of both AO models; all but the outer masses form the modified law."""
     model, law = sphere.one_ao(), ("F = k δ^1.5\nk", sphere.LAW.k, "N/m^1.5")
     m0, m1, k1 = ("m0", model.m0, "kg"), ("m1", model.m[0], "kg"), ("k1", model.k[0], "N/m")
     ax.axhline(0.0, color="black")
