@@ -11,7 +11,7 @@
  *
  * What the Python package adds: finite elements and their reduction, damped AO models as bodies, the compliance of
  * patches for a law, starts at rest under load, estimates of errors by more runs. An adaptive run here gives no such
- * estimate: from a contact's second touch on errors grow with each, and another run with a tenth of rtol shows them.
+ * estimate: from a contact's second touch on, errors grow with each touch. Another run, with a tenth of rtol, shows them.
  *
  * Rules that hold for every function
  *   Memory    The caller owns all memory. Nothing here allocates, frees, or keeps a pointer after it returns,
@@ -33,13 +33,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Infinities and NaN are part of the interface, and sums are ordered with care. */
+/* Infinities and NaN are part of the interface, and the order of sums matters. */
 #if defined(__FAST_MATH__) || defined(_M_FP_FAST) ||                                                \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "aoimpact needs IEEE arithmetic: compile without -ffast-math, -Ofast, -ffinite-math-only, /fp:fast"
 #endif
 
-/* Sums are rounded to double at each operation. In x87 registers they are not, and results would be wrong. */
+/* Each operation must be rounded to double. In x87 registers it is not, and results would be wrong. */
 #if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0
 #error "aoimpact needs doubles that are evaluated as doubles: compile with -msse2 -mfpmath=sse, not for the x87"
 #endif
@@ -50,7 +50,7 @@ extern "C" {
 
 #define AOI_VERSION "0.1.0"
 
-/* The functions that a shared library shows; its other symbols are hidden. */
+/* Marks the functions that a shared library exports; its other symbols are hidden. */
 #if defined(_WIN32)
 #define AOI_API
 #else
@@ -59,28 +59,28 @@ extern "C" {
 
 typedef enum aoi_status {
     AOI_OK = 0,
-    AOI_ERROR_ARGUMENT,       /* a size, sign or parameter that the function's paragraph excludes */
-    AOI_ERROR_NOT_FINITE,     /* an infinity or NaN where none may be                             */
+    AOI_ERROR_ARGUMENT,       /* an argument that the function's description excludes             */
+    AOI_ERROR_NOT_FINITE,     /* an infinity or NaN that is not allowed                           */
     AOI_ERROR_NOT_POSITIVE,   /* a pivot, mass or stiffness that must be positive is not           */
     AOI_ERROR_NO_CONVERGENCE, /* an iteration reached its limit                                    */
     AOI_ERROR_SOLVER,         /* the caller's linear solver reported a failure                     */
     AOI_ERROR_TOLERANCE,      /* even the shortest step does not meet the tolerance                */
     AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */
-    AOI_ERROR_PATCH,          /* a contact goes deeper than its patch or table allows */
+    AOI_ERROR_PATCH,          /* an indentation exceeds the limit of its law: of its patch or table */
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
-    /* with its patch compliance taken out, the law has no force: it jumps */
+    /* the law without its patch compliance has no force at this indentation, since it jumps */
     AOI_ERROR_LAW_JUMPS,
     AOI_ERROR_STOPPED,        /* the caller's pause returned nonzero                               */
-    /* friction with a law that remembers or pulls; in an adaptive run also with a damped law or a
-     * residual compliance */
+    /* friction with a law that has a memory or adhesion; in an adaptive run also with a damped law or a residual
+     * compliance */
     AOI_ERROR_FRICTION,
     AOI_ERROR_SPRINGS         /* a contact with friction needs more springs than there is room for  */
 } aoi_status;
 
-/* AOI_VERSION of the library that is linked. */
+/* Returns AOI_VERSION of the library that is linked. */
 AOI_API const char *aoi_version(void);
 
-/* A status in words: a constant string, never NULL. */
+/* Returns the text of a status: a constant string, never NULL. */
 AOI_API const char *aoi_status_text(int status);
 
 /* A callback of the caller: long computations call ask(data) at least every few milliseconds, and return
@@ -93,8 +93,8 @@ typedef struct aoi_pause {
 
 /* --------------------------------------------------------------------------------- AO models */
 
-/* The AO model: contact mass m0 >= 0 on a ground spring k0 >= 0, and n oscillators (m_i, k_i > 0)
- * hung on the contact mass. n = 0 is a rigid mass; m0 = infinity (n = 0) a fixed wall. */
+/* The AO model: a contact mass m0 >= 0 on a ground spring k0 >= 0, and n oscillators (m_i, k_i > 0) attached to
+ * the contact mass. With n = 0 it is a rigid mass, with n = 0 and m0 = infinity a fixed wall. */
 typedef struct aoi_star {
     size_t n;
     double m0, k0;
@@ -106,19 +106,19 @@ typedef struct aoi_star {
  * aoi_star_to_modal and aoi_star_modes need k_i/m_i ascending and distinct, and return AOI_ERROR_ARGUMENT otherwise. */
 AOI_API int aoi_star_check(const aoi_star *star);
 
-/* Static mass m_st = m0 + sum of m_i, eq. (10), kg. */
+/* Returns the static mass m_st = m0 + sum of m_i, eq. (10), kg. */
 AOI_API double aoi_star_static_mass(const aoi_star *star);
 
-/* Receptance u/f at the contact coordinate, 1 / (k0 - w^2 m0 - sum_i m_i w^2 w_i^2 / (w_i^2 - w^2)): infinite on a
- * resonance (and at w = 0 of a free star), zero on an antiresonance.
- *   count       frequencies
+/* Computes the receptance u/f at the contact coordinate, 1 / (k0 - w^2 m0 - sum_i m_i w^2 w_i^2 / (w_i^2 - w^2)):
+ * infinite at a resonance (and at w = 0 of a free star), zero at an antiresonance.
+ *   count       number of frequencies
  *   omega       count: angular frequencies w, rad/s
  * Out:
  *   receptance  count: real, m/N */
 AOI_API void aoi_star_receptance(const aoi_star *star, size_t count, const double *omega,
                                  double *receptance);
 
-/* The energies of a star.
+/* Computes the energies of a star.
  *   u, v     n + 1: coordinates and their rates, the contact's first
  * Out:
  *   kinetic  1/2 sum m v^2, J; 0 for a wall
@@ -126,20 +126,21 @@ AOI_API void aoi_star_receptance(const aoi_star *star, size_t count, const doubl
 AOI_API void aoi_star_energy(const aoi_star *star, const double *u, const double *v, double *kinetic,
                              double *elastic);
 
-/* The star's natural modes, mass-normalised: its receptance is sum_j r_j^2 / (omega2_j - w^2).
- *   star           oscillators in ascending, distinct k_i/m_i
+/* Computes the star's natural modes, mass-normalised: its receptance is sum_j r_j^2 / (omega2_j - w^2).
+ *   star           with oscillators in ascending, distinct k_i/m_i
  *   work           n
  *   pause          or NULL
  * Out:
  *   omega2         n + 1: ascending, (rad/s)^2
  *   participation  n + 1: r_j = b^T phi_j > 0, 1/sqrt(kg)
- *   mode_count     n + 1, or n if m0 is zero
- * AOI_ERROR_NOT_FINITE also where a k_i/m_i or a mode leaves the range of numbers. */
+ *   mode_count     number of modes: n + 1, or n if m0 is zero
+ * AOI_ERROR_NOT_FINITE also if a k_i/m_i or a value of a mode overflows or underflows. */
 AOI_API int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participation,
                               size_t *mode_count, double *work, const aoi_pause *pause);
 
-/* The star of a modal model: its antiresonances by the secular equation. The inverse of aoi_star_to_modal.
- *   count   modes, >= 1
+/* Computes the star of a modal model, whose antiresonances are roots of the secular equation. The inverse of
+ * aoi_star_to_modal.
+ *   count   number of modes, >= 1
  *   omega2  count: ascending and distinct, >= 0
  *   weight  count: r_j^2 > 0
  *   pause   or NULL
@@ -210,32 +211,34 @@ typedef struct aoi_user_law {
  * memory is an array of AOI_LAW_MEMORY doubles for one contact, all zero until its first touch. It may be NULL for a
  * law whose remember is NULL. */
 struct aoi_law {
-    /* Sets value for the law on one of its smooth pieces, and a little beyond the ends of the piece, where the law
-     * is continued smoothly if possible; not cut at zero. */
+    /* Sets value to the law on one of its smooth pieces, without replacing negative forces by zero. Slightly
+     * beyond the ends of the piece the law is continued, smoothly if possible. */
     void (*force)(const aoi_law *law, const double *memory, int piece, double indentation,
                   double rate, aoi_law_value *value);
-    /* Elastic energy that unloading from this indentation gives back, J. */
+    /* Returns the elastic energy that unloading from this indentation gives back, J. */
     double (*potential)(const aoi_law *law, const double *memory, double indentation);
-    /* NULL: the law has one piece, number 0. Else returns the piece on which the motion goes on
-     * from an indentation, upward (rising) or downward, and its ends low < high; -+HUGE_VAL where
-     * there is none. */
+    /* NULL: the law has one piece, number 0. Else returns the piece on which the motion goes on from an
+     * indentation, upward (rising) or downward, and its ends low < high; an end that does not exist is -HUGE_VAL
+     * or HUGE_VAL. */
     int (*piece)(const aoi_law *law, const double *memory, double indentation, int rising,
                  double *low, double *high);
-    /* NULL: no memory. Else updates the memory of a contact that has been at this indentation:
-     * called at the end of a step, and where the rate turns. */
+    /* NULL: no memory. Else updates the memory of a contact that has been at this indentation: called at the end
+     * of a step, and where the rate changes its sign. */
     void (*remember)(const aoi_law *law, double indentation, double rate, double *memory);
-    /* NULL, or returns the force alone, where that is cheaper than with its derivatives. */
+    /* NULL, or returns the force alone, if that is cheaper than the force with its derivatives. */
     double (*alone)(const aoi_law *law, double indentation, double rate);
     /* NULL: rest is 0. Else returns rest, the indentation at and below which there is no force. */
     double (*rest)(const aoi_law *law, const double *memory);
-    double parameter[AOI_LAW_PARAMETERS]; /* of aoi_law_create, and derived ones; or the caller's */
-    double compliance;   /* c [m/N] taken out: F = law(indentation + c F, rate); below 0: in series */
+    /* parameters of aoi_law_create, and values derived from them; or the caller's */
+    double parameter[AOI_LAW_PARAMETERS];
+    /* c [m/N] taken out of the law: F = law(indentation + c F, rate); c < 0: in series with the law */
+    double compliance;
     double limit;        /* largest indentation for which the law holds at rate 0: a run that goes
                             deeper ends with AOI_ERROR_PATCH. With a compliance c, the caller
                             sets it to where c times the law's stiffness comes near 1, if any    */
     int depends_on_rate; /* the force depends on the rate                                        */
-    int turns;           /* loading and unloading differ: a step must end where the rate turns   */
-    int pulls;           /* negative forces are meant; a contact ends only at `rest`             */
+    int turns;           /* loading and unloading differ: a step must end where the rate changes its sign */
+    int pulls;           /* adhesion: negative forces act, and a contact ends only at `rest`     */
     double *note;        /* NULL, or AOI_LAW_NOTE doubles, the first NaN before a run: indentation
                             and rate where the law gave no force, and the status that says why   */
 
@@ -248,8 +251,8 @@ struct aoi_law {
     aoi_user_law user;
 };
 
-/* Makes the law of that name from count parameters, k in N/m^n. Names, parameters, and the force at an indentation d
- * and rate v:
+/* Makes the law of that name from count parameters, k in N/m^n. Names, parameters, and the force at an indentation
+ * d and rate v:
  *   hertz: k                         k d^(3/2)
  *   power: k, n >= 1                 k d^n
  *   linear: k                        k d
@@ -257,16 +260,18 @@ struct aoi_law {
  *   tsuji: k, g                      k d^(3/2) + g d^(1/4) v, g = alpha sqrt(m k) in N s/m^(5/4)
  *   kuwabara_kono: k, A              k (d^(3/2) + 3/2 A d^(1/2) v), A in s
  *   kelvin_voigt: k, c               k d + c v, c in N s/m
- *   kelvin_voigt_pulling: k, c       the same, also where that pulls
- *   thornton: k, yield force         k d^(3/2) up to that force, then straight on with that slope; from the deepest
- *                                    D with force F back and up to it F ((d - p)/(D - p))^(3/2), D - p = F/(k D^(1/2))
+ *   kelvin_voigt_pulling: k, c       the same, also where it is negative
+ *   thornton: k, yield force         k d^(3/2) up to the yield force, then a straight line with the slope there.
+ *                                    Unloading from the largest indentation D, with force F, and reloading up to D:
+ *                                    F ((d - p)/(D - p))^(3/2), D - p = F/(k D^(1/2))
  *   elastic_plastic: k, yield force, slope
- *                                    k d^(3/2) up to that force; slope (d - f/2) from f = (slope/(2 k))^2 on, which is
- *                                    at least 3.5 times the d of yield y; between, the cubic that meets both with their
- *                                    slopes; back and up as thornton, with p = D (1 - (y/D)^0.28) (1 - (y/D)^0.69)
- *   yang_sun: k, critical, beta      k d^(3/2); from D with force F back F ((d - p)/(D - p))^(5/2), and from p up to D
- *                                    with 3/2 for 5/2; p = D (1 - (critical/D)^(2/5)), or beta (D - critical) where
- *                                    beta is not 0 (at most 1), and 0 where D is less than critical
+ *                                    k d^(3/2) up to the yield force, at d = y; slope (d - f/2) from f on, where
+ *                                    f = (slope/(2 k))^2 is at least 3.5 y; between, the cubic that meets both with
+ *                                    their slopes. Unloading as thornton, p = D (1 - (y/D)^0.28) (1 - (y/D)^0.69)
+ *   yang_sun: k, critical, beta      k d^(3/2). Unloading from the largest indentation D, with force F:
+ *                                    F ((d - p)/(D - p))^(5/2); reloading from p to D with 3/2 in place of 5/2.
+ *                                    p = 0 if D < critical, else D (1 - (critical/D)^(2/5)), or
+ *                                    beta (D - critical) if beta is not 0 (at most 1)
  * k, slope, yield force and critical must be positive, damping parameters not negative. AOI_ERROR_ARGUMENT for an
  * unknown name, a wrong count, or a value out of range, given or derived. */
 AOI_API int aoi_law_create(aoi_law *law, const char *name, size_t count, const double *parameter);
@@ -285,8 +290,8 @@ AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table
  * AOI_ERROR_ARGUMENT if the force, or a function with a nonzero `given`, is missing. */
 AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
 
-/* Checks a law. AOI_ERROR_ARGUMENT where it cannot be used: NULL, without force or potential, with
- * a compliance that is not finite, with a limit that is not positive. */
+/* Checks a law. Returns AOI_ERROR_ARGUMENT if it cannot be used: it is NULL, lacks force or potential, or has a
+ * compliance that is not finite or a limit that is not positive. */
 AOI_API int aoi_law_check(const aoi_law *law);
 
 /* Gives the force of a law and its derivatives, as runs in fixed steps use them: zero at and below rest, and cut at
@@ -299,51 +304,52 @@ AOI_API int aoi_law_check(const aoi_law *law);
 AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                           aoi_law_value *value);
 
-/* As law->potential, at the total indentation. The energy c F^2/2, which is stored in the bodies, is not included.
- * Past the limit of a law with a compliance, where the energy has no meaning, it grows as under a force that is a
- * straight line. */
+/* Returns the potential as law->potential, but at the total indentation, J. The energy c F^2/2, which is stored in
+ * the bodies, is not included. Beyond the limit of a law with a compliance the energy has no meaning: it is that
+ * of a force on the straight line that continues the law. */
 AOI_API double aoi_law_potential(const aoi_law *law, const double *memory, double indentation);
 
 /* ------------------------------------------------------------------------------------ friction */
 
-/* Coulomb's friction in an elastic contact, which sticks in its middle and slips at its rim (Cattaneo, Mindlin). By
- * the method of dimensionality reduction (Popov and Hess) the contact is a row of springs. The spring of depth x is
- * touched where the indentation d exceeds x. With K = dF/dd, its normal stiffness is dK(x); it presses with
- * (d - x) dK and resists a tangential stretch s with ratio s dK, as far as |s| <= mu/ratio (d - x):
+/* Coulomb's friction in an elastic contact, which sticks in its middle and slips at its rim (Cattaneo, Mindlin).
+ * In the method of dimensionality reduction (Popov and Hess) the contact is a row of springs. The spring of depth
+ * x is touched when the indentation d exceeds x. With K = dF/dd, its normal stiffness is dK(x). Its normal force
+ * is (d - x) dK, its tangential force at the stretch s is ratio s dK, and the stretch is limited by |s| <=
+ * mu/ratio (d - x):
  *     force = ratio * integral of s(x) dK(x) over 0 <= x <= d.
- * This is exact for a Hertzian contact of two like materials, except for the small part of slip across the force. For
- * unlike materials Dundurs' constant is neglected: friction does not change the normal force. Another elastic law has
- * the springs of its own K; a linear law has one. A law with a rate has the springs of its K at rate 0, and the force of
- * the rate is distributed over them in proportion: share = F/F(rate 0) raises Coulomb's bound to mu/ratio share (d - x).
- * For an elastic law share is 1. */
+ * This is exact for a Hertzian contact of two like materials, except for the small component of the slip across
+ * the force. For unlike materials Dundurs' constant is neglected: friction does not change the normal force.
+ * Another elastic law has the springs of its own K; a linear law has one. A rate-dependent law has the springs of
+ * its K at rate 0, and the force of the rate is distributed over them in proportion: share = F/F(rate 0) raises
+ * Coulomb's bound to mu/ratio share (d - x). For an elastic law share is 1. */
 typedef struct aoi_friction {
     aoi_law law;      /* normal law as a function of its own indentation, without compliance        */
     double mu, ratio; /* coefficient of friction; ratio of tangential to normal stiffness, Mindlin's G / E
                          of the pair: 2 (1 - nu)/(2 - nu) for like materials                       */
-    double precision; /* error of the curve of stretches, relative to the largest since the touch   */
+    double precision; /* error of the curve of stretches, relative to the largest stretch since the touch */
 } aoi_friction;
 
-/* Makes the friction of a law. The law's compliance and limit are not used. For a law with a compliance, the functions
+/* Makes the friction of a law, whose compliance and limit are not used. For a law with a compliance, the functions
  * below take the contact's own indentation and slide, which are those of the bodies plus compliance times force.
- *   law        it must neither have a memory nor turn or pull; copied
+ *   law        copied; it must have no memory and no adhesion, and unload as it loads
  *   mu         >= 0, at most 1e140 times the ratio
  *   ratio      > 0
  *   precision  in (0, 0.1]; 1e-4 is usual
  * AOI_ERROR_FRICTION for another law, AOI_ERROR_ARGUMENT for other numbers. */
 AOI_API int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision);
 
-/* A point of the curve of stretches as a function of depth, which is straight between two points: the stretch of the
- * spring at a depth, m, along both tangents, and force and stiffness of the normal law there. */
+/* A point of the curve of stretch against depth, which is straight between two points: the stretch of the spring
+ * at a depth along both tangents, m, and force and stiffness of the normal law at that depth. */
 typedef struct aoi_stretch {
     double depth, along[2];
     double force, stiffness;
 } aoi_stretch;
 
-/* Memory of one contact with friction: the stretches of its springs, by ascending depth from 0 to
- * the indentation, where the stretch is 0; no springs, count = 0, where the bodies are apart. The
- * caller sets room, at least 8, and two arrays of that length; count = 0; and the initial
- * indentation, not above 0. From then on only the functions below write to it, which do not check
- * again what they have written. An impact takes about 2/sqrt(precision) springs. */
+/* Memory of one contact with friction: the stretches of its springs, in order of depth from 0 to the indentation,
+ * where the stretch is 0. If the bodies are apart there are no springs (count = 0). The caller sets room, at least
+ * 8, two arrays of that length, count = 0, and the initial indentation, not above 0. From then on only the
+ * functions below write to it, which do not check again what they have written. An impact takes about
+ * 2/sqrt(precision) springs. */
 typedef struct aoi_friction_state {
     size_t room, count;
     aoi_stretch *spring, *spare;
@@ -370,18 +376,18 @@ typedef struct aoi_friction_value {
 AOI_API void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *state, double indentation,
                               double share, const double slide[2], aoi_friction_value *value);
 
-/* Adds springs to the state where a path as in aoi_friction_try turns neighbouring springs by different angles; the
- * force does not change. To be called once in a step, with a guess of its end: aoi_friction_try is smooth from then
- * on. AOI_ERROR_SPRINGS without room. */
+/* Adds springs to the state where a path as in aoi_friction_try turns neighbouring springs by different angles;
+ * the force does not change. Should be called once in a step, with a guess of the step's end: aoi_friction_try is
+ * then smooth in this step. AOI_ERROR_SPRINGS if there is no room. */
 AOI_API int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state, double indentation,
                                 double share, const double slide[2]);
 
-/* Moves the state along a path as in aoi_friction_try, and removes springs that the precision does not need.
- * AOI_ERROR_SPRINGS, with the state unchanged, if there is no room for the others. */
+/* Moves the state along a path as in aoi_friction_try, and removes springs that the precision does not require.
+ * AOI_ERROR_SPRINGS, with the state unchanged, if there is no room for the remaining springs. */
 AOI_API int aoi_friction_move(const aoi_friction *friction, aoi_friction_state *state, double indentation,
                               double share, const double slide[2]);
 
-/* Energy stored in the stretches, J. The rest of the work of friction has been dissipated. */
+/* Returns the energy stored in the stretches, J. The rest of the work of friction has been dissipated. */
 AOI_API double aoi_friction_energy(const aoi_friction *friction, const aoi_friction_state *state);
 
 /* ----------------------------------------------------------------- what there is: the model */
@@ -414,8 +420,8 @@ typedef struct aoi_solver {
 typedef struct aoi_full {
     aoi_sparse K, M;
     double alpha, beta;     /* Rayleigh's damping, 1/s and s, not negative                           */
-    /* solves with (1 + alpha gamma dt) M + (beta_N dt^2 + beta gamma dt) K, where dt, beta_N and
-     * gamma are the rule's */
+    /* solves with (1 + alpha gamma dt) M + (beta_N dt^2 + beta gamma dt) K, where dt, beta_N and gamma are those
+     * of the rule */
     aoi_solver solver;
     const aoi_pause *pause; /* or NULL: asked at each step, and while a run starts                   */
 } aoi_full;
@@ -474,14 +480,13 @@ typedef struct aoi_rigid {
 enum { AOI_RIGID_ROOM = 54 };
 AOI_API int aoi_rigid_modes(const aoi_rigid *rigid, double *memory, aoi_modes *body);
 
-/* A contact between ports of two bodies: indentation = u_first - u_second - gap. Its force presses
- * the first body back and the second forward.
+/* A contact between ports of two bodies: indentation = u_first - u_second - gap. Its force presses the first body
+ * back and the second forward.
  *
- * With friction a contact has three forces. The ports port[i], port[i] + 1 and port[i] + 2 of a
- * body are its normal and two tangents, axes as for aoi_rigid; slides are u_first - u_second along
- * the tangents, and friction holds the first body back and takes the second along. Springs are not
- * stretched at a touch. Bodies that overlap at t = 0 are taken to have come straight from (0, 0) to
- * their indentation and slide. */
+ * With friction a contact has three forces. The ports port[i], port[i] + 1 and port[i] + 2 of a body are its
+ * normal and two tangents, with axes as for aoi_rigid. Slides are u_first - u_second along the tangents. Friction
+ * holds the first body back and pulls the second along. Springs are not stretched at a touch. Bodies that overlap
+ * at t = 0 are taken to have moved straight from indentation and slide 0 to those at t = 0. */
 typedef struct aoi_contact {
     size_t body[2], port[2];
     double gap;
@@ -492,12 +497,11 @@ typedef struct aoi_contact {
     const double *compliance;
 } aoi_contact;
 
-/* Bodies and contacts, which both integrators take and never change. The caller sets the first
- * block, has aoi_system_link fill in the second, zero before, and then changes neither. In arrays
- * of all bodies, body b has the modes first[b] .. first[b+1]-1 and the ports first_port[b] ..
- * first_port[b+1]-1; its contacts are contact_of[i] for first_contact[b] <= i < first_contact[b+1],
- * ascending. In arrays of the forces of all contacts, contact c has first_force[c] ..
- * first_force[c+1]-1: one, or with friction three. */
+/* Bodies and contacts, which both integrators take and never change. The caller sets the first block, and the
+ * second to zero, which aoi_system_link then fills in; afterwards neither may change. In arrays of all bodies,
+ * body b has the modes first[b] .. first[b+1]-1 and the ports first_port[b] .. first_port[b+1]-1; its contacts are
+ * contact_of[i] for first_contact[b] <= i < first_contact[b+1], ascending. In arrays of the forces of all
+ * contacts, contact c has first_force[c] .. first_force[c+1]-1: one force, or three with friction. */
 typedef struct aoi_system {
     /* at_once has no effect: any number of contacts may be closed at once */
     size_t body_count, contact_count, at_once;
@@ -507,21 +511,21 @@ typedef struct aoi_system {
     const size_t *first, *first_port, *first_contact, *contact_of, *first_force;
 } aoi_system;
 
-/* Checks the system and links it. memory: aoi_system_size bytes, which the system keeps. AOI_ERROR_NOT_POSITIVE for a
- * contact where nothing can deform or move, as between two walls; AOI_ERROR_ARGUMENT
- * where an array is missing or numbers are not finite, frequencies or load times do not ascend, decays or inertias
- * are negative, forces would get work out of a residual or it is not symmetric, a contact names a body or port that
- * is not there, or one body twice, or has no usable law, or friction that aoi_friction_create has not made of that law: the
- * system is not linked then, even if it was before. */
+/* Checks the system and links it. memory: aoi_system_size bytes, which the system keeps. AOI_ERROR_NOT_POSITIVE
+ * for a contact at which nothing can deform or move, as between two walls. AOI_ERROR_ARGUMENT if an array is
+ * missing, numbers are not finite, frequencies or load times do not ascend, decays or inertias are negative, a
+ * residual is not symmetric or would return more work than it takes, or a contact names a body or port that does
+ * not exist, or one body twice, or has no usable law, or friction that aoi_friction_create has not made of that
+ * law. After an error the system is not linked, even if it was before. */
 AOI_API size_t aoi_system_size(const aoi_system *system);
 AOI_API int aoi_system_link(aoi_system *system, void *memory);
 
 /* --------------------------------------------------------------------- what is seen: a record */
 
-/* A record is a matrix by rows, with one column per time: four rows for each contact, or with
- * friction eight, then for each body the rows of aoi_body_row and two for each of its ports. The
- * energy that a law has dissipated is the work of its force less the energy stored, zero for a law
- * that has neither rate nor memory; for friction likewise. */
+/* A record is a matrix by rows, with one column per time. It has four rows for each contact, or eight with
+ * friction, then for each body the rows of aoi_body_row and two for each of its ports. The energy that a law has
+ * dissipated is the work of its force minus the energy stored, and zero for a law that has neither a rate nor a
+ * memory; the energy that friction has dissipated is its work minus the energy of the stretches. */
 enum aoi_contact_row {
     AOI_CONTACT_FORCE = 0,   /* N                */
     AOI_CONTACT_INDENTATION, /* m                */
@@ -545,7 +549,7 @@ enum aoi_body_row {
     AOI_PORT_ROWS = 2
 };
 
-/* Number of rows of a linked system's record; the first row of a contact, and of a body. */
+/* Return the number of rows of a linked system's record, the first row of a contact, and the first row of a body. */
 AOI_API size_t aoi_record_rows(const aoi_system *system);
 AOI_API size_t aoi_record_contact(const aoi_system *system, size_t contact);
 AOI_API size_t aoi_record_body(const aoi_system *system, size_t body);
@@ -554,12 +558,12 @@ AOI_API size_t aoi_record_body(const aoi_system *system, size_t body);
 
 /* State of the bodies at t = 0. Copied by the run.
  *   x, v         [first[body_count]]: coordinates of all bodies and their rates; NULL: zero
- *   rested       1: the bodies have come to rest under loads and contacts; 0: those set in at t = 0.
- *                Matters with a residual compliance only, which deflects at once
- *   force        [first_force[contact_count]], for Newmark's rule: the contact forces just after
- *                t = 0, N; NULL: those that the laws give at x and v. With loads they deflect a
- *                residual compliance, which is undeflected without them; an adaptive run finds them
- *                itself
+ *   rested       1: the bodies have come to rest under loads and contacts; 0: those set in at t = 0. It has
+ *                an effect only with a residual compliance, which deflects at once
+ *   force        [first_force[contact_count]], for Newmark's rule: the contact forces just after t = 0, N;
+ *                NULL: those that the laws give at x and v. Given forces, together with the loads, deflect
+ *                a residual compliance; it starts undeflected if force is NULL. An adaptive run finds the
+ *                forces itself
  *   force_rate   as force: their rates, N/s; NULL: zero */
 typedef struct aoi_start {
     const double *x, *v;
@@ -589,15 +593,15 @@ AOI_API size_t aoi_newmark_size(const aoi_system *system); /* of a linked system
 AOI_API int aoi_newmark_start(aoi_newmark *run, const aoi_system *system, const aoi_rule *rule,
                               const aoi_start *start, int energies, double *record, size_t columns);
 
-/* Advances to column `last` (< columns), at the time last dt. done: the last column written; on an
- * error that is the step before the one that failed. AOI_ERROR_ARGUMENT if there is no such column,
- * AOI_ERROR_LAW where a law gives no number, AOI_ERROR_PATCH where a contact goes deeper than its
- * law holds. A run that has failed is over. */
+/* Advances a run to column `last` (< columns), which is at the time last * dt. done: set to the last column
+ * written; after an error, the step after this column has failed. AOI_ERROR_ARGUMENT if there is no such column,
+ * AOI_ERROR_LAW if a law gives no number, AOI_ERROR_PATCH if an indentation exceeds the limit of its law. A run
+ * that has failed cannot go on. */
 AOI_API int aoi_newmark_run(aoi_newmark *run, size_t last, size_t *done);
 
-/* State of a run: the time; how many steps were made, or rejected; the contact in which AOI_ERROR_PATCH,
- * AOI_ERROR_LAW or AOI_ERROR_SPRINGS occurred (SIZE_MAX: none, or not known); the coordinates of all bodies and
- * their rates. x and v of an adaptive run hold at that time only after the run has reached its end. */
+/* State of a run: its time, the numbers of steps made and rejected, the contact in which AOI_ERROR_PATCH,
+ * AOI_ERROR_LAW or AOI_ERROR_SPRINGS occurred (SIZE_MAX: none, or not known), and the coordinates of all bodies
+ * and their rates. In an adaptive run, x and v hold at that time only after the run has reached its end. */
 typedef struct aoi_progress {
     double time;
     size_t steps, rejected, failed;
@@ -607,9 +611,9 @@ AOI_API aoi_progress aoi_newmark_progress(const aoi_newmark *run);
 
 /* ------------------------------------------------------------ a tolerance instead of a step */
 
-/* Output of an adaptive run, to be read by aoi_sampler and aoi_track_intervals: rows of values,
- * each a step of contact, or a moment from which bodies move freely. The caller sets the first
- * block: room for capacity values and row_capacity rows; and used and rows to zero. */
+/* Output of an adaptive run, to be read by aoi_sampler and aoi_track_intervals. It consists of rows of values;
+ * each row is a step of contact, or a time from which bodies move freely. The caller sets the first block: arrays
+ * for capacity values and row_capacity rows, and used and rows to zero. */
 typedef struct aoi_track {
     double *values;
     size_t *row; /* index at which each row begins */
@@ -618,38 +622,38 @@ typedef struct aoi_track {
     size_t used, rows;
 } aoi_track;
 
-/* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities, in memory of
- * the caller: aoi_adaptive_size bytes, aligned as by malloc. Bodies that overlap at the start are in
- * contact from the start. The cost of a step depends only on the bodies that take part in it. */
+/* A run to a relative tolerance rtol of peak force, contact times, impulse and velocities, in memory of the
+ * caller: aoi_adaptive_size bytes, aligned as by malloc. Bodies that overlap at the start are in contact from the
+ * start. The cost of a step depends only on the bodies that take part in that step. */
 typedef struct aoi_adaptive aoi_adaptive;
 AOI_API size_t aoi_adaptive_size(const aoi_system *system); /* of a linked system */
 
 /* Sets a run of a linked system to its beginning.
  *   run     aoi_adaptive_size(system) bytes
  *   start   copied
- *   rtol    in (0, 1); below some 1e-13 it is lost in rounding
+ *   rtol    in (0, 1); a tolerance below some 1e-13 is not reached, due to rounding
  *   end     s, > 0
- * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_FRICTION for friction of a damped
- * law or beside a residual compliance, AOI_ERROR_NOT_FINITE for x, v. */
+ * AOI_ERROR_ARGUMENT for other numbers or a full body, AOI_ERROR_FRICTION for friction with a damped law or in a
+ * system with a residual compliance, AOI_ERROR_NOT_FINITE for x, v. */
 AOI_API int aoi_adaptive_start(aoi_adaptive *run, const aoi_system *system, const aoi_start *start,
                                double rtol, double end);
 
-/* Advances a run to its end, or until the track has no room for a row, or a touch takes more than
- * some 0.1 s to find. If progress.time < end, enlarge the track if it is full and call again.
- * AOI_ERROR_TOLERANCE where even the shortest step does not meet rtol; AOI_ERROR_LAW where that is
- * because a law gives no number, and it has a note; AOI_ERROR_PATCH where contact goes deeper than
- * the law holds; AOI_ERROR_SPRINGS. A run that has failed is over. */
+/* Advances a run to its end. It returns earlier if the track has no room for a row, or if the search for a touch
+ * takes more than some 0.1 s: if progress.time < end, the caller enlarges the track if it is full and calls again.
+ * AOI_ERROR_TOLERANCE if even the shortest step does not meet rtol; AOI_ERROR_LAW if the cause is a law with a
+ * note that gives no number; AOI_ERROR_PATCH if an indentation exceeds the limit of its law; AOI_ERROR_SPRINGS. A
+ * run that has failed cannot go on. */
 AOI_API int aoi_adaptive_run(aoi_adaptive *run, aoi_track *track);
 
-/* Number of values that the track must have free for any row of a run of a linked system. */
+/* Returns the number of free values that the track needs for any row of a run of a linked system. */
 AOI_API size_t aoi_adaptive_room(const aoi_system *system);
 
-/* Makes a track twice as large, or a first time if it has no capacity, by resize, which is realloc
- * or like it; room: aoi_adaptive_room. AOI_ERROR_TOO_LONG where that gives NULL: what the track has
- * stays. values and row are the caller's to free. */
+/* Makes a track twice as large or, if it has no capacity, allocates it, by resize, which is realloc or works like
+ * it. room: aoi_adaptive_room. AOI_ERROR_TOO_LONG if resize returns NULL; the content of the track is then
+ * unchanged. The caller frees values and row. */
 AOI_API int aoi_track_grow(aoi_track *track, size_t room, void *(*resize)(void *memory, size_t bytes));
 
-/* As aoi_adaptive_run, to the end of the run; AOI_ERROR_TOO_LONG where the track has no room for it. */
+/* Advances a run to its end as aoi_adaptive_run; AOI_ERROR_TOO_LONG if the track has no room for it. */
 AOI_API int aoi_adaptive_finish(aoi_adaptive *run, aoi_track *track);
 
 AOI_API aoi_progress aoi_adaptive_progress(const aoi_adaptive *run);
@@ -662,69 +666,67 @@ AOI_API aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact);
 
 /* ----------------------------------------------------------------------------- dense output */
 
-/* Checks a track, such as one from a file; one that a run has written need not be checked.
- * AOI_ERROR_ARGUMENT for one that cannot be read: it is incomplete, refers to what is not in the
+/* Checks a track, for example one from a file; a track that a run has written need not be checked.
+ * AOI_ERROR_ARGUMENT if it cannot be read: it is incomplete, refers to bodies or contacts that are not in the
  * system, has contacts in a row of no length, or rows that go back in time. */
 AOI_API int aoi_track_check(const aoi_system *system, const aoi_track *track);
 
-/* A reader of a track at any times, in memory of the caller: aoi_sampler_size bytes, aligned as by
- * malloc. */
+/* A reader of a track at any times, in memory of the caller: aoi_sampler_size bytes, aligned as by malloc. */
 typedef struct aoi_sampler aoi_sampler;
 AOI_API size_t aoi_sampler_size(const aoi_system *system); /* of a linked system */
 
-/* Sets a sampler to the beginning of a track, which it keeps: one that a run of this system has
- * written, or that aoi_track_check has passed. AOI_ERROR_ARGUMENT for one that does not start with
- * all bodies. */
+/* Sets a sampler to the beginning of a track, to which it keeps a pointer. A run of this system must have written
+ * the track, or aoi_track_check accepted it. AOI_ERROR_ARGUMENT if its first row does not contain all bodies. */
 AOI_API int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_track *track);
 
-/* The next three functions take times that ascend from one call to the next. Evenly spaced times
- * cost least in free motion; there a state agrees with one asked for alone to 1e-14 of each mode's
- * amplitude, elsewhere to the last bit.
+/* The next three functions take times that ascend from one call to the next. In free motion, evenly spaced times
+ * cost least; the state at such a time agrees with that of a single call within 1e-14 of each mode's amplitude.
+ * Elsewhere the two are bit-identical.
  *
  * Writes a column of the record.
  *   time      s
- *   energies  0: their rows are not written
+ *   energies  0: the rows of energies are not written
  * Out:
  *   record    value i of aoi_record_rows(system) goes to record[i * stride] */
 AOI_API void aoi_sampler_column(aoi_sampler *sampler, double time, int energies, double *record,
                                 size_t stride);
 
-/* Writes the contact forces, N: that of contact c goes to force[c * stride]. Much cheaper than a
- * column: no body is moved. */
+/* Writes the contact forces at a time, N: the force of contact c goes to force[c * stride]. It costs much less
+ * than a column, since no body is moved. */
 AOI_API void aoi_sampler_forces(aoi_sampler *sampler, double time, double *force, size_t stride);
 
-/* Writes the coordinates of one body. Out:
+/* Writes coordinates and rates of one body at a time. Out:
  *   state  2 n: x, then v */
 AOI_API void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *state);
 
 /* A contact interval.
- *   start, end  s; lasts 1: the record ends in this contact
- *   impulse     impulse of its force, N s
- *   rate        rate of the indentation when it began, before its force changed the rate, m/s
+ *   start, end  s; lasts = 1: the record ends in this contact
+ *   impulse     impulse of the contact force, N s
+ *   rate        rate of the indentation at the start, before the contact force changed the rate, m/s
  *   deepest     largest indentation at the end of one of its steps, m
- *   pace        rate (end - start)/deepest; 0 where deepest is not above 0 */
+ *   pace        rate (end - start)/deepest; 0 if deepest is not above 0 */
 typedef struct aoi_interval {
     size_t contact;
     double start, end, impulse, rate, deepest, pace;
     int lasts;
 } aoi_interval;
 
-/* The contact intervals of a track (as for aoi_sampler_start) up to end, ordered by their ends; an interval that starts at
- * end is left out. Writes the first `capacity` of them, and returns how many there are. work: [contact_count]. */
+/* Finds the contact intervals of a track (as for aoi_sampler_start) that start before `end`, ordered by their
+ * ends. The first `capacity` of them are written, and the number of all is returned. work: [contact_count]. */
 AOI_API size_t aoi_track_intervals(const aoi_system *system, const aoi_track *track, double end,
                                    aoi_interval *work, size_t capacity, aoi_interval *interval);
 
-/* A phase of a contact with friction: from `time`, s, to the next one of this contact or its end,
- * all springs slip (slips 1), or some stick (0). */
+/* A phase of a contact with friction, from `time`, s, to the next phase of this contact or its end: all springs
+ * slip (slips = 1), or some stick (0). */
 typedef struct aoi_slip {
     size_t contact;
     double time;
     int slips;
 } aoi_slip;
 
-/* The phases of slip of a track's contacts with friction, by time: one at the start of each row,
- * which may repeat the one before, and one at each change, as exact as the motion. Writes the first
- * `capacity` of them, and returns how many there are. */
+/* Finds the phases of slip of a track's contacts with friction, in order of time: one at the start of each row,
+ * which may repeat the one before, and one at each change, as accurate as the motion. The first `capacity` of them
+ * are written, and the number of all is returned. */
 AOI_API size_t aoi_track_slips(const aoi_system *system, const aoi_track *track, size_t capacity, aoi_slip *slip);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Python binding of adaptive runs, with the peaks and intervals of their contacts. */
+/* Python binding of adaptive runs; also returns the peaks and intervals of their contacts. */
 #include "python/binding.h"
 #include "aoimpact.h"
 
@@ -10,10 +10,10 @@
 
 static const size_t MOST_BYTES = (size_t)1 << 30;
 
-/* Rows of the track that one piece of a run adds; the clock is read after each piece. */
+/* Largest number of rows that one piece of a run adds to the track. The clock is read after each piece. */
 enum { ROWS = 48 };
 
-/* A run in progress, which ends after about most_steps steps, rejected ones included. */
+/* A run in progress. It ends after about most_steps steps, rejected steps included. */
 typedef struct job {
     aoi_adaptive *run;
     aoi_track *track;
@@ -44,7 +44,7 @@ static int few_rows(void *data)
     return of->status == AOI_OK;
 }
 
-/* Sets the initial rates v of all bodies. A body that moves as a whole has its velocity times its
+/* Sets the initial rates v of all bodies. The rates of a body that moves as a whole are its velocity times its
  * rates at unit velocity (moving). */
 static void take_moving(call *of, PyObject *moving, PyObject *velocities, aoi_system *system, double *v)
 {
@@ -60,7 +60,7 @@ static void take_moving(call *of, PyObject *moving, PyObject *velocities, aoi_sy
     }
 }
 
-/* Appends an object, taking over its reference, to a list; returns 0 with an error set on failure. */
+/* Appends an object to a list, and takes over the reference to it. Returns 1, or 0 with an error set. */
 static int append(PyObject *list, PyObject *pair)
 {
     const int fine = pair && PyList_Append(list, pair) == 0;
@@ -68,8 +68,8 @@ static int append(PyObject *list, PyObject *pair)
     return fine;
 }
 
-/* Builds (peak force, its time, impulse, [(start, end)], [(impulse, pace)]) of contact c. With
- * several contacts, an interval without impulse is left out: no force acted in it. */
+/* Returns a new tuple for contact c: (peak force, its time, impulse, [(start, end)], [(impulse, pace)]). If there
+ * are several contacts, intervals without impulse, in which no force acted, are left out. */
 static PyObject *one_contact(const aoi_adaptive *run, size_t c, int several, size_t count, const aoi_interval *interval)
 {
     const aoi_peak of = aoi_adaptive_peak(run, c);
@@ -110,7 +110,7 @@ static PyObject *contacts_of(const aoi_adaptive *run, kept_track *kept, double e
     return result;
 }
 
-/* Builds (track, contacts, steps, rejected); the track's capsule takes over *kept. */
+/* Returns a new tuple (track, contacts, steps, rejected). The track's capsule takes over *kept. */
 static PyObject *adaptive_result(const aoi_adaptive *run, kept_track **kept, double end)
 {
     const aoi_progress at = aoi_adaptive_progress(run);
@@ -119,7 +119,7 @@ static PyObject *adaptive_result(const aoi_adaptive *run, kept_track **kept, dou
 }
 
 /* Runs a system to a tolerance. args: (bodies, contacts, rtol, end, x, moving, velocities, most steps). x: initial
- * modal coordinates of all bodies; None: zero. */
+ * modal coordinates of all bodies, or None for zero. */
 PyObject *adaptive(PyObject *args)
 {
     call of = {.status = AOI_OK};

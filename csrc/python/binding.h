@@ -1,8 +1,7 @@
-/* Declarations shared by the files of the binding, which only converts arguments and results. Only the files
- * of this folder include Python.h, through this header. Arrays come as C-contiguous
- * buffers of float64 or int32, made so by the Python side; results are written into buffers that the
- * caller made. The GIL is released in chunks of some milliseconds, so that other threads run and
- * Ctrl-C takes effect. */
+/* Declarations shared by the files of the binding, which only converts arguments and results. Only the files of
+ * this folder include Python.h, through this header. The Python side passes arrays as C-contiguous buffers of
+ * float64, float32 or int32; results are written into buffers of the caller. The GIL is released for some
+ * milliseconds at a time, so that other threads run and Ctrl-C takes effect. */
 #ifndef AOIMPACT_BINDING_H
 #define AOIMPACT_BINDING_H
 
@@ -23,8 +22,8 @@ typedef struct buffer_block {
     struct buffer_block *next;
 } buffer_block;
 
-/* State of one call from Python: the status of its first failure, after which no more arguments are
- * taken, and the buffers that it holds. {.status = AOI_OK} is an empty one. */
+/* State of one call from Python: the status of its first failure, after which no more arguments are read, and the
+ * buffers that it holds. Initially {.status = AOI_OK}. */
 typedef struct call {
     int status; /* aoi_status, CALL_RAISED (a Python error is set) or CALL_NO_MEMORY */
     buffer_block block;
@@ -36,7 +35,7 @@ void call_fail(call *of, int status);
 void call_release(call *of);
 
 /* One item of a tuple of arguments, and the variable that receives it.
- *   name               in error messages
+ *   name               name of the argument in error messages
  *   kind               'd', 'f', 'i': data of a float64, float32 or int32 buffer; 'D', 'F', 'I': the
  *                      same, writable; 'o': of a float64 buffer, or NULL for None; 'x': a double;
  *                      'n': a size_t; 'p': an int, the truth value; 't': a tuple; 'O': any PyObject
@@ -56,82 +55,80 @@ typedef struct argument {
 #define LONGER(kind, to, count, more) {#to, kind, (void *)&(to), &(count), NULL, more}
 #define MATRIX(kind, to, count, each) {#to, kind, (void *)&(to), &(count), &(each), 0}
 
-/* TAKE reads all items of a tuple by a table of arguments. TAKE_SOME reads those from item `first`
- * on, of a tuple that must have `size` items. */
+/* TAKE reads all items of a tuple by a table of arguments. TAKE_SOME reads items from index `first` on, of a tuple
+ * that must have `size` items. */
 #define ROWS(...) sizeof((argument[]){__VA_ARGS__}) / sizeof(argument), (argument[]){__VA_ARGS__}
 #define TAKE(of, tuple, ...)                                                                       \
     call_take(of, tuple, 0, sizeof((argument[]){__VA_ARGS__}) / sizeof(argument), ROWS(__VA_ARGS__))
 #define TAKE_SOME(of, tuple, first, size, ...) call_take(of, tuple, first, size, ROWS(__VA_ARGS__))
 void call_take(call *of, PyObject *tuple, size_t first, size_t size, size_t count, const argument *table);
 
-/* Returns item i, borrowed, of a tuple that must have `size` items; else the call fails. */
+/* Returns item i (borrowed reference) of a tuple. The call fails if the tuple does not have `size` items. */
 PyObject *tuple_item(call *of, PyObject *tuple, size_t i, size_t size);
 
-/* Raises the exception that the function `maker` of aoimpact.base.errors returns for a tuple of
- * arguments, whose reference it takes over. */
+/* Raises the exception that the function `maker` of aoimpact.base.errors returns for a tuple of arguments. The
+ * reference to the tuple is taken over. */
 void raise_made(const char *maker, PyObject *arguments);
 
-/* Raises the exception for a status, by aoimpact.base.errors.core_error.
+/* Raises the exception for a status, made by aoimpact.base.errors.core_error.
  *   what               the computation that failed
- *   time               reached, s; negative: unknown
- *   indentation, rate  at which a law gave NaN, m and m/s; NaN: none did
- *   contact            the one that failed; -1: unknown */
+ *   time               time reached, s; negative: not known
+ *   indentation, rate  state in which a law gave NaN, m and m/s; NaN if none did
+ *   contact            index of the contact that failed; -1: not known */
 void raise_at(int status, const char *what, double time, double indentation, double rate, Py_ssize_t contact);
 
-/* Ends a call: releases its buffers and returns Py_BuildValue(format, ...), or NULL with an error
- * raised for its status. what: the computation, for the message. */
+/* Ends a call: releases its buffers, and returns Py_BuildValue(format, ...) or, if the call has failed, NULL with
+ * an error set. what: the computation, for the error message. */
 PyObject *finish(call *of, const char *what, const char *format, ...);
 
 /* ------------------------------------------------------------------ pause.c: signals */
 
-/* Seconds of a monotonic clock. */
+/* Returns the time of a monotonic clock, s. */
 double seconds_now(void);
 
-/* Check for signals, such as Ctrl-C, every SIGNAL_INTERVAL seconds of one call. `pause` is passed
- * to the core. Between release and regain the GIL is released, but for the checks themselves. A
- * check that ends the call leaves an error set. */
+/* State of the checks for signals, such as Ctrl-C, which one call makes every SIGNAL_INTERVAL seconds. `pause` is
+ * passed to the core. Between release and regain the GIL is free, except during the checks. A check that ends the
+ * call leaves an error set. */
 #define SIGNAL_INTERVAL 0.02
 typedef struct signal_check {
     aoi_pause pause;
     double next;           /* time of the next check, s    */
-    PyThreadState *thread; /* saved while the GIL is free */
+    PyThreadState *thread; /* saved thread state while the GIL is free */
 } signal_check;
 
 void signal_check_open(signal_check *signals);
 void signal_check_release(signal_check *signals);
 void signal_check_regain(signal_check *signals);
 
-/* Calls piece(job), which takes some microseconds, repeatedly and without the GIL, until it returns
- * 0 or a signal handler has set an error. */
+/* Calls piece(job) repeatedly without the GIL, until it returns 0 or a signal handler has set an error. Each call
+ * must be short, since signals are checked only between calls. */
 void run_pieces(signal_check *signals, int (*piece)(void *job), void *job);
 
 /* ------------------------------------------------------------------ tuples to structs */
 
-/* Reads a law from the tuple (name, parameters, compliance, limit, note, data) of
- * ContactLaw.for_core. */
+/* Reads a law from the tuple (name, parameters, compliance, limit, note, data) that ContactLaw.for_core makes. */
 void take_law(call *of, PyObject *tuple, aoi_law *law);
 
-/* Reads a contact from the tuple (first body, its port, second body, its port, gap, law) of
- * Contact.for_core, with friction as a seventh item, into *contact, and what it points to into *law
- * and *friction. */
+/* Reads a contact into *contact, and the law and friction to which it points into *law and *friction. tuple:
+ * (first body, its port, second body, its port, gap, law), and with friction a seventh item, as Contact.for_core
+ * makes it. */
 void take_contact(call *of, PyObject *tuple, aoi_contact *contact, aoi_law *law, aoi_friction *friction);
 
-/* Raises the error for the status of a run, unless an error, such as that of a law written in
- * Python, is set already.
+/* Raises the error for the status of a run, unless an error is set already, for example by a law written in
+ * Python. Must be called before the buffers of the notes are released.
  *   what, time  the computation, and the time reached, s
  *   law, count  the run's laws; the first one that gave NaN is reported, from its note
- *   contact     the one that failed
- * The buffers that hold the notes must not be released yet. */
+ *   contact     index of the contact that failed */
 void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, size_t count, size_t contact);
 
-/* Items of the tuple of a body, in this order; None: the body has none. Python takes the names from
- * _core.MODES. */
+/* Items of the tuple that describes a body, in this order; an item is None if the body does not have it. Python
+ * takes the names from _core.MODES. */
 #define MODES_PARTS(X)                                                                             \
     X(centre) X(shape) X(push) X(omega) X(decay) X(residual) X(gravity) X(inertia)                 \
     X(centre_residual) X(load_time) X(load_force) X(full)
 
-/* Matrices of a body of n coordinates, and a Python callable that takes a right-hand side as bytes
- * and returns the solution. */
+/* Matrices of a body of n coordinates, and its solver, a Python callable that takes a right-hand side as bytes and
+ * returns the solution. */
 typedef struct taken_full {
     aoi_full full;
     PyObject *solve;
@@ -150,32 +147,31 @@ typedef struct taken_system {
     signal_check signals;
 } taken_system;
 
-/* Reads a body from its tuple. full: for its matrices; NULL: a body with matrices is refused. */
+/* Reads a body from its tuple. full: receives its matrices; if it is NULL, a body with matrices is refused. */
 void take_body(call *of, PyObject *tuple, aoi_modes *body, taken_full *full, signal_check *signals);
 
-/* Reads and links a system, from the tuples of its bodies and contacts. *made must be zero before,
- * and must not be moved afterwards: its parts point to each other. */
+/* Reads and links a system, from the tuples of its bodies and contacts. *made must be zero before, and must not be
+ * moved afterwards, since its members point to each other. */
 void take_system(call *of, PyObject *bodies, PyObject *contacts, taken_system *made);
 void free_system(taken_system *made);
 
-/* Allocates count + 1 zeroed elements. Without memory it returns NULL, and the call fails. */
+/* Returns memory for count + 1 elements, set to zero. Without memory it returns NULL, and the call fails. */
 void *call_room(call *of, size_t count, size_t size);
 
-/* A track and its system: the content of the capsule that Python holds. Threads may share it, since
- * nothing changes it after the run. */
+/* A track and its system, the content of the capsule that Python holds. Threads may share it, since nothing
+ * changes it after the run. */
 typedef struct kept_track {
-    call of; /* holds the buffers */
+    call of; /* call that holds the buffers */
     taken_system made;
     aoi_track track;
     PyObject *bodies, *contacts;
 } kept_track;
 
-/* Makes a kept_track without rows, whose call may have failed; returns NULL with an error set if
- * there is no memory. */
+/* Returns a new kept_track without rows; NULL with an error set if there is no memory. Its call has failed if the
+ * system could not be read. */
 kept_track *track_new(PyObject *bodies, PyObject *contacts);
 
-/* Makes the capsule, which takes over *kept and sets it to NULL; returns NULL with an error raised
- * on failure. */
+/* Returns the capsule, which takes over *kept and sets it to NULL; NULL with an error set on failure. */
 PyObject *track_capsule(kept_track **kept);
 
 void track_free(kept_track *kept);

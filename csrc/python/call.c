@@ -42,7 +42,8 @@ void call_release(call *of)
     of->block.next = NULL;
 }
 
-/* A block with room for one more buffer: the first, or the most recent overflow block, inserted after the first. */
+/* Returns a block with room for one more buffer: the first block, or else the newest of the others, which is
+ * inserted behind the first. NULL with an error set if there is no memory. */
 static buffer_block *with_room(call *of)
 {
     buffer_block *block = of->block.count == MOST_BUFFERS && of->block.next ? of->block.next : &of->block;
@@ -58,7 +59,7 @@ static buffer_block *with_room(call *of)
     return block;
 }
 
-/* Checks the length of an array, or sets *count from it. */
+/* Checks the length of an array or, if *count is ANY_LENGTH, sets *count from it. */
 static void fit(call *of, const argument *row, size_t length)
 {
     const size_t each = row->each ? *row->each : 1;
@@ -109,7 +110,7 @@ static void take_one(call *of, PyObject *object, const argument *row)
     if (row->kind == 'x') {
         *(double *)row->to = PyFloat_AsDouble(object);
     } else if (row->kind == 'n') {
-        /* a negative number becomes too large to be accepted */
+        /* a negative number is converted to one that is too large, which is refused */
         *(size_t *)row->to = (size_t)PyLong_AsSsize_t(object);
     } else if (row->kind == 'p') {
         *(int *)row->to = PyObject_IsTrue(object) != 0;
@@ -176,7 +177,7 @@ void raise_at(int status, const char *what, double time, double indentation, dou
 PyObject *finish(call *of, const char *what, const char *format, ...)
 {
     call_release(of);
-    if (of->status == CALL_RAISED || PyErr_Occurred()) { /* by a signal or a callback */
+    if (of->status == CALL_RAISED || PyErr_Occurred()) { /* an error set by a signal handler or a callback */
         return NULL;
     }
     if (of->status == CALL_NO_MEMORY) {

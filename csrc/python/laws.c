@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* Converts the value returned by a law written in Python to a double. For an array, a text or a
- * number out of range it raises an error and returns NaN. */
+/* Converts the value returned by a law written in Python to a double. For an array, a string or a number out of
+ * range it raises an error and returns NaN. */
 static double number_of(PyObject *returned, double indentation, double rate)
 {
     if (PyFloat_Check(returned) || (PyNumber_Check(returned) && !PySequence_Check(returned) &&
@@ -21,8 +21,8 @@ static double number_of(PyObject *returned, double indentation, double rate)
     return (double)NAN;
 }
 
-/* aoi_user_law.call of a law written in Python; data: the tuple of its functions. Called without
- * the GIL. After an exception, which stays set, the law is not called again: NaN ends the run. */
+/* The function aoi_user_law.call of a law written in Python; data: the tuple of its functions. It is called
+ * without the GIL. After an exception, which stays set, the Python law is not called again, and NaN ends the run. */
 static double call_python(void *data, int which, double indentation, double rate)
 {
     const PyGILState_STATE state = PyGILState_Ensure();
@@ -39,8 +39,9 @@ static double call_python(void *data, int which, double indentation, double rate
     return answer;
 }
 
-/* Reads a user's law from data, (functions, depends_on_rate, pulls, object kept alive). functions: a tuple of
- * AOI_USER_FUNCTIONS callables or addresses of C functions; None: not given. */
+/* Reads a law written by the user from the tuple (functions, depends_on_rate, pulls, object kept alive).
+ * functions: a tuple of AOI_USER_FUNCTIONS items, which are callables, addresses of C functions, or None for a
+ * function that is not given. */
 static void take_user_law(call *of, PyObject *data, aoi_law *law)
 {
     aoi_user_law user = {.call = NULL};
@@ -77,7 +78,8 @@ static void take_named_law(call *of, PyObject *name, PyObject *parameters, aoi_l
 {
     double parameter[AOI_LAW_PARAMETERS + 1];
     const size_t given = (size_t)PyTuple_Size(parameters), most = AOI_LAW_PARAMETERS + 1;
-    const size_t count = given < most ? given : most; /* aoi_law_create refuses too many */
+    /* one parameter too many is kept, for aoi_law_create to refuse */
+    const size_t count = given < most ? given : most;
     for (size_t i = 0; i < count; i++) {
         parameter[i] = PyFloat_AsDouble(PyTuple_GetItem(parameters, (Py_ssize_t)i));
     }
@@ -150,7 +152,7 @@ void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, 
     for (size_t i = 0; i < count && isnan(indentation) && law[i].note; i++) {
         indentation = law[i].note[0];
         rate = law[i].note[1];
-        /* The NaN caused the run's failure, such as a missed tolerance: report its reason. */
+        /* The NaN has caused the failure of the run, for example a missed tolerance: its own reason is reported. */
         if (!isnan(indentation) && of->status != AOI_ERROR_PATCH && of->status != AOI_ERROR_ARGUMENT) {
             why = (int)law[i].note[2];
         }
@@ -159,7 +161,7 @@ void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, 
     of->status = CALL_RAISED;
 }
 
-/* Checks for signals at every 4096th i; returns 0 if one has raised an error. */
+/* Checks for signals if i is a multiple of 4096. Returns 0 if a signal has raised an error. */
 static int no_signal(size_t i) { return i % 4096 != 0 || PyErr_CheckSignals() == 0; }
 
 static PyObject *finish_law(call *of, const aoi_law *law)
@@ -170,9 +172,9 @@ static PyObject *finish_law(call *of, const aoi_law *law)
     return finish(of, "contact law", "");
 }
 
-/* Writes force, stiffness and damping of a law. args: (law, indentation, rate, force, stiffness, damping, along).
- * along: the indentations are successive states of one contact, whose memory is kept up to date; else each is a
- * first touch. */
+/* Writes force, stiffness and damping of a law to the arrays. args: (law, indentation, rate, force, stiffness,
+ * damping, along). along = 1: the indentations are successive states of one contact, whose memory is updated; 0:
+ * each is that of a first touch. */
 PyObject *law_force(PyObject *args)
 {
     call of = {.status = AOI_OK};
@@ -202,7 +204,7 @@ PyObject *law_force(PyObject *args)
     return finish_law(&of, &law);
 }
 
-/* Writes the potential of a law, J. args: (law, indentation, energy). */
+/* Writes the potential of a law, J, to the array energy. args: (law, indentation, energy). */
 PyObject *law_potential(PyObject *args)
 {
     call of = {.status = AOI_OK};

@@ -1,19 +1,19 @@
-/* Python binding of many impacts in one call, without the GIL. The result of an impact is an aoi_brief only. */
+/* Python binding of many impacts in one call, without the GIL. The result of each impact is an aoi_brief. */
 #include "python/binding.h"
 #include "track/brief.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Columns of the matrix of cases. The answer to a case is its status and an aoi_brief. */
+/* Columns of the matrix of cases, and number of columns of the answers: a status and an aoi_brief. */
 enum { CASE_VELOCITY = 0, CASE_GAP, CASE_DURATION, CASE_RTOL, CASE_COLUMNS };
 enum { ANSWER_COLUMNS = 1 + sizeof(aoi_brief) / sizeof(double) };
 
-/* Capacity of a case's track. A contact takes some hundred rows. A case that needs more fails, and
+/* Largest number of rows of a case's track. A contact takes some hundred rows. A case that needs more fails, and
  * Python runs it alone, with a track that grows. */
 enum { MOST_ROWS = 1024 };
 
-/* Bodies, their rates at unit velocity (moving), and laws, from which the cases are combined. */
+/* Bodies, their rates at unit velocity (moving), and laws, which are combined to cases. */
 typedef struct cases {
     size_t body_count, law_count;
     aoi_modes *body;
@@ -21,8 +21,8 @@ typedef struct cases {
     aoi_law *law;
 } cases;
 
-/* Workspace of one case at a time. `memory` holds the initial rates and the run; it grows to what
- * the largest case so far needs. */
+/* Work space for one case at a time. `memory` holds the initial rates and the run, and grows to the size that the
+ * largest case so far needs. */
 typedef struct work {
     aoi_system system;
     aoi_modes pair[2];
@@ -77,7 +77,7 @@ static int run_case(work *on, const cases *of, const int32_t *which, const doubl
     if (status != AOI_OK) {
         return status;
     }
-    const size_t n = on->system.first[2], rates = n + n % 2; /* so that the run is aligned */
+    const size_t n = on->system.first[2], rates = n + n % 2; /* even, so that the run behind the rates is aligned */
     const size_t size = rates * sizeof(double) + aoi_brief_size(&on->system, MOST_ROWS);
     double *larger = size > on->size ? realloc(on->memory, size) : on->memory;
     if (!larger) {
@@ -93,7 +93,7 @@ static int run_case(work *on, const cases *of, const int32_t *which, const doubl
                          on->memory + rates, brief);
 }
 
-/* All cases, of which `done` have been run. */
+/* All cases, of which the first `done` have been run. */
 typedef struct job {
     work on;
     const cases *of;

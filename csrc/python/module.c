@@ -3,8 +3,8 @@
 
 #include <fenv.h>
 
-/* Some libraries let a thread flush subnormal numbers to zero or round in another mode. The core
- * runs in the default floating-point environment, as in its tests; the thread's own is restored. */
+/* The core runs in the default floating-point environment, as in its tests, and the thread's own environment is
+ * restored afterwards: some libraries let a thread flush subnormal numbers to zero or round in another mode. */
 static PyObject *call_as_tested(PyObject *called(PyObject *args), PyObject *args)
 {
     fenv_t before;

@@ -1,4 +1,4 @@
-/* The inner loops of multigrid, for Python. */
+/* Python binding of the inner loops of multigrid. */
 #include "python/binding.h"
 #include "multigrid/multigrid.h"
 
@@ -6,10 +6,10 @@
 
 static const char PATTERN[] = "aoimpact pattern of blocks";
 
-/* Sparsity pattern of a block matrix. It is checked once, not in each call, which would take twice
- * as long: a call reads the matrix only once. */
+/* Sparsity pattern of a block matrix. It is checked once: a check in each call would double the time, since a call
+ * reads the matrix only once. */
 typedef struct pattern {
-    call of; /* holds the buffers */
+    call of; /* call that holds the buffers */
     aoi_blocks matrix;
     size_t stored;
 } pattern;
@@ -55,11 +55,11 @@ typedef struct part_call {
     call of;
     aoi_blocks matrix;
     aoi_part part;
-    size_t stage, length, entries, works; /* works: numbers per row in a work array */
+    size_t stage, length, entries, works; /* works: number of values per row in a work array */
 } part_call;
 
-/* Reads the first three of `size` arguments: the matrix, a tuple of `parts` items that begins with
- * its pattern; the rows, (begin, end); and the stage, which is 0 or 1 for a product. */
+/* Reads the first three of `size` arguments: the matrix, the rows (begin, end), and the stage, which must be 0 or
+ * 1 if product = 1. The matrix is a tuple of `parts` items that begins with its pattern. */
 static void take_part(part_call *all, PyObject *args, size_t size, size_t parts, int product)
 {
     call *of = &all->of;
@@ -89,7 +89,7 @@ static void take_part(part_call *all, PyObject *args, size_t size, size_t parts,
     }
 }
 
-/* One stage of y = A x. args: (matrix, part, stage, x, y, work). */
+/* Computes one stage of y = A x. args: (matrix, part, stage, x, y, work). */
 PyObject *blocks_multiply(PyObject *args)
 {
     part_call all = {.matrix.n = 0};
@@ -107,7 +107,7 @@ PyObject *blocks_multiply(PyObject *args)
     return finish(&all.of, "product of blocks", "");
 }
 
-/* One stage of r -= A x. args: (matrix, part, stage, x, r, work). */
+/* Computes one stage of r -= A x. args: (matrix, part, stage, x, r, work). */
 PyObject *blocks_subtract(PyObject *args)
 {
     part_call all = {.matrix.n = 0};
@@ -124,7 +124,7 @@ PyObject *blocks_subtract(PyObject *args)
     return finish(&all.of, "product of blocks", "");
 }
 
-/* One stage of aoi_blocks_smooth. args: (matrix, part, stage, steps, low, high, finish, x, r, work). */
+/* Computes one stage of aoi_blocks_smooth. args: (matrix, part, stage, steps, low, high, finish, x, r, work). */
 PyObject *blocks_smooth(PyObject *args)
 {
     part_call all = {.matrix.n = 0};

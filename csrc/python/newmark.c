@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps between two readings of the clock; a step of massless contacts may take some 100 us. */
+/* Number of steps between two readings of the clock; a step with massless contacts may take some 100 us. */
 enum { PIECE_STEPS = 64 };
 
 typedef struct job {
@@ -22,7 +22,7 @@ static int few_steps(void *data)
 }
 
 /* Runs a system in fixed steps. args: (bodies, contacts, dt, beta, gamma, x, v, force, force rate, record,
- * energies). x, v: coordinates and rates of all bodies, the initial ones on entry, the final ones on return. */
+ * energies). x, v: coordinates and rates of all bodies, initial ones on entry and final ones on return. */
 PyObject *newmark(PyObject *args)
 {
     call of = {.status = AOI_OK};

@@ -1,4 +1,4 @@
-/* Signals are checked while the core runs: Ctrl-C ends a call within some hundredths of a second. */
+/* Checks for signals while the core runs: Ctrl-C ends a call within some hundredths of a second. */
 #include "python/binding.h"
 
 double seconds_now(void)

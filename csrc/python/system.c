@@ -19,7 +19,8 @@ static void take_sparse(call *of, PyObject *tuple, size_t n, aoi_sparse *matrix)
     }
 }
 
-/* aoi_solver.solve that calls a Python callable, without the GIL at first; an exception stays set. */
+/* The function aoi_solver.solve of a solver written in Python. It is called without the GIL; an exception stays
+ * set. */
 static int solve_by_python(void *data, double *x)
 {
     const taken_full *of = data;

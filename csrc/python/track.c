@@ -7,7 +7,7 @@
 
 static const char NAME[] = "aoimpact._core.track";
 
-/* Bytes copied between two checks for signals, in a hundredth of a second at most. */
+/* Number of bytes copied between two checks for signals, which takes a hundredth of a second at most. */
 #define CHUNK ((size_t)1 << 22)
 
 /* ------------------------------------------------------------------------------- the capsule */
@@ -42,7 +42,7 @@ static void destroy(PyObject *capsule) { track_free(PyCapsule_GetPointer(capsule
 
 PyObject *track_capsule(kept_track **kept)
 {
-    aoi_track *track = &(*kept)->track; /* its arrays are shortened to what is used */
+    aoi_track *track = &(*kept)->track; /* the track's arrays are shortened to what is used */
     double *values = realloc(track->values, track->used * sizeof *values + 1);
     size_t *row = realloc(track->row, track->rows * sizeof *row + 1);
     track->values = values ? values : track->values;
@@ -60,7 +60,7 @@ static void *copied(call *of, const char *bytes, Py_ssize_t size)
     return copy ? memcpy(copy, bytes, (size_t)size) : NULL;
 }
 
-/* Makes and checks a track from the bytes of track_bytes. args: (bodies, contacts, values, places). */
+/* Makes a track from the bytes that track_bytes returns, and checks it. args: (bodies, contacts, values, places). */
 PyObject *track_open(PyObject *args)
 {
     PyObject *bodies, *contacts, *capsule = NULL;
@@ -87,7 +87,7 @@ PyObject *track_open(PyObject *args)
     return capsule;
 }
 
-/* Copies memory to a bytes object. Signals are checked on the way, since a record may fill GiB. */
+/* Copies memory to a bytes object. Signals are checked in between, since a record may take gigabytes. */
 static PyObject *bytes_of(const void *record, size_t size)
 {
     PyObject *bytes = PyBytes_FromStringAndSize(NULL, (Py_ssize_t)size);
@@ -121,7 +121,7 @@ PyObject *track_bytes(PyObject *args)
     return Py_BuildValue("NN", values, places);
 }
 
-/* Returns 3 * count doubles as bytes, and frees them. */
+/* Returns 3 * count doubles as a bytes object, and frees the array. */
 static PyObject *triples(call *of, double *made, size_t count)
 {
     PyObject *bytes = made ? bytes_of(made, 3 * count * sizeof *made) : finish(of, "dense output", "");
@@ -129,7 +129,7 @@ static PyObject *triples(call *of, double *made, size_t count)
     return bytes;
 }
 
-/* Returns the start and length of each row, s, and its number of contacts, as bytes of doubles. */
+/* Returns start and length of each row, s, and its number of contacts, as a bytes object of doubles. */
 PyObject *track_rows(PyObject *args)
 {
     call of = {.status = AOI_OK};
@@ -146,7 +146,8 @@ PyObject *track_rows(PyObject *args)
     return triples(&of, made, kept ? kept->track.rows : 0);
 }
 
-/* Returns the slips of aoi_track_slips as bytes of doubles: each contact, time (s), and 1 or 0. */
+/* Returns the phases of slip from aoi_track_slips as a bytes object of doubles: for each its contact, time (s),
+ * and 1 (slips) or 0. */
 PyObject *track_slips(PyObject *args)
 {
     call of = {.status = AOI_OK};
@@ -170,14 +171,14 @@ PyObject *track_slips(PyObject *args)
 
 /* ------------------------------------------------------------------------------ dense output */
 
-/* A request for values at many times. what: columns of the record, with energies or without;
- * contact forces; or states of a body. */
+/* A request to read a track at many times. what: columns of the record, with energies or without; contact forces;
+ * or states of a body. */
 enum { RECORD = 0, ENERGIES, FORCES, STATES, READINGS };
 typedef struct reading {
     aoi_sampler *sampler;
     const double *time;
     double *out;
-    size_t what, body, count, done, width; /* width: values per time */
+    size_t what, body, count, done, width; /* width: number of values per time */
 } reading;
 
 static int read_next(void *data)
@@ -197,8 +198,8 @@ static int read_next(void *data)
     return of->done < of->count;
 }
 
-/* Reads a track at ascending times, without the GIL between checks for signals. args: (track, times, what, body,
- * out). */
+/* Reads a track at times in ascending order, without the GIL between checks for signals. args: (track, times,
+ * what, body, out). */
 PyObject *track_read(PyObject *args)
 {
     call of = {.status = AOI_OK};

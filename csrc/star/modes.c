@@ -28,7 +28,7 @@ size_t aoi_star_modes_size(const aoi_star *star)
     return size;
 }
 
-/* Compliance of a contact without mass while the oscillators stand still, m/N. */
+/* Returns the compliance of a massless contact point while the oscillators do not move, m/N. */
 static double massless_compliance(const aoi_star *star)
 {
     double stiffness = star->k0;
@@ -38,8 +38,8 @@ static double massless_compliance(const aoi_star *star)
     return 1.0 / stiffness;
 }
 
-/* Displacement of the centre of mass in each mode, the ratio of momentum to mass. The momentum of a constrained star
- * changes due to the force of the ground spring. */
+/* Finds the displacement of the centre of mass in each mode, which is the ratio of momentum to mass. The momentum
+ * of a constrained star changes by the force of the ground spring. */
 static void find_centre(const aoi_star *star, size_t n, const double *omega, const double *shape,
                         double *centre)
 {
@@ -80,7 +80,7 @@ int aoi_star_modes(const aoi_star *star, void *memory, aoi_modes *body)
 
 /* ------------------------------------------------------------------------- in three directions */
 
-/* Lays out the arrays of the three stars' bodies, and behind them those of the whole body. */
+/* Lays out the arrays of the bodies of three stars, and behind these the arrays of the whole body. */
 static aoi_modes three_lay_out(const aoi_star *star, void *block, void *part[3], double **array, size_t *size)
 {
     const size_t n = star[0].n + star[1].n + star[2].n + 3;
@@ -120,7 +120,7 @@ int aoi_star_modes_of_three(const aoi_star star[3], void *memory, aoi_modes *bod
     double *omega = array, *inertia = omega + n, *centre = inertia + n, *shape = centre + n, *push = shape + 3 * n;
     double *residual = push + 3 * n;
     memset(array, 0, (9 * n + 9) * sizeof *array);
-    for (size_t k = 0; k < n; k++) { /* by ascending frequency */
+    for (size_t k = 0; k < n; k++) { /* in the order of ascending frequency */
         size_t axis = 3;
         for (size_t i = 0; i < 3; i++) {
             if (at[i] < of[i].n && (axis == 3 || of[i].omega[at[i]] < of[axis].omega[at[axis]])) {
@@ -146,7 +146,7 @@ int aoi_star_modes_of_three(const aoi_star star[3], void *memory, aoi_modes *bod
     return AOI_OK;
 }
 
-/* The contact moves by velocity + angular velocity x arm, in right-handed axes. */
+/* The velocity of the contact is velocity + angular velocity x arm, in right-handed axes. */
 int aoi_rigid_modes(const aoi_rigid *rigid, double *memory, aoi_modes *body)
 {
     enum { N = 6 };

@@ -1,28 +1,29 @@
-/* From the matrices of a body to its anti-oscillators: section 2 of the paper, with the unit vector
- * of dof i_0 replaced by any functional b. Eigenproblems and factorisations are the caller's. */
+/* Reduction of a body, given by its constraint modes, to anti-oscillators: section 2 of the paper, with the unit
+ * vector of dof i_0 replaced by any functional b. Eigenproblems and factorisations are left to the caller. */
 #include "aoimpact.h"
 #include "linear/vector.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Largest relative difference of omega^2 between modes that form one oscillator. */
+/* Largest relative difference of omega^2 between modes that are combined in one oscillator. */
 static const double EQUAL = 1e-9;
 
-/* Share of the static mass below which the mass of a mode is rounding error and counts as zero. */
+/* Mass of a mode, as a share of the static mass, below which it counts as zero (rounding error). */
 static const double NO_MASS = 1e-13;
 
-/* Share of the static mass below which the residual mass counts as zero: rounding error of a sum of thousands of
- * masses. */
+/* Residual mass, as a share of the static mass, below which it counts as zero: the rounding error of a sum of
+ * thousands of masses. */
 static const double MASS_ROUNDING = 1e-11;
 
-/* Rounding error of an eigenvalue, as a share of the largest. */
+/* Rounding error of an eigenvalue, as a share of the largest eigenvalue. */
 static const double EIGEN_ROUNDING = 10.0 * DBL_EPSILON;
 
-/* Finds the least share of the static mass of a mode that counts: share[1] for modes whose eigenvalue is within the
- * rounding of the largest, share[0] for others; returns that rounding. A mode within this rounding contains a part
- * of the lowest mode above: to first order, the ratio of the rounding to the distance of both eigenvalues.
- * Eigenvalues of LAPACK are known to the rounding of the largest times a modest number (LAPACK Users' Guide, 4.10). */
+/* Finds the least mass of a mode that counts, as a share of the static mass: share[1] for modes whose eigenvalue
+ * is within the rounding error of the largest, share[0] for others. Returns that rounding error. A mode within it
+ * contains a part of the lowest mode above it: to first order, the ratio of the rounding error to the distance of
+ * both eigenvalues. Eigenvalues of LAPACK have an error of the rounding of the largest times a modest number
+ * (LAPACK Users' Guide, 4.10). */
 static double least_shares(size_t count, const double *omega2, double share[2])
 {
     const double lost = count > 0 ? fmax(EIGEN_ROUNDING * omega2[count - 1], 0.0) : 0.0;
@@ -82,7 +83,7 @@ int aoi_star_from_constraint_modes(size_t n, size_t count, const double *phi_st,
         oscillator[j] = (int32_t)(size - 1);
         residual -= mass;
     }
-    /* One check of the sums is enough: a value that is not finite in any mode makes them not finite. */
+    /* It suffices to check the sums: a value of a mode that is not finite makes a sum not finite. */
     if (!isfinite(residual) || !aoi_vector_is_finite(size, k)) {
         return AOI_ERROR_NOT_FINITE;
     }

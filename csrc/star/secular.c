@@ -1,15 +1,16 @@
-/* Roots of the secular equation, each to full relative accuracy of its distance from the nearest pole: they convert
- * between a star and its modes without a dense matrix. The idea of working with that distance is from LAPACK
- * (dlaed4); the iteration is Newton's method guarded by bisection. */
+/* Roots of the secular equation, which convert between a star and its modes without a dense matrix. The distance
+ * of each root from the nearest pole has full relative accuracy. The use of this distance follows LAPACK (dlaed4);
+ * the iteration is Newton's method guarded by bisection. */
 #include "star/secular.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Limit of iterations: bisection alone may go through all powers of two of a double. */
+/* Largest number of iterations: bisection alone may go through all powers of two of a double. */
 enum { MOST_ITERATIONS = 2200 };
 
-/* s and s' at origin + offset. The distances of the poles from the origin are formed first, to keep their digits. */
+/* Finds s and its derivative at origin + offset. The distances of the poles from the origin are formed first, so
+ * that they keep their digits. */
 static void secular_evaluate(const aoi_secular *s, double origin, double offset, double *value,
                              double *slope)
 {
@@ -30,8 +31,8 @@ static void secular_evaluate(const aoi_secular *s, double origin, double offset,
     }
 }
 
-/* Root in (low, high) of the rising s; scaled = 1: s is multiplied by the offset, which removes the pole at offset 0
- * and makes the function nearly straight for Newton's method. */
+/* Finds the offset in (low, high) from the origin at which s, which rises, is zero. scaled = 1: s is multiplied by
+ * the offset, which removes the pole at offset 0 and makes the function nearly straight for Newton's method. */
 static int find_offset(const aoi_secular *s, double origin, double low, double high, int scaled,
                        double *offset)
 {
@@ -78,13 +79,13 @@ int aoi_secular_root(const aoi_secular *s, ptrdiff_t gap, double ceiling, size_t
     if (!(right > left)) {
         return AOI_ERROR_ARGUMENT;
     }
-    if (!(right - left < DBL_MAX / 4.0)) { /* so that sums of both ends are finite */
+    if (!(right - left < DBL_MAX / 4.0)) { /* the sum of both ends must be finite  */
         return AOI_ERROR_NOT_FINITE;
     }
     double value, slope;
     const double half = 0.5 * (right - left);
     secular_evaluate(s, left, half, &value, &slope);
-    if (gap == last || value >= 0.0) { /* the last gap has no pole on its right */
+    if (gap == last || value >= 0.0) { /* the last gap has no pole at its upper end */
         *nearest = gap < 0 ? s->n : (size_t)gap;
         return find_offset(s, left, 0.0, gap == last ? right - left : half, gap >= 0, offset);
     }

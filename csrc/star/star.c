@@ -1,4 +1,4 @@
-/* The star (AO model) of Fig. 2: its receptance, its energies, and conversion to modes and back. */
+/* The star (AO model) of Fig. 2 of the paper: its receptance, its energies, and its conversion to modes and back. */
 #include "star/secular.h"
 #include "linear/work.h"
 
@@ -62,8 +62,8 @@ void aoi_star_energy(const aoi_star *star, const double *u, const double *v, dou
     *elastic = 0.5 * twice_elastic;
 }
 
-/* Participation r of the natural mode with omega^2 = origin + offset: 1/sqrt(modal mass) for a unit displacement of
- * the contact. The modal mass may overflow where its root does not. */
+/* Returns the participation r of the natural mode with omega^2 = origin + offset: 1/sqrt(modal mass), for a mode
+ * with unit displacement of the contact. The modal mass may overflow although its square root does not. */
 static double natural_mode_share(const aoi_star *star, const double *antiresonance, double origin,
                                  double offset)
 {
@@ -95,14 +95,14 @@ int aoi_star_to_modal(const aoi_star *star, double *omega2, double *participatio
         pole[i] = star->k[i] / star->m[i];
         stiffness += star->k[i];
     }
-    /* The largest eigenvalue is at most the sum of the largest eigenvalues of the two diagonal blocks. */
+    /* The largest eigenvalue is at most the sum of those of the two diagonal blocks. */
     const double ceiling = 2.0 * (stiffness / star->m0 + (n > 0 ? pole[n - 1] : 0.0));
     const aoi_secular minus_stiffness = {n, pole, star->k, -star->k0, star->m0, 1};
     *mode_count = star->m0 > 0.0 ? n + 1 : n;
     for (size_t j = 0; j < *mode_count; j++) {
         size_t nearest = n;
         double offset = n > 0 ? 0.0 : star->k0 / star->m0;
-        if (n > 0 && (j > 0 || star->k0 > 0.0)) { /* else the rigid mode, exactly zero */
+        if (n > 0 && (j > 0 || star->k0 > 0.0)) { /* otherwise this is the rigid mode, whose omega2 is exactly zero */
             status = aoi_secular_root(&minus_stiffness, (ptrdiff_t)j - 1, ceiling, &nearest, &offset);
         }
         if (status == AOI_OK && aoi_work_stops(pause)) {

@@ -1,10 +1,10 @@
-/* One impact of two bodies, reduced to a few numbers for studies of many; its track is not kept. */
+/* One impact of two bodies, reduced to a few numbers for studies of many impacts. Its track is not kept. */
 #include "track/brief.h"
 #include "linear/work.h"
 
 #include <math.h>
 
-/* Parts of a run, in one block of memory. */
+/* Objects that a run needs, in one block of memory. */
 typedef struct parts {
     aoi_adaptive *run;
     aoi_sampler *sampler;
@@ -45,7 +45,7 @@ static void find_touches(const aoi_system *system, const parts *of, size_t rows,
     brief->lasting = count > 0 && interval[count - 1].lasts;
 }
 
-/* Velocities of the centres of mass at a time. */
+/* Finds the velocities of both centres of mass at a time, m/s. */
 static int find_velocities(const aoi_system *system, const parts *of, double time, double *velocity)
 {
     const int status = aoi_sampler_start(of->sampler, system, &of->track);
@@ -68,7 +68,7 @@ int aoi_brief_run(const aoi_system *system, const aoi_start *start, double rtol,
     size_t size;
     parts of = lay_out(system, rows, memory, &size);
     const aoi_law *law = system->contact[0].law;
-    if (law->note) { /* an earlier run of the same law may have left a note */
+    if (law->note) { /* an earlier run with the same law may have left a note */
         law->note[0] = (double)NAN;
     }
     int status = aoi_adaptive_start(of.run, system, start, rtol, end);

@@ -1,11 +1,11 @@
-/* Check of a track that comes from elsewhere than a run of this process, before it is read. */
+/* Check of a track that does not come from a run of this process, before it is read. */
 #include "collocation/collocation.h"
 #include "adaptive/row.h"
 #include "model/system.h"
 
 #include <math.h>
 
-/* Converts a value of a track to a number; false unless it is an integer from 0 to limit - 1. */
+/* Converts a value of a track to an integer. Returns 0 unless the value is an integer from 0 to limit - 1. */
 static int number_below(double value, size_t limit, size_t *number)
 {
     *number = 0;
@@ -25,14 +25,15 @@ static int contact_is_sound(const aoi_system *system, const double *of)
         return 0;
     }
     const aoi_law *law = system->contact[c].law;
-    if (of[AOI_TRACK_PIECE] == AOI_SLACK) { /* the force is zero and has no edge: the law is not evaluated */
+    /* a slack contact has no force and no edge, and its law is not evaluated */
+    if (of[AOI_TRACK_PIECE] == AOI_SLACK) {
         return edge == AOI_EDGE_NONE && !system->contact[c].friction;
     }
     return number_below(of[AOI_TRACK_PIECE], law->table_count > 0 ? law->table_count : INT32_MAX, &piece);
 }
 
-/* Returns the index behind the row that begins at index `at`; 0 if the row does not lie within the
- * track or refers to a body or contact that is not in the system. */
+/* Returns the index at which the row that begins at index `at` ends; 0 if the row is not inside the track or
+ * refers to a body or contact that is not in the system. */
 static size_t end_of_row(const aoi_system *system, const aoi_track *track, size_t at)
 {
     const double *values = track->values, *row = values + at;

@@ -8,12 +8,12 @@
 
 #include <math.h>
 
-/* Time, as a share of the record's duration, after which a contact's last row must end for the contact to last to
- * the end of the record. */
+/* Least end of a contact's last row, as a share of the end of the record, for which the contact counts as lasting
+ * to that end. */
 static const double RECORD_END = 1.0 - 1e-14;
 
-/* The intervals found so far, and for each contact its open interval (lasts = 1), whose end is that
- * of its last row so far. */
+/* The intervals found so far, and for each contact the interval that has not ended (lasts = 1). The end of the
+ * latter is the end of its last row so far. */
 typedef struct search {
     double end;
     aoi_interval *open;
@@ -43,8 +43,8 @@ static void begin_interval(const double *row, const double *of, aoi_interval *op
     open->lasts = 1;
 }
 
-/* Time at which the indentation falls to the law's rest in the last row of a contact. That row ends
- * below rest by up to the tolerance of events, which is much later where bodies part slowly. */
+/* Returns the time at which the indentation falls to the law's rest in the last row of a contact, s. That row ends
+ * below rest by up to the tolerance of events, which can be much later if bodies separate slowly. */
 static double time_of_rest(const aoi_system *system, const double *row, const double *of)
 {
     const aoi_law *law = system->contact[(size_t)of[AOI_TRACK_CONTACT]].law;
@@ -56,8 +56,8 @@ static double time_of_rest(const aoi_system *system, const double *row, const do
     return row[AOI_TRACK_START] + length - ago * length;
 }
 
-/* Updates the interval of a contact by one row. If a contact begins in this row or is slack in it, its interval so
- * far has ended with the last row before. */
+/* Updates the interval of a contact by one row. If a contact begins or is slack in this row, its interval so far
+ * has ended with its previous row. */
 static void follow_contact(search *found, const aoi_system *system, const double *row, const double *of)
 {
     aoi_interval *open = &found->open[(size_t)of[AOI_TRACK_CONTACT]];
@@ -77,12 +77,12 @@ static void follow_contact(search *found, const aoi_system *system, const double
     open->impulse += row[AOI_TRACK_LENGTH] *
                      aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[0], of + AOI_TRACK_FORCE);
     open->end = row[AOI_TRACK_START] + row[AOI_TRACK_LENGTH];
-    if (of[AOI_TRACK_ENDS] != 0.0) { /* the force ends; bodies may overlap for longer */
+    if (of[AOI_TRACK_ENDS] != 0.0) { /* the force ends, although bodies may overlap for longer */
         close_interval(found, open, time_of_rest(system, row, of), 0);
     }
 }
 
-/* The first contact of a row, behind its bodies. */
+/* Returns the first contact of a row, whose values follow those of the bodies. */
 static const double *first_contact(const aoi_system *system, const double *row)
 {
     const double *of = row + AOI_TRACK_FIXED;

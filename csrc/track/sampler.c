@@ -1,5 +1,5 @@
-/* Dense output: the record of a track at any time. Bodies are advanced from the start of a row to the time exactly
- * as in the run; for evenly spaced times in free motion, they are advanced from one time to the next. */
+/* Dense output: the record of a track at any time. Bodies are advanced from the start of a row to that time
+ * exactly as in the run. At evenly spaced times in free motion they are advanced from one time to the next. */
 #include "linear/vector.h"
 #include "linear/work.h"
 #include "law/law.h"
@@ -23,33 +23,34 @@ struct aoi_sampler {
     const double *track;
     const size_t *index; /* index of each row in track */
     size_t rows;
-    /* for each body: the last row with it, and its index in track */
+    /* for each body: number of the last row that contains it, and the body's index in track */
     size_t *body_row, *body_at;
-    size_t *contact_row, *contact_at; /* for each contact: its last row, and its index there */
+    size_t *contact_row, *contact_at; /* the same for each contact                           */
 
     size_t row, most_modes;
-    int has_edge; /* a contact of the row was solved with an edge      */
-    /* share of the row that port_force covers: 1, or up to the time asked if has_edge */
+    int has_edge; /* 1: a contact of the row was solved with an edge   */
+    /* share of the row that port_force covers: 1 or, if has_edge, up to the last time read */
     double part;
     double *port_force, *states;
-    double *ports; /* for all ports: forces, their rates, displacements */
-    /* for each contact: energy lost up to the end of its last row, J; NaN: not yet computed */
+    double *ports; /* forces on all ports, their rates, and displacements of all ports */
+    /* for each contact: energy lost up to the end of its last row, J; NaN: not computed so far */
     double *settled;
     double *flown; /* for each body in free motion: its state at the last bend of its load */
     aoi_even *even; /* for each body without a load: its free motion at evenly spaced times */
 };
 
-/* State of a body in free motion at the last bend of its load: time, work and loss since the body's
- * row, then x and v. */
+/* State of a body in free motion at the last bend of its load: time, work of loads and gravity and energy
+ * dissipated since the body's row, then x and v. */
 enum { BEND_TIME, BEND_WORK, BEND_LOST, BEND_STATE };
 
-/* Number of doubles in the bends of all bodies. */
+/* Returns the number of doubles that the states of all bodies at bends take. */
 static size_t bends_size(const aoi_system *system)
 {
     return BEND_STATE * system->body_count + 2 * system->first[system->body_count];
 }
 
-/* Lays out the sampler's arrays behind the sampler in `block`, or, if block is NULL, only counts their bytes. */
+/* Lays out the sampler's arrays behind the sampler in `block`; if block is NULL, only the bytes are counted.
+ * Returns their number. */
 static size_t lay_out(aoi_sampler *sampler, const aoi_system *system, void *block)
 {
     const size_t bodies = system->body_count, contacts = system->contact_count;
@@ -102,7 +103,7 @@ static void forces_on_part(const aoi_sampler *sampler, size_t c, double place, d
                    row_of(sampler, sampler->contact_row[c])[AOI_TRACK_LENGTH], place, force);
 }
 
-/* Sets port_force to the forces on all ports, at the nodes of the present row from its start to the
+/* Sets port_force to the forces on all ports, at the nodes of the part of the present row from its start to the
  * share `part`. */
 static void gather(aoi_sampler *sampler, double part)
 {
@@ -131,7 +132,7 @@ static double *bend_of(const aoi_sampler *sampler, size_t b)
     return sampler->flown + BEND_STATE * b + 2 * sampler->system->first[b];
 }
 
-/* Registers the bodies and contacts of a row. */
+/* Makes a row the present one, and records where its bodies and contacts are in the track. */
 static void enter_row(aoi_sampler *sampler, size_t row)
 {
     const aoi_system *system = sampler->system;
@@ -183,7 +184,7 @@ int aoi_sampler_start(aoi_sampler *sampler, const aoi_system *system, const aoi_
     return AOI_OK;
 }
 
-/* Position of a time in the present row, as a share of its length; 1 after the row. */
+/* Returns the position of a time in the present row, as a share of its length; 1 after the row. */
 static double place_of(const aoi_sampler *sampler, double time)
 {
     const double *row = row_of(sampler, sampler->row);
@@ -191,7 +192,7 @@ static double place_of(const aoi_sampler *sampler, double time)
     return length > 0.0 ? fmin(1.0, into / length) : 1.0;
 }
 
-/* Moves on to the row of a time, and gathers its forces. */
+/* Moves on to the row that contains a time, and gathers its forces. */
 static void advance(aoi_sampler *sampler, double time)
 {
     const size_t before = sampler->row;
@@ -206,8 +207,8 @@ static void advance(aoi_sampler *sampler, double time)
     }
 }
 
-/* Advances a body in free motion to the last bend of its load before a time, starting from the last bend reached: a
- * start from the body's row would cost all bends since for each time. */
+/* Advances a body in free motion to the last bend of its load before a time, from the last bend that was reached;
+ * a start from the body's row would pass all bends since that row for each time. Returns the state at that bend. */
 static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b)
 {
     const aoi_modes *body = &sampler->system->body[b];
@@ -216,7 +217,7 @@ static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b)
     double *at = bend_of(sampler, b);
     double *x = at + BEND_STATE, *before = sampler->states + 2 * sampler->most_modes;
     const size_t bytes = 2 * body->n * sizeof(double);
-    if (!(at[BEND_TIME] <= time)) { /* NaN: not yet computed */
+    if (!(at[BEND_TIME] <= time)) { /* also if it is NaN: not computed so far */
         at[BEND_TIME] = start;
         at[BEND_WORK] = at[BEND_LOST] = 0.0;
         memcpy(x, stored, bytes);
@@ -235,8 +236,8 @@ static double *fly_to_bend(const aoi_sampler *sampler, double time, size_t b)
     return at;
 }
 
-/* Writes x and v of a body at a time to state (2 n). Returns 1 if contact forces act on the body
- * since its row, 0 in free motion. */
+/* Writes x and v of a body at a time to state (2 n). Returns 1 if contact forces have acted on the body since its
+ * row, 0 if it is in free motion. */
 static int state_at(const aoi_sampler *sampler, double time, size_t b, double *state)
 {
     const aoi_modes *body = &sampler->system->body[b];
@@ -269,7 +270,8 @@ void aoi_sampler_state(aoi_sampler *sampler, double time, size_t body, double *s
     (void)state_at(sampler, time, body, state);
 }
 
-/* Work done on a contact from the start of its row to `place`, by the quadrature of the run, J. */
+/* Returns the work done on a contact from the start of its row to the position `place`, by the quadrature of the
+ * run, J. */
 static double contact_work(const aoi_sampler *sampler, size_t c, double place)
 {
     double force[3][AOI_NODES];
@@ -277,11 +279,12 @@ static double contact_work(const aoi_sampler *sampler, size_t c, double place)
     return aoi_collocation_work(sampler->track + sampler->contact_at[c] + AOI_TRACK_INDENTATION, force[0], place);
 }
 
-/* True for a law without losses. Its dissipated energy is recorded as 0: the difference between its work and its
- * energy is the run's error. */
+/* True for a law without losses. Its dissipated energy is recorded as 0, since the difference between work and
+ * stored energy is only the error of the run. */
 static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law->remember; }
 
-/* Force at `place`, N. The force at the start is stored, since the polynomial through the nodes would extrapolate. */
+/* Returns the force at the position `place` of a row, N. At the start it is the stored force, since the polynomial
+ * through the nodes would extrapolate. */
 static double force_at(const double *of, double place)
 {
     double legendre[AOI_NODES], slope;
@@ -290,7 +293,7 @@ static double force_at(const double *of, double place)
                        : of[AOI_TRACK_START_FORCE];
 }
 
-/* Writes the rows of a closed contact; returns its force and sets the force's rate. */
+/* Writes the rows of a closed contact. Returns its force, N, and sets force_rate to the rate of that force, N/s. */
 static double closed_contact(const aoi_sampler *sampler, size_t c, double place, int energies,
                              double *record, size_t stride, double *force_rate)
 {
@@ -305,7 +308,8 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
     if (piece != AOI_SLACK) {
         aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
         if (law->depends_on_rate && of[AOI_TRACK_EDGE] == AOI_EDGE_NONE) {
-            /* In a very short step the slope is rounding noise, except at an edge. */
+            /* The polynomial of the forces is used, except at an edge: in a very short step the slope is only
+             * rounding error. */
             value.force = force_at(of, place);
         }
         value.force = law->pulls || value.force > 0.0 ? value.force : 0.0;
@@ -324,7 +328,7 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
     return value.force;
 }
 
-/* As closed_contact, for a contact with friction. */
+/* Writes the rows of a closed contact with friction. Returns its normal force, N. */
 static double rubbing_contact(const aoi_sampler *sampler, size_t c, double place, int energies, double *record,
                               size_t stride)
 {
@@ -353,7 +357,8 @@ static double rubbing_contact(const aoi_sampler *sampler, size_t c, double place
     return force[0];
 }
 
-/* Energy lost by a contact that is open, its end included, J. Computed once after its last row. */
+/* Returns the energy lost by a contact that is open, including the loss at its end, J. It is computed once after
+ * the contact's last row. */
 static double lost_in(aoi_sampler *sampler, size_t c)
 {
     if (sampler->contact_row[c] == sampler->rows || is_elastic(sampler->system->contact[c].law)) {
@@ -367,7 +372,7 @@ static double lost_in(aoi_sampler *sampler, size_t c)
     return sampler->settled[c];
 }
 
-/* Writes the rows of an open contact, from the displacements of its ports. */
+/* Writes the rows of an open contact, for given displacements of all ports. */
 static void open_contact(aoi_sampler *sampler, size_t c, const double *port_displacement,
                          int energies, double *record, size_t stride)
 {
@@ -398,7 +403,7 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
     const double *x0 = stored + AOI_TRACK_STATE, *v0 = x0 + body->n;
     double *scratch = sampler->states + 4 * sampler->most_modes, more = 0.0, lost = 0.0;
     if (!body->decay && !body->gravity && body->load.count == 0) {
-        /* nothing but contacts does work on it */
+        /* only contact forces do work on the body */
     } else if (pushed) {
         aoi_modes_step_work(body, start, sampler->part * row[AOI_TRACK_LENGTH],
                             place_of(sampler, time) / sampler->part,
@@ -415,7 +420,8 @@ static void body_ledger(const aoi_sampler *sampler, double time, size_t b, int p
     *dissipated = stored[AOI_TRACK_BODY_LOST] + lost;
 }
 
-/* Writes the rows of a body. force, force_rate: contact forces plus loads on its ports; their rates. */
+/* Writes the rows of a body, and finds the displacements of its ports. force, force_rate: contact forces plus
+ * loads on its ports, and their rates. */
 static void write_body(aoi_sampler *sampler, double time, size_t b, int energies, const double *force,
                        const double *force_rate, double *record, size_t stride,
                        double *port_displacement)
@@ -447,8 +453,7 @@ static void write_body(aoi_sampler *sampler, double time, size_t b, int energies
     }
 }
 
-/* Writes the rows of the closed contacts; sets the forces, loads included, on all ports, and their
- * rates. */
+/* Writes the rows of the closed contacts. Sets the forces on all ports, loads included, and their rates. */
 static void closed_contacts(aoi_sampler *sampler, double time, int energies, double *record,
                             size_t stride, double *force, double *rate)
 {
