@@ -1,4 +1,4 @@
-"""Tools of every folder: errors, checks of arguments, units, read-only records, tables."""
+"""Tools for all folders: errors, checks of arguments, units, read-only records, tables."""
 
 from .cells import *
 from .checks import *

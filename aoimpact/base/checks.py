@@ -240,7 +240,7 @@ def file_path(name: str, value: Any) -> Path:
         if "\0" in path:
             raise ValueError
         os.fsencode(path)
-    except ValueError:  # also of characters that cannot be encoded
+    except ValueError:  # also raised by os.fsencode
         raise InputError(f"{name} must be a path, got {path!r}, which no file can have") from None
     return Path(path)
 

@@ -85,7 +85,7 @@ class MissingFileError(MeshError, FileNotFoundError):
 
 
 class SceneFileError(InputError):
-    """A scene file is wrong; the message has its lines."""
+    """A scene file is wrong; the message gives the line of each problem."""
 
 
 class SingularError(AOImpactError, RuntimeError):

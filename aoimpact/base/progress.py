@@ -11,7 +11,7 @@ from typing import Any
 # Time after which a bar appears, s.
 _DELAY = 1.0
 
-# The outermost bar of each thread.
+# The outermost progress bar of each thread.
 _open = threading.local()
 
 

@@ -31,8 +31,8 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)), (0, (3, 1)
 def styled() -> Iterator[None]:
     """Give new figures and axes the style of this package within the context.
 
-    At the end, only the settings made here are restored. ``rc_context`` would restore all: it would
-    undo that a notebook becomes interactive with its first figure, and hide all further figures.
+    At the end, only the settings made here are restored. ``rc_context`` would restore all settings:
+    a notebook, which becomes interactive with its first figure, would show no further figures.
     """
     import matplotlib.pyplot as plt
     from cycler import cycler  # of matplotlib

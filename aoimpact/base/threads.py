@@ -28,13 +28,13 @@ def at_once(calls: Sequence[Callable[[], Any]]) -> None:
     pool = _pool(os.getpid(), count)
     others: list[Future[None]] = []
     try:
-        for k in range(1, count):  # the context holds np.errstate and held warnings
+        for k in range(1, count):  # with the caller's np.errstate and held warnings
             others.append(pool.submit(copy_context().run, _one_by_one, calls[k::count]))
         _one_by_one(calls[::count])
     finally:
         try:
             wait(others)
-        finally:  # also after an interrupt: calls write to the caller's arrays
+        finally:  # wait even after an interrupt: calls write to the caller's arrays
             wait(others)
     for other in others:
         other.result()
@@ -55,5 +55,5 @@ def _cores() -> int:
 
 @cache
 def _pool(process: int, count: int) -> ThreadPoolExecutor:
-    """Return the pool of the process with an id: a forked process lacks its parent's threads."""
+    """Return the threads of a process, by its id: a forked process lacks its parent's threads."""
     return ThreadPoolExecutor(count - 1, thread_name_prefix=_PREFIX)

@@ -11,7 +11,7 @@ import math
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 
-# A factor and a unit with prefix: the factor converts a value in SI units to the unit with prefix.
+# Factor that converts a value from SI units to a unit with prefix, and that unit.
 Scale = tuple[float, str]
 
 
@@ -31,7 +31,7 @@ def scale_for(largest: float, unit: str) -> Scale:
 
 
 def scale_of(label: str, unit: str) -> Scale | None:
-    """Return the scale in an axis label such as "force (kN)"; None if the unit is another."""
+    """Return the scale in an axis label such as "force (kN)"; None for another unit than `unit`."""
     for exponent, prefix in _PREFIXES.items():
         if label.endswith(f"({prefix}{unit})"):
             return 10.0**-exponent, prefix + unit

@@ -64,7 +64,7 @@ class Checkpoint:
                 file.seek(0)
                 for line in file:
                     if not place and not _HEAD.startswith(line):
-                        raise InputError(f"{name} is a file of another kind; give another path")
+                        raise InputError(f"{name} is not a checkpoint file; give another path")
                     if not line.endswith(b"\n"):  # the process was killed while writing
                         break
                     place += len(line)
@@ -87,7 +87,7 @@ class Checkpoint:
         return digest in self._known
 
     def __enter__(self) -> Checkpoint:
-        self._written = open(self._name, "ab", buffering=0)  # unbuffered
+        self._written = open(self._name, "ab", buffering=0)  # each line is one write
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -96,7 +96,7 @@ class Checkpoint:
         self._written.close()
 
     def get(self, digest: str) -> Outcome:
-        """Return the stored outcome of the case with a digest."""
+        """Return the stored outcome of the case with the given digest."""
         return self._known[digest]
 
     def put(self, digest: str, outcome: Outcome) -> None:
@@ -191,7 +191,7 @@ class _Content(pickle.Pickler):
             parts = self._digests.once(value) if model else _parts(value)
         elif callable(value):
             if self._digests.key is None:
-                raise TypeError("of functions give key=, a text that you change with them")
+                raise TypeError("for functions give key=, a text that you change with them")
             parts = getattr(value, "__module__", ""), getattr(value, "__qualname__", "")
         else:
             return NotImplemented

@@ -102,7 +102,7 @@ def simulate_many(
     InputError, InputTypeError
         If there are no cases, or an argument other than a case is invalid.
     WorkerError
-        If a worker is lost, or cannot be given its cases.
+        If a worker is lost, or cases cannot be sent to it.
 
     Warns
     -----

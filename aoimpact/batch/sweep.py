@@ -120,7 +120,8 @@ class SweepTable(Frozen):
     def to_xarray(self) -> Any:
         """Return an xarray Dataset of the quantities; its dimensions are the parameters.
 
-        Each quantity has its unit as attribute "units". There is an "error" if cases failed.
+        Each quantity has its unit as attribute "units". If cases failed, a variable "error" has the
+        messages.
 
         Raises
         ------

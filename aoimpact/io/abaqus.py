@@ -69,7 +69,8 @@ _KINDS = {
         "ADAPTIVEMESHREFINEMENT|ADJUST|DISPLAYBODY|(EL|N)(COPY|GEN)|IMPERFECTION|IMPORT((EL|N)SET)?"
         "|NFILL|NMAP|REFINEMESH|SYMMETRICMODELGENERATION"
     ),
-    # Keywords that connect nodes or remove elements during an analysis, which a mesh cannot hold.
+    # Keywords that connect nodes or remove elements during an analysis, which no mesh can
+    # represent.
     "connection": (
         "COUPLING|DISTRIBUTINGCOUPLING|EMBEDDEDELEMENT|EQUATION|FASTENER|KINEMATICCOUPLING"
         "|MODELCHANGE|MPC|RIGIDBODY|SHELLTOSOLIDCOUPLING|TIE"
@@ -82,7 +83,7 @@ _KINDS = {
         "|(CAP|CASTIRON|CLAY|CONCRETEDAMAGED|CONNECTOR|POROUSMETAL)PLASTICITY|BRITTLECRACKING"
         "|NOCOMPRESSION|NOTENSION|USERMATERIAL"
     ),
-    # Additions to the section of the ELSET that they name, by default to the preceding section.
+    # Keywords that add to a section: that of the ELSET which they name, else the preceding one.
     "addition": (
         "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
         "|SHEARCENTER|BEAM(ADDED|FLUID)INERTIA|BEAMSECTIONOFFSET"
@@ -220,7 +221,7 @@ class AbaqusDeck:
             kind = _kind(card.name)
             if kind == "material" and card.name in own:
                 raise card.error("the material has it twice")
-            if kind in ("material", "inelastic"):  # inelastic ones may repeat
+            if kind in ("material", "inelastic"):  # only inelastic keywords may repeat
                 own[card.name] = card
         return found
 
@@ -559,7 +560,7 @@ class Scope:
         system = key(keyword.options.get("SYSTEM", "R"))
         if system not in ("R", "C", "S", "RECTANGULAR", "CYLINDRICAL", "SPHERICAL"):
             raise keyword.error(f"SYSTEM must be R, C or S, got {system}")
-        if system[0] == "S":  # r, angle about z, angle from the x-y plane
+        if system[0] == "S":  # given: r, angle about z, angle from x-y plane
             places = np.stack([places[:, 0], 90.0 - places[:, 2], places[:, 1]], axis=1)
         places = replace(self._frame, kind=system[0]).basic(places)
         self._points.append((keyword, labels, places))
@@ -686,13 +687,13 @@ class Scope:
         return raw.joined(parts)
 
     def _numbered(self, which: Which, labels: IntArray) -> IntArray:
-        """Return the numbers of labelled nodes or elements, over all scopes; -1 if undefined."""
+        """Return the numbers, over all scopes, of the nodes or elements `labels`; -1: undefined."""
         known, order = self.known[which]
         rows = raw.rows_of(known, labels)
         return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows
 
     def _named(self, which: Which, name: str, card: Keyword) -> IntArray:
-        """Return the members that a name denotes: of a set, "instance.set", or "instance.5"."""
+        """Return the members denoted by a name: "set", "instance.set", or "instance.5" for one."""
         at = which, key(name)
         if at in self.sets:
             orders = [one.line.order for one in self.sets[at]]
@@ -763,11 +764,11 @@ class _Section:
 
     @property
     def blocks(self) -> list[_Elements]:
-        """Blocks that hold elements of the section."""
+        """Blocks of the mesh that contain elements of the section."""
         return [self.deck.blocks[i] for i in np.unique(self.source.raw.block_of(self.members))]
 
     def material(self, name: str) -> Solid:
-        """Return a material by its name."""
+        """Return the material called `name`, from the user or the deck."""
         given: Solid | None = self.source.instead(name)
         if given is not None:
             return given
@@ -791,7 +792,7 @@ class _Section:
             return make(self.source, *_constants(elastic, count), rho)
 
     def differs(self, of: str, other: str, cure: str) -> None:
-        """Warn that the data `of` are read as by Abaqus, not CalculiX; not for decks with parts."""
+        """Warn that `of` is read as in Abaqus, not as in CalculiX, unless the deck has parts."""
         if not self.deck.whole.inner:  # CalculiX has no parts
             self.source.left_out.append(f"{of} as in Abaqus; {other} ({cure})")
 
@@ -936,7 +937,7 @@ class _Section:
         return source.beam(section, material, z, self.members, _AXES, np.zeros(3))
 
     def radius(self, numbers: list[float]) -> list[float]:
-        """Return the radius of CIRC: given in Abaqus; CalculiX has one or two diameters instead."""
+        """Return the radius of CIRC: Abaqus gives the radius, CalculiX one or two diameters."""
         if len(numbers) == 2 and numbers[0] != numbers[1]:
             raise self.card.error("ellipses are not supported")
         if len(numbers) == 2 or any(block.type.endswith("R") for block in self.blocks):

@@ -130,7 +130,7 @@ class Keyword:
         if table is None:
             table = np.zeros((len(self.rows), 4))
             for row, texts in enumerate(self.rows):
-                if len(texts) > 7:  # up to 7: a normal follows
+                if len(texts) > 7:  # number, coordinates, normal
                     raise self.error("a node has a number, three coordinates and a normal", row)
                 (label,) = self.integers(row, texts[:1] or [""])
                 table[row] = [min(label, 2 * MOST), *self.reals(row, texts[1:4], 3)]
@@ -234,7 +234,7 @@ def read_keywords(main: Path) -> list[Keyword]:
             raise keyword.error(f"{str(place)!r} must hold data lines only")
 
     def add(file: Path, outer: tuple[Path, ...]) -> None:
-        """Add the keywords of a file; `outer`: the files that include each other down to it."""
+        """Add the keywords of a file; `outer`: the chain of including files, this file last."""
         lines = read_text(file).split("\n")
         starts = [i for i, line in enumerate(lines) if "*" in line and _KEYWORD.match(line)]
         for start, stop in pairwise([-1, *starts, len(lines)]):

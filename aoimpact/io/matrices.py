@@ -40,7 +40,8 @@ from .read import existing, load, read_mesh
 # Bounds of the units of length, m, and of mass, kg: wide enough for nanometres and nanograms.
 _UNITS = 1e-12, 1e12
 
-# Patterns of names of the stiffness (K, KAA, KAAX, KGG, STIFFNESS) and the mass (M, MAA, MASS).
+# Patterns of the names of stiffness matrices (K, KAA, KAAX, KGG, STIFFNESS) and mass matrices (M,
+# MAA, MASS).
 _NAMES = {
     role: re.compile(rf"(?:{role}(?:([A-Z])\1)?X?|{word}.*)$")
     for role, word in (("K", "STIF"), ("M", "MASS"))
@@ -112,9 +113,9 @@ def read_matrices(
         mass=1e3``. The unit of time is the second.
     mesh : path, meshio.Mesh or Mesh, optional
         A mesh file in the files' unit (or a mesh in metres) with nodes at the places of the
-        matrices' nodes; requires `material`. With it the contact is a patch of the surface (on a
-        shell, a point), the law may be left out, and stresses are available, as with
-        `FEModel.from_mesh`. It also gives the coordinates if `nodes` is left out.
+        matrices' nodes; requires `material`. With a mesh, the contact is a patch of the surface (on
+        a shell, a point), the law may be left out, and stresses are available, as with
+        `FEModel.from_mesh`. The mesh also gives the coordinates if `nodes` is left out.
     material : Material, Orthotropic, Shell, Laminate, Beam, or mapping of str to these, optional
         Material of `mesh` for contact and stress, as for `FEModel.from_mesh`.
     damping : Rayleigh or ModalDamping, optional
@@ -139,7 +140,7 @@ def read_matrices(
     -----
     AOImpactWarning
         If density or speed of sound are implausible, as with wrong units; if rows of K, M and
-        `nodes` are not in the same order; if K has too few digits for a free body to be free.
+        `nodes` are not in the same order; if K has so few digits that a free body is not free.
 
     Examples
     --------
@@ -186,7 +187,7 @@ def read_matrices(
             try:
                 body = body.with_mesh(solid, material)
             except InputError as error:
-                raise InputError(f"{error} It lies there by nodes and length={metres:g}") from error
+                raise InputError(f"{error} Its place is nodes times length={metres:g}") from error
     for doubt in audited(body, frequencies=0).doubts:
         warn(f"{called}: {doubt}")
     return body
@@ -294,7 +295,7 @@ def _named(role: str, file: Path, matrices: list[RawMatrix], wanted: str) -> Raw
 
 
 def _given_labels(dofs: Any, stiffness: RawMatrix, inertia: RawMatrix) -> IntArray | None:
-    """Return node and component of each row: from `dofs`, or the ``.dof`` beside a ``.sti``."""
+    """Return node and component of each row, from `dofs` or the ``.dof`` file beside a ``.sti``."""
     if dofs is None:
         dofs = stiffness.file.with_suffix(".dof")
         if stiffness.file.suffix.lower() != ".sti" or not dofs.exists():

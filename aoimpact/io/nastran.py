@@ -237,7 +237,7 @@ def _by_property(bulk: BulkData, parts: list[Entries], dims: IntArray) -> dict[s
 
     Elements of several dimensions may share a property number. Elements of the lower dimension make
     a separate group if the deck has a property of this number for their dimension. Otherwise they
-    are sides and edges, which a mesher numbered alike.
+    are sides and edges to which a mesher gave the number.
     """
     properties, found = joined(part.properties for part in parts), {}
     known = {dim: {card.text(0).lstrip("+0") for card in _properties(bulk, dim)} for dim in (1, 2)}
@@ -331,7 +331,7 @@ class Grids:
         return x
 
     def axes(self, label: int, error: Callable[[str], MeshError]) -> Axes:
-        """Return the coordinate system `label`; `error` makes errors of the referring entry.
+        """Return the coordinate system `label`; `error` makes errors that name the referring entry.
 
         Raises
         ------
@@ -376,10 +376,10 @@ def _definitions(bulk: BulkData) -> dict[int, _Definition]:
 
 
 def _among(text: str, labels: IntArray) -> IntArray:
-    """Return the rows of `labels` that are in a set; none if a single number is no label.
+    """Return the rows of `labels` that are in a set; none if a number outside ranges is no label.
 
     A number after EXCEPT is excluded if it lies in the range before EXCEPT; otherwise it is a
-    single number.
+    number outside ranges.
     """
     chosen, alone = np.zeros(len(labels), dtype=bool), list[int]()
     for first, last, step, behind in _MEMBER.findall(text):
@@ -399,9 +399,9 @@ def _among(text: str, labels: IntArray) -> IntArray:
 
 
 def _sets(control: list[Line], bulk: BulkData) -> dict[str, tuple[tuple[str, ...], str]]:
-    """Return, by name such as "SET 5" or "SET1 5", whether a set is of nodes, and its numbers.
+    """Return, by name such as "SET 5" or "SET1 5", what each set holds, and its numbers.
 
-    A set is of nodes, of elements, or of both.
+    A set holds nodes, elements, or both.
 
     Raises
     ------
@@ -459,7 +459,7 @@ _FRAMES = [b"", b"G", b"1", b"2", b"B"]
 # which are Nastran's z and y.
 _AXES = np.array([[-1.0, 0.0], [0.0, 1.0]])
 
-# Largest relative difference between G and E/(2 (1 + NU)); G itself is not used.
+# Relative difference between G and E/(2 (1 + NU)) up to which G is ignored without a message.
 _ISOTROPIC = 0.01
 
 
@@ -572,7 +572,7 @@ class NastranDeck:
             cure = f"give read_sections(given={{'material {label}': Material(...)}})"
             raise own.error(f"RHO is 0 or blank; write it, or {cure}")
         if bar and own.name == "MAT1" and own.text(1) and own.real(2, "G", 0.0):
-            own = replace(own, fields=[*own.fields[:3], "", *own.fields[4:]])  # drop NU
+            own = replace(own, fields=[*own.fields[:3], "", *own.fields[4:]])  # bars use E and G
         with refusing(own.error):
             return make(self.source, own, rho)
 
@@ -613,7 +613,7 @@ class NastranDeck:
         return common(along, normals)
 
     def towards(self, own: IntArray) -> ArrayPair:
-        """Return a vector in plane 1 of each bar and the bar's offset, m; refuse hinges."""
+        """Return, for each bar, a vector in plane 1, and the offset, m; refuse hinges."""
         nodes, grids = self.source.raw.nodes, self.grids
         for table, layout in self.entries(own):
             if layout == "line3":

@@ -1,4 +1,4 @@
-"""Parser of Nastran decks: lines of all files, replication, and entries with their fields."""
+"""Parser of Nastran decks: included files, replication, continuation lines, fields of entries."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _INCREMENT = re.compile(rb"\*\(?([^()]+)\)?")
 _MARK = re.compile(rb"[+*](?![\d.])")  # mark of a continuation: "+" or "+A1", not "+1.5"
 INTEGER = re.compile(rb"[-+]?\d{1,18}")
 
-# For each name of an entry, the name of the entry with defaults for its blank fields.
+# For an entry's name, the name of the entry that has the defaults for its blank fields.
 _DEFAULTS = {"GRID": "GRDSET", "CBAR": "BAROR", "CBEAM": "BEAMOR"}
 
 # Names of entries with four fields, two of which may share a line.
@@ -388,7 +388,7 @@ class BulkData:
         return every
 
     def quads(self, name: str) -> tuple[Table, IntArray]:
-        """Return a table of four fields per row, and the number of the entry of each row."""
+        """Return all fields of the named entries, four per row, and each row's entry number."""
         rows, entries, lines = list[list[bytes]](), list[int](), list[Line]()
         for i, entry in enumerate(self.names.get(name, ())):
             fields = self._fields(name, entry)
@@ -443,7 +443,7 @@ class Table:
         return found
 
     def refuse_first(self, wrong: BoolArray, why: str) -> None:
-        """Raise an error for the first entry that is `wrong`, if any."""
+        """Raise an error for the first entry for which `wrong` is true, if any."""
         for row in np.flatnonzero(wrong)[:1].tolist():
             raise self.refused(row, why)
 

@@ -145,7 +145,7 @@ def rows(*of: tuple[float, ...]) -> Profile:
     along an axis is the ratio of the area of the walls along this axis to the whole area.
     """
     if any(row[0] <= 0.0 or [*row[1:]] != sorted({*row[1:]}) for row in of):
-        raise InputError("its walls are thicker than there is room for, or 0")
+        raise InputError("its walls overlap, or have no thickness")
     cuts = np.unique([h for row in of for h in row[1:]])
     inside = np.array([np.searchsorted(row[1:], 0.5 * (cuts[1:] + cuts[:-1])) % 2 for row in of])
     corners, start, end = cuts + 1j * np.cumsum([0.0, *(row[0] for row in of)])[:, None], [], []
@@ -210,7 +210,7 @@ def hexagon(radius: float, t: float) -> Profile:
     """Return Abaqus' HEX, a regular hexagonal tube of given circumradius and wall thickness."""
     inner = radius - 2.0 * t / math.sqrt(3.0)
     if not 0.0 <= inner < radius:
-        raise InputError("its walls are thicker than there is room for, or 0")
+        raise InputError("its walls overlap, or have no thickness")
     corners = np.exp(1j * math.pi / 3.0 * np.arange(7))
     start = np.append(radius * corners[:-1], inner * corners[1:])
     return outlined(start, np.append(radius * corners[1:], inner * corners[:-1]), 2.0 * np.eye(2))

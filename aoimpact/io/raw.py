@@ -167,7 +167,7 @@ def joined(parts: Iterable[IntArray]) -> IntArray:
 
 
 def grouped(members: Iterable[tuple[str, IntArray]]) -> dict[str, IntArray]:
-    """Return the sorted members of each group, from pairs of name and members; drop empty ones."""
+    """Return the sorted members of each group that is not empty, from pairs of name and members."""
     found: dict[str, list[IntArray]] = {}
     for name, some in members:
         if len(some):
@@ -176,7 +176,7 @@ def grouped(members: Iterable[tuple[str, IntArray]]) -> dict[str, IntArray]:
 
 
 def rows_of(known: IntArray, wanted: IntArray) -> IntArray:
-    """Return the row in `known` of each label in `wanted`, in its shape; -1 if absent."""
+    """Return the row in `known` of each label, in the shape of `wanted`; -1 if absent."""
     if not len(known):
         return np.full(wanted.shape, -1)
     order = None if (known[1:] >= known[:-1]).all() else np.argsort(known, kind="stable")
@@ -213,7 +213,7 @@ def repeats(labels: IntArray) -> IntArray:
 
 
 def labels_of(arrays: Any, name: str, count: int) -> IntArray | None:
-    """Return `arrays[name]`, numbers in the file of `count` nodes or cells; None if absent.
+    """Return `arrays[name]`, the file's numbers of its `count` nodes or cells; None if absent.
 
     Raises
     ------
@@ -277,7 +277,7 @@ def read_text(file: Path) -> str:
 
 
 class Line(NamedTuple):
-    """A line of a deck: text (str or bytes), file, line number from 1, and rank in the deck."""
+    """A line of a deck: text (str or bytes), file, line number from 1, and order in the deck."""
 
     text: Any
     file: Path

@@ -103,12 +103,11 @@ def read_mesh(
     for shells, else lines for beams. With `part`, the body consists of the cells of the named
     groups, of any dimension. Groups of other cells become node sets. Groups of the body's cells
     become both node sets and groups of elements. Surface elements are turned over where neighbours
-    have opposite normals.
-    Surface and line elements of second order are split into elements of first order: line3 into
-    two lines, triangle6 into four triangles, quad9 into four quads, and quad8 too, with a node
-    added in its middle. Bricks and other elements that repeat nodes are converted to the wedges,
-    pyramids and tetrahedra that they represent. Midside nodes in another order than VTK's are
-    reordered, and so are elements if all of a kind are left-handed.
+    have opposite normals. Surface and line elements of second order are split into elements of
+    first order: line3 into two lines, triangle6 into four triangles, quad9 into four quads, and
+    quad8, with a node added in its middle, likewise. Bricks and other elements that repeat nodes
+    are converted to the wedges, pyramids and tetrahedra that they represent. Midside nodes in
+    another order than VTK's are reordered, and so are elements if all of a kind are left-handed.
 
     A set of an instance of an Abaqus part is called "instance.set", and also "set" if no other
     instance has a set of that name. Each instance is a group of elements.
@@ -170,7 +169,7 @@ def read_for(
     part: str | Sequence[str] | None = None,
     order: int | None = None,
 ) -> Mesh:
-    """Return the mesh as `read_mesh` does; the body includes the groups `thin` of thin elements."""
+    """Return the mesh as `read_mesh` does; the body includes the shell and beam groups `thin`."""
     factor = positive("scale", scale)
     parts = part if isinstance(part, (list, tuple)) else [part]
     named = [*thin, *(name for name in parts if isinstance(name, str))]  # `select` refuses others
@@ -314,7 +313,7 @@ def _node_sets(raw: RawMesh) -> dict[str, IntArray]:
     of_cells = (
         (name, block.cells[own].ravel())
         for name, members in raw.cell_sets.items()
-        if name not in raw.node_sets  # a node set of the same name precedes
+        if name not in raw.node_sets  # a node set of this name takes precedence
         for block, own in raw.rows(members)
     )
     sets = grouped([*raw.node_sets.items(), *of_cells])
@@ -333,7 +332,7 @@ def _body(raw: RawMesh, named: Sequence[str]) -> list[Solids]:
     dims, parts = raw.dims, []
     chosen = dims == dims.max(initial=0)
     groups = [raw.cell_sets[found] for name in named if (found := called(name, raw.cell_sets))]
-    if groups and raw.deck is not None and dims.max() == 1:  # other lines may be rods
+    if groups and raw.deck is not None and dims.max() == 1:  # lines in no group may be rods
         chosen[:] = False
     for members in groups:
         chosen[members[dims[members] == dims[members].max(initial=0)]] = True
@@ -547,7 +546,7 @@ def _refuse_turned(raw: RawMesh, found: Mapping[str, OneMaterial], where: str) -
     for name in sided:
         if np.isin(raw.cell_sets[name], turned).any():
             why = f"{where}: elements of {name!r} have normals opposite to their neighbours'"
-            raise MeshError(f"{why}, and its plies or offset depend on the side; turn them")
+            raise MeshError(f"{why}, and plies or offset depend on the side; turn the elements")
 
 
 def paper_sphere_mesh() -> Mesh:

@@ -38,7 +38,7 @@ PARALLEL = 1e-9
 # Largest ratio of product moment to polar moment of area that counts as a rounding error.
 _ROUND = 1e-12
 
-# Types of a section or material that elements of each dimension can have.
+# Types of sections and materials, by the dimension of the elements that can have them.
 _KINDS: dict[int, tuple[type[Any], ...]] = {3: get_args(Solid), 2: (Shell, Laminate), 1: (Beam,)}
 
 # ν13 and ν23 assumed for fabrics: equal to ν23 of all four unidirectional carbon and glass epoxies
@@ -155,7 +155,7 @@ class Source:
         z = across(np.array(orientation), x)
         places = np.sum(np.array([x, np.cross(z, x), z]) * to, axis=-1).T
         if np.abs(places - [0.0, *places[0, 1:]]).max() > _SAME * np.abs(to).max():
-            raise InputError("its elements are moved along themselves, or unlike each other")
+            raise InputError("its offsets are along its elements, or differ between elements")
         return Beam(of, material, orientation, (centre + places[0, 1:]).round(12).tolist())
 
     def directions(self, members: IntArray, *, edges: bool = False) -> FloatArray:
@@ -289,9 +289,9 @@ def refusing(error: Callable[[str], MeshError]) -> Iterator[None]:
     try:
         with np.errstate(divide="raise", invalid="raise"):
             yield
-    except MeshError:  # already names it
+    except MeshError:  # already names the entry
         raise
     except ArithmeticError:
         raise error("its numbers are 0, or lie too far apart to compute with") from None
-    except (InputTypeError, ValueError, RecursionError) as wrong:  # mutual references
+    except (InputTypeError, ValueError, RecursionError) as wrong:  # endless recursion
         raise error(str(wrong)) from None

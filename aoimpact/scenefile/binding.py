@@ -75,7 +75,7 @@ class Reader:
 
 
 def passes_on(target: Callable[..., Any], *but: str) -> Callable[[Any], Any]:
-    """Return a decorator that says: ``**more`` has the parameters of `target`, except `but`."""
+    """Return a decorator which declares that ``**more`` are parameters of `target` except `but`."""
 
     def marked(function: Any) -> Any:
         function.passes_on = target, but
@@ -299,7 +299,7 @@ def _either(hints: Sequence[Any]) -> Reader | None:
 
 
 def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:
-    """Return the reader of a list: `hints` annotate its entries in order, or all if `endless`."""
+    """Return the reader of a list; `hints`: annotation of each entry, or of all if `endless`."""
     each = [found for hint in hints if (found := reader(hint))]
     if len(each) < len(hints):
         return None
@@ -329,7 +329,7 @@ def _entries(hint: Any) -> Reader | None:
 
 
 def _number(binder: Binder, value: Any, place: Place) -> Any:
-    """Return a number or nested lists of numbers; record problems of entries no double can hold."""
+    """Return a number or nested lists; record a problem for each entry that no double can hold."""
     if isinstance(value, list):
         return [_number(binder, of, (*place, i)) for i, of in enumerate(value)]
     if isinstance(value, bool) or not isinstance(value, int | float):

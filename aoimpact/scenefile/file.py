@@ -1,4 +1,4 @@
-"""Scene files: impacts and scenes in TOML, with errors by line."""
+"""Scene files: impacts and scenes in TOML; errors name the line."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def read_scene(path: FilePath) -> SceneFile:
     Raises
     ------
     SceneFileError
-        If the file cannot be read or is wrong: every problem with its line.
+        If the file cannot be read or is wrong; the message lists every problem with its line.
 
     Examples
     --------
@@ -155,7 +155,7 @@ class SceneFile:
 
     @property
     def title(self) -> str:
-        """The file's title; by default, its name."""
+        """The file's title; by default, its name without suffix."""
         return str(self.data.get("title", self.path.stem))
 
     @property
@@ -189,7 +189,7 @@ class SceneFile:
 
     @property
     def members(self) -> tuple[str, ...]:
-        """Names of the bodies that take part: those of the scene or, for an impact, of [bodies]."""
+        """Names of the bodies that take part: in the scene or, for an impact, in [bodies]."""
         return tuple(name for name, _ in self._bound.taking)
 
     def _refuse(self, problems: Sequence[tuple[Place, str] | SceneFileError]) -> None:
@@ -281,7 +281,7 @@ class SceneFile:
         Raises
         ------
         SceneFileError
-            If a value is invalid, with its line.
+            If a value is invalid; the message has the line.
 
         Examples
         --------
@@ -302,7 +302,7 @@ class SceneFile:
         """
         case, made = self._bound.bound[self.kind], dict[int, Any]()
         problems: dict[int, SceneFileError] = {}
-        for call in calls(case):  # not yet slow calls, nor calls that fill a scene
+        for call in calls(case):  # quick calls first, to report all their errors
             late = call.keep or "self" in call.arguments
             if not late and all(id(of) in made for of in calls(call.arguments)):
                 try:

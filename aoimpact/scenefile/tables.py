@@ -524,7 +524,7 @@ class SceneBinder(Binder):
             self.say((), "the file needs either an [impact] or a [scene]")
 
     def entry(self, which: str, name: str, place: Place) -> Any:
-        """Return the material or body called `name` in a table; it is bound only once."""
+        """Return the file's material or body called `name`, which is bound only once."""
         entries = self.data.get(which)
         given = self.find(entries if isinstance(entries, dict) else {}, f"[{which}]", name, place)
         at = which, name

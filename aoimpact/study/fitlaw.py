@@ -255,7 +255,7 @@ def fit_law(
 
     - a force history, `signal`, of a mass that meets a wall, or of two models of bodies. The start
       of the contact is fitted as well;
-    - a curve of `force` over `indentation` in the order of loading, unloading and reloading;
+    - a curve of `force` against `indentation` in the order of loading, unloading and reloading;
     - diameters of the dents that a mass left at several velocities, `dent`.
 
     Parameters
@@ -276,8 +276,8 @@ def fit_law(
     dent : array_like, optional
         Diameters of dents, m; the law needs a radius.
     free : iterable of str, optional
-        Names of the parameters to fit; by default all that the law requires but its radius and the
-        mass and velocity of the test.
+        Names of the parameters to fit; by default all that the law requires, except its radius and
+        the mass and velocity of the test.
 
     Returns
     -------

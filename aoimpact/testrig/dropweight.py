@@ -144,7 +144,7 @@ class DropWeight(Frozen):
 
     @property
     def _end(self) -> int:
-        """Index of the first sample at or after the last touch, or of the last sample."""
+        """Index of the first sample at or after the last touch; the last index if there is none."""
         return min(int(np.searchsorted(self.t, self.end)), len(self.t) - 1)
 
     def _point(self, i: int) -> Point:
@@ -217,7 +217,7 @@ class DropWeight(Frozen):
         return draw_curves(ax, (across[shown], over, unit), name, of, curves)
 
     def to_csv(self, path: FilePath) -> None:
-        """Write t, force, velocity, deflection and energy, one row per time, under a header line.
+        """Write a CSV file with t, force, velocity, deflection and energy, one row per time.
 
         Examples
         --------

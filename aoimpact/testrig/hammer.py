@@ -123,7 +123,7 @@ def frf(
     velocity, step, samples = motion.unit == "m/s", 1.0 / motion.rate, len(motion.t)
     rows = [[load.values, motion.values, lack] for load, motion, lack in hits]
     struck, moved, doubt = np.swapaxes(rows, 0, 1)
-    count = samples + samples % 2  # even, so that half the samples have the same frequencies
+    count = samples + samples % 2  # even: every second sample gives the same frequencies
     f = np.arange(1, count // 2 + 1) / (count * step)
 
     loaded, answered = _spectra(struck, step, count), _spectra(moved, step, count, velocity)

@@ -1,4 +1,4 @@
-"""Signals over time, measured or simulated: filters of channel frequency classes, text files."""
+"""Measured and simulated signals, their filters (channel frequency classes) and text files."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ _SAMPLES_OF_CLASS = 10.0, 1e6
 # the peak, sometimes exceeds BEGINS, but not RISEN.
 BEGINS, RISEN = 0.01, 0.1
 
-# Line style of an unfiltered signal.
+# Line style of an unfiltered signal in figures.
 UNFILTERED = {"color": "0.7", "linestyle": "-", "lw": 0.8, "label": "unfiltered"}
 
 
