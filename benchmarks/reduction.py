@@ -6,13 +6,13 @@
     python benchmarks/reduction.py --patch
     python benchmarks/reduction.py --eigen
 
-The first call compares with one factorisation of K + s²M by the same solver and n + 2 solutions,
-for a sphere with elements of `size` mm. The second does so for bodies clamped at their ends,
-slender, thin and compact, which need their static mode as well. The third compares with the lowest
-constraint modes by ARPACK with factors by the same solver, for equal force error: for the sphere on
-an equal one, and for a rigid ball on a slender bar clamped at both ends (4 x 4 elements across,
-`along` along). The fourth compares 28 constraint modes by mass for a patch with those for a node,
-which should take as long, on a beam of hex20 clamped at both ends. The fifth compares 5
+The first call compares with one factorisation of K + s²M by the same solver and n + 2 solutions
+with it, for a sphere with elements of `size` mm. --constrained does so for slender, thin and
+compact bodies clamped at their ends, which also need their static mode. --arpack compares with the
+lowest constraint modes by ARPACK, with factors by the same solver, at equal force error: for the
+sphere on an equal one, and for a rigid ball on a slender bar clamped at both ends (4 x 4 elements
+across, `along` along). --patch compares 28 constraint modes by mass for a patch and for a node,
+which should take equal times, on a beam of hex20 clamped at both ends. --eigen compares 5
 anti-oscillators by either method with all of them, on clamped plates. All but the first measure
 processor time. Only the ratios are meaningful: machines differ and are shared.
 """

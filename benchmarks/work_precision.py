@@ -45,7 +45,7 @@ _STEPS = {
     "beam": (2e-6, 1e-6, 3e-7, 1e-7, 3e-8),
 }
 
-# Default tolerances, from coarse to rounding. SciPy's are fewer, since its runs take seconds.
+# Default tolerances, from coarse to rounding. `_SCIPY` has fewer, since runs by SciPy take seconds.
 _ADAPTIVE = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 _SCIPY = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 

@@ -23,7 +23,7 @@ from .material import Material, Orthotropic, Solid
 
 _AXES = Orthotropic.axes
 
-# Indices of (xx, yy, xy) and (xz, yz) in the order xx, yy, zz, xy, yz, xz.
+# Indices in the order xx, yy, zz, xy, yz, xz. `_PLANE`: of xx, yy, xy. `_SHEAR`: of xz, yz.
 _PLANE, _SHEAR = [0, 1, 3], [5, 4]
 
 # Accepted range of thicknesses, m: no stiffness overflows.
@@ -32,7 +32,7 @@ _thickness = partial(within, low=1e-9, high=1e3)
 # Largest plausible ratio of offset to thickness; an offset in millimetres gives about a thousand.
 FAR_OFF = 100.0
 
-# Gauss points in a ply: shear stresses are quadratic in z, so that their energy has degree 4.
+# Gauss points and weights for a ply, exact for the energy of shear stresses quadratic in z.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
@@ -99,7 +99,7 @@ class Layers:
 
     @property
     def reference(self) -> FloatArray | None:
-        """Direction whose projection is the local x axis; None if the choice does not matter.
+        """Direction whose projection is the local x axis; None if all plies are isotropic.
 
         :meta private:
         """

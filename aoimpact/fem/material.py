@@ -65,8 +65,8 @@ _TURNS, _ANGLES = 48, 96
 # smallest may be positive only due to rounding.
 _ROUNDED = 8.0 * np.finfo(np.float64).eps
 
-# Limits to which Poisson's ratio of the isotropic equivalent of an orthotropic half-space is
-# clipped.
+# Lower and upper limit to which Poisson's ratio of the isotropic equivalent of an orthotropic
+# half-space is clipped.
 _NU_LOW, _NU_HIGH = -0.99, 0.499
 
 Triple = tuple[float, float, float]

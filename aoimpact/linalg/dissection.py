@@ -12,7 +12,8 @@ import numpy as np
 
 from ..base import BoolArray, FloatArray, IntArray, sp
 
-# Size up to which a part is not cut: nodes in `nested_dissection`, rows in `fill`.
+# Size up to which a part is not cut. `_LEAF`: nodes, in `nested_dissection`. `_LEAF_ROWS`: rows, in
+# `fill`.
 _LEAF, _LEAF_ROWS = 64, 200
 
 

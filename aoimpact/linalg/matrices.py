@@ -12,8 +12,8 @@ from .superlu import CHECKED_DOFS, factorize
 # Maximum number of entries: the core's offsets are int32.
 _MOST_ENTRIES = 2**31 - 1
 
-# Range of the largest entry of K, N/m, and of M, kg, in which products and ratios of entries stay
-# far from the limits of doubles.
+# Upper and lower limit of the largest entry of K, N/m, and of M, kg. Between these limits products
+# and ratios of entries are far from overflow and underflow.
 LARGEST, LEAST = 1e60, 1e-60
 
 # Largest ratio of masses on the diagonal of M. The smaller mass is lost in the rounding of the

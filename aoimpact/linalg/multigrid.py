@@ -34,9 +34,9 @@ from .superlu import factorize
 
 Single = npt.NDArray[np.float32]
 
-# Ratio λ_max/λ_min of the eigenvalues that the smoother damps: on the finest level, and on levels
-# of aggregates. 8 is enough for cubic elements; larger ratios allow elements three times as long as
-# wide.
+# Ratio λ_max/λ_min of the band of eigenvalues that the smoother damps. `_BAND_MESH`: on the finest
+# level. `_BAND_AGGREGATES`: on levels of aggregates. Isotropic elements need a ratio of 8; these
+# ratios are for elements three times as long as wide.
 _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 
 # Maximum entries of the coarsest level's factor L: the larger of _FEWEST_ENTRIES and

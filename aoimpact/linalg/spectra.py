@@ -64,10 +64,10 @@ _STRAIN_SHIFT, _STRAIN_PASSES = 1e-6, 3
 # digits of low ω².
 _LIGHT = 1e-6
 
-# Tolerance of r·T r / ω², with the residual r and T ≈ (K + s²M)⁻¹: the relative error of ω²; its
-# square root is the relative error of the mode. The component of K φ's rounding along any mode is
-# up to ρ = ε √m Σ K_ii φ_i², with m entries in a row; r·T r cannot fall below ρ² divided by the
-# lowest ω² + s².
+# `_TOLERANCE`: limit of r·T r / ω², with the residual r and T ≈ (K + s²M)⁻¹; this is the relative
+# error of ω², and its square root is the relative error of the mode. `_EPSILON`: ε in a bound of
+# the rounding of K φ. The component of this rounding along any mode is up to ρ = ε √m Σ K_ii φ_i²,
+# with m entries in a row; r·T r cannot fall below ρ² divided by the lowest ω² + s².
 _TOLERANCE, _EPSILON = 1e-14, float(np.finfo(float).eps)
 
 # Relative change above which a converged ω² counts as not converged: a lower ω² has appeared.

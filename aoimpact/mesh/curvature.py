@@ -53,8 +53,8 @@ _ONE_WAY, _IN_ROWS = 0.1, 2.0
 # Smallest number of nodes of a fit: the number of terms of a polynomial of degree two.
 _LEAST = 6
 
-# `_POWERS`: exponents of the polynomial's terms, ascending by degree. `_BINOMIAL`: square roots of
-# the binomial coefficients; as prior standard deviations they make the prior isotropic.
+# `_POWERS`: exponents of the polynomial's terms, ascending by `_DEGREE`. `_BINOMIAL`: square roots
+# of the binomial coefficients; as prior standard deviations they make the prior isotropic.
 _POWERS = [(degree - j, j) for degree in range(7) for j in range(degree + 1)]
 _DEGREE = np.array([i + j for i, j in _POWERS])
 _BINOMIAL = np.sqrt([math.comb(i + j, j) for i, j in _POWERS])

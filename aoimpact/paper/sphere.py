@@ -22,9 +22,9 @@ BALL_MASS = 4.0 / 3.0 * math.pi * RADIUS**3 * STEEL.rho
 LAW = ao.Hertz.between(STEEL, RADIUS, STEEL, RADIUS)
 BALL = ao.rigid(mass=BALL_MASS)
 
-# Peak force, N, and duration, s, of the impact of both spheres by resolved contact mechanics: fine
-# axisymmetric finite elements (6 ... 40 µm at the contact) with unilateral contact, explicit,
-# converged; force ± 0.5 N.
+# Peak force, N, and duration, s, of the impact of both spheres by resolved contact mechanics:
+# converged explicit simulation with axisymmetric finite elements (6 ... 40 µm at the contact) and
+# unilateral contact; force ± 0.5 N.
 RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 
 # Radius of a contact patch that the mesh supplied with the package resolves, m; the contact radius
