@@ -1,4 +1,4 @@
-"""The choice of models: the smallest ones that give the quantities of interest to a tolerance."""
+"""The choice of models: the smallest that give the quantities of interest to a tolerance."""
 
 from __future__ import annotations
 

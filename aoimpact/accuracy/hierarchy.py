@@ -121,7 +121,7 @@ def fixed_model(given: Any) -> Hierarchy:
 
 
 def truncations(given: Body) -> Hierarchy:
-    """Return the hierarchy of a one-port body whose models keep its first anti-oscillators."""
+    """Return the hierarchy of a one-port body: its models with the first few anti-oscillators."""
     star, first = given.star, 1 if given.constrained else 0
 
     def make(order: int) -> Body:

@@ -13,7 +13,7 @@ not converge and its error is not known.
 
 A model that gives the force accurately need not vibrate as its body does after the contact. The
 error of any history, such as a displacement, velocity or sensor, is estimated by the same two runs.
-The finer models contain what the given ones lack most (reduction/finer.py).
+The finer models contain the motions that the given models lack most (reduction/finer.py).
 """
 
 from __future__ import annotations
@@ -74,14 +74,14 @@ def errors_left_out(
     softer = replace(run.plan, contacts=altered)
     changed = altered != tuple(run.plan.contacts)
     by_contact = _tried(lambda: softer, run, solver) if changed else []
-    # If only one of both runs kept whole laws of contacts stiffer than their meshes, their
-    # difference is no error estimate.
+    # If only one of both runs kept the whole law of contacts stiffer than their meshes, the
+    # difference of the runs is no error estimate.
     whole = meshed.plan.bounded != run.plan.bounded
     unknown = [math.inf] * (whole or any(outgrown(run)))
     mesh = _changes(wanted, run, [*others, *unknown])
     contact = _changes(wanted, run, by_contact)
     touched = [(of.law, tip) for of in run.plan.contacts for *_, tip in run.plan.touched(of)]
-    # Shells beside solids are not refined, so that their error is not known.
+    # Shells on a body with solids are not refined, so that their error is not known.
     mixed = any(of.mesh and len({b.element.thin for b in of.mesh.blocks}) > 1 for of in bodies)
     if mixed or any(_is_bare(*of) for of in touched):
         mesh = {}
@@ -239,8 +239,8 @@ def finer_plan(
 def compared_runs(run: Run, solver: TimeSolver | None, *, every: bool = False) -> list[Run | float]:
     """Return the runs whose differences from a run add up to its error due to the meshes.
 
-    The first is the run with the bodies as the user meshed them, if `run` has finer ones; the last
-    is the run of `finer_plan`. Infinity stands for a run that fails.
+    The first is the run with the bodies as the user meshed them, if `run` has finer elements; the
+    last is the run of `finer_plan`. Infinity stands for a run that fails.
     """
     beside = run.beside
     finer = _tried(partial(finer_plan, run.plan, every=every and beside is None), run, solver)

@@ -46,8 +46,8 @@ _FIRST = 1.5
 # Ratio of the tolerance that an error message proposes to the error that was reached.
 EASED = 1.1
 
-# _REFIT: largest ratio of the contact time found to the one that the bases were fitted to, or its
-# inverse, at which no new fit is made. _MOST_FITS: largest number of fits.
+# _REFIT: largest ratio between the contact time found and the contact time that the bases were
+# fitted to at which no new fit is made. _MOST_FITS: largest number of fits.
 _REFIT, _MOST_FITS = 2.0, 4
 
 # Order of the model in each of the distinct hierarchies.
@@ -166,8 +166,8 @@ class Search:
     def error(self) -> float:
         """Return the largest relative error of the models; infinite if they cannot be run.
 
-        Models are fitted again if the contact time differs much from the one that they were fitted
-        to.
+        Models are fitted again if the contact time differs much from the contact time that they
+        were fitted to.
         """
         while True:
             self.record.settled = False

@@ -80,7 +80,7 @@ class Sensor(Frozen):
 
 
 def body_of(body: Any) -> FEModel | None:
-    """Return the checked body, given itself or by one of its contact points; None for None."""
+    """Return the checked body, given itself or by one of its contact points; None if not given."""
     model = body.body if isinstance(body, ContactPoint) else body
     if model is not None and not isinstance(model, FEModel):
         raise InputTypeError(f"body must be an FEModel or a contact point, got {body!r}")

@@ -81,8 +81,8 @@ _WITHIN_EDGE = 0.15
 # of the radius to the element's edge; for smaller patches a point force is used.
 _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 
-# Largest abs(resultant - 1) and couple/size of a functional without a warning, and largest sin² of
-# the angle between a force and the axis of a tube that it may strike.
+# Largest abs(resultant - 1), and ratio of couple to body size, of a functional without a warning;
+# largest sin² of the angle between a force and the axis of a tube that it may strike.
 _NEARLY = 1e-3
 
 # Product s T of the shift s and the contact duration T. On the paper's beam, values of 8 to 14 are
@@ -90,7 +90,8 @@ _NEARLY = 1e-3
 # Several shifts at once gave less accuracy per linear solution.
 SHIFT_TIMES_DURATION = 10.0
 
-# Largest ratio of thickness to width of the solid elements of a sheet, with a margin for rounding.
+# Largest ratio of thickness to width of the solid elements of a sheet, with a margin for rounding
+# errors.
 _FLAT = 0.1 * (1.0 + 1e-6)
 
 # Range of abs(b) for which bᵀKb and bᵀMb neither overflow nor underflow.

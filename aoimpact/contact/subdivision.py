@@ -203,7 +203,8 @@ _CHILDREN = {
     4: _children(3, [sorted([*edges, (0, 2), (1, 3)]) for edges in pairwise(_AROUND)]),
 }
 
-# Division of cells into tetrahedra, by number of corners; those of a brick share its diagonal 0 6.
+# Division of cells into tetrahedra, by number of corners; the tetrahedra of a brick share its
+# diagonal 0 6.
 _BRICK = (1, 2, 3, 7, 4, 5, 1)
 _TETRAHEDRA = {
     4: ((0, 1, 2, 3),),

@@ -142,7 +142,7 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
         found -= of_layers + excess
         joints = rigid_ends(mesh.nodes, [(of.cells, of.of) for of in about])
         if whole and any(len(strips) for _, strips, _ in joints):
-            # Excess compliance of the mesh over a fine mesh at joints of plates, less that of the
+            # Excess compliance of the mesh over a fine mesh at joints of plates, minus that of the
             # skin alone.
             alone = _halved(tip, numbers[level[numbers]], slow, halvings)
             yields = _halved(tip, numbers, slow, halvings) - alone

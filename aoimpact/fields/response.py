@@ -325,7 +325,7 @@ def response_of(run: Any, body: int) -> Response | None:
         if touched is None or touched.direction is None or not (known and known.splitting):
             continue  # for a shell only the mesh's own field is known
         if touched.body.mesh is None or touched.body.mesh.thin:
-            continue  # shells beside solids keep the mesh's field, too
+            continue  # shells next to solids keep the mesh's field, too
         inward = float(np.sign(known.splitting.frame[2] @ touched.direction))
         between = plan.round_contact(contact)
         width = partial(np.full_like, fill_value=known.radius)

@@ -25,7 +25,7 @@ from .oblique import ROLES, with_functionals
 
 
 class Foreseen:
-    """Estimates of a scene's contacts from rigid bodies, which indent deeper than elastic ones.
+    """Estimates of a scene's contacts from rigid bodies, which indent deeper than elastic bodies.
 
     Parameters
     ----------

@@ -488,9 +488,9 @@ class Scene:
         """Run the scene with the bodies as given, or with models chosen for a tolerance.
 
         A contact whose law is stiffer than its meshes gets a wider patch: supports, loads and other
-        bodies press contacts further than two bodies alone would. If no patch helps, the bodies as
-        meshed keep the whole law, and the refined bodies give the result, which is only a bound on
-        a shell.
+        bodies increase indentations beyond those in an impact of two bodies. If no patch helps, the
+        bodies as meshed keep the whole law, and the refined bodies give the result, which is only a
+        bound on a shell.
 
         Parameters
         ----------

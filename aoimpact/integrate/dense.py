@@ -51,8 +51,8 @@ class DenseRecorder:
     track : object
         Record of the core.
     events : tuple of Events
-        Events of each contact. An interval that the record cuts off ends with the record; one that
-        would begin at its end is left out.
+        Events of each contact. An interval that the record cuts off ends with the record; an
+        interval that would begin at its end is left out.
     steps, rejected : int
         Number of accepted and of rejected steps in contact.
     seconds : float

@@ -77,7 +77,7 @@ class Events(NamedTuple):
 def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
     """Return the largest force and its time, both to at least second order in the step.
 
-    Each local maximum is the top of the parabola through its sample and the two beside it; the
+    Each local maximum is the top of the parabola through its sample and the two next to it; the
     error is then O(dt²) in the time and O(dt³) in the force. If the curvature at both neighbours is
     less than half that at the maximum, the force has a jump or kink, whose height a parabola does
     not show, and the sample itself is taken. The curvature at one of the neighbours may be that

@@ -37,15 +37,15 @@ _MOST_BYTES = 4 * GIB
 # Number of steps within a contact in the first attempt, if no dt is given.
 _FIRST_STEPS = 50
 
-# Relative precision of the contacts' tangential stretches (`Contact.for_core`). _PRECISION: with
-# the first step; _ROUGHEST: largest one that the core accepts. The precision is proportional to the
-# square of the step, so that the error estimate includes the error of the stretches, a hundredth of
-# the rule's. With _PRECISION = 0.02 it would be a third of the rule's, and springs that are left
-# out would give back 4e-8 of the energy.
+# Relative precision of the contacts' tangential stretches (`Contact.for_core`). _PRECISION:
+# precision with the first step; _ROUGHEST: largest value that the core accepts. The precision is
+# proportional to the square of the step, so that the error estimate includes the error of the
+# stretches, a hundredth of the rule's. With _PRECISION = 0.02 it would be a third of the rule's,
+# and springs that are left out would give back 4e-8 of the energy.
 _PRECISION, _ROUGHEST = 4e-4, 0.1
 
 # Largest number of halvings of the step. An error of second order falls by a factor of 4^16 = 4e9;
-# if it is then too large, it does not converge.
+# an error that is still too large does not converge.
 _MOST_HALVINGS = 16
 
 # Ratio of the step that finds the forces at t = 0 to the run's step. It is so short that

@@ -49,10 +49,11 @@ class Adaptive:
     Peak force and impulse are those of each contact over the record; their errors are relative to
     at least a hundredth of the largest contact's. Errors of the start and end of a contact are
     relative to its end. Velocities are those of centres of mass after contacts; their errors are
-    relative to the largest initial velocity, or a larger one that gravity and loads cause, and for
-    bodies at rest relative to a thousandth of the velocity that their contacts' impulse would give
-    them. A velocity or displacement at a given time of a long record suffers from the error of the
-    contact times as well: for a ball that bounces under gravity g, by g rtol t.
+    relative to the largest initial velocity, or to a larger velocity that gravity and loads cause.
+    Errors of bodies at rest are relative to a thousandth of the velocity that the impulse of their
+    contacts would give them. A velocity or displacement at a given time of a long record suffers
+    from the error of the contact times as well: for a ball that bounces under gravity g, by g rtol
+    t.
 
     Scenes of several contacts are run to 0.3 of `rtol`, since bodies that meet at a small part of
     their speeds multiply errors. From the second contact of two bodies on, errors grow with each
@@ -104,9 +105,10 @@ class Newmark:
         are relative to at least a hundredth of the largest contact's values.
     estimate : bool, optional
         True to estimate the error from two more runs, with twice and four times the step, which
-        cost three quarters of the run. The estimate is some three times the error of smooth forces,
-        and no less if touches, jumps or massless contact points reduce the order. It does not
-        include the errors of times of touch and release, which are interpolated within a step.
+        take three quarters of the run's time. The estimate is some three times the error of smooth
+        forces, and at least as large as the error if touches, jumps or massless contact points
+        reduce the order. It does not include the errors of times of touch and release, which are
+        interpolated within a step.
 
     Raises
     ------

@@ -154,8 +154,8 @@ def _touch_error(run: SteppedRecorder, contact: int) -> float:
     """Return a bound of the relative error from touches at which the force jumps.
 
     A step detects a touch only at its end, so that up to one step of the force after a jump is
-    missing: its momentum and, if the jump is the peak, the decrease of the force since then. Two
-    runs may miss the same amount, so that their difference does not show it.
+    missing: the momentum of this force and, if the jump is the peak, the decrease of the force
+    since the jump. Two runs may miss the same amount, so that their difference does not show it.
     """
     law, bodies = run.plan.contacts[contact].law, run.plan.bodies
     force, indentation = run.plan.layout.contact(run.record, contact)[:2]

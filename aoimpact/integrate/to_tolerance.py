@@ -1,4 +1,4 @@
-"""Adaptive runs to a tolerance: one run, and tighter ones if errors grow from touch to touch."""
+"""Adaptive runs to a tolerance, repeated with smaller ones if errors grow from touch to touch."""
 
 from __future__ import annotations
 
@@ -43,15 +43,15 @@ SEVERAL = 0.3
 # closed form.
 ROUNDING = 12.0 * float(np.finfo(float).eps)
 
-# Largest tolerance of a tighter run. With a larger tolerance two runs may take the same steps
+# Largest tolerance of a repeated run. With a larger tolerance two runs may take the same steps
 # through a first touch that is hardly longer than a step. Both then have the same error, which
 # later touches multiply: in one of 3000 scenes by 1e5. This limit costs 13 % more steps over 1200
 # scenes with a tolerance of 6e-5, and none with tolerances of 1e-6 or less.
 OTHER_STEPS = 1e-7
 
-# Largest number of steps of a tighter run, in units of the first run's: twice what a method of
-# order 15 needs for fifteen digits. With a value of 3, six of 305 results that another run confirms
-# are lost. Larger values waste proportionally more time on runs that confirm nothing.
+# Largest number of steps of a repeated run, relative to that of the first run: twice what a method
+# of order 15 needs for fifteen digits. With a value of 3, six of 305 results that another run
+# confirms are lost. Larger values waste proportionally more time on runs that confirm nothing.
 PATIENCE = 20
 
 # Least error of friction at any tolerance, relative to its bound, if directions change: the core's
@@ -75,18 +75,18 @@ def solve_adaptive(plan: Scenario, rule: Adaptive) -> tuple[DenseRecorder, float
     Scenes of several contacts are run to a smaller tolerance: after other contacts, two bodies may
     meet at a small part of their speeds. From the second touch of a contact on, errors grow with
     each touch. A contact that pulls may end so slowly that its end is ill-conditioned. In both
-    cases tighter runs follow until one meets the tolerance.
+    cases the run is repeated with smaller tolerances until it meets the tolerance.
 
     Raises
     ------
     ConvergenceError
-        If the tolerance cannot be met, such as with a user's law that scatters by more, or if
+        If the tolerance cannot be met, as with a user's law whose force scatters by more, or if
         contacts are too short for the resolution of time.
 
     Warns
     -----
     AOImpactWarning
-        If no tighter run brings the estimated error down to the tolerance.
+        If no repeated run brings the estimated error down to the tolerance.
     """
     share = SEVERAL if len(plan.contacts) > 1 else 1.0
     most = MOST_CALLED if any(of.law.by_caller for of in plan.contacts) else sys.maxsize

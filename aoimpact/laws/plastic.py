@@ -322,8 +322,8 @@ class YangSun(HertzianLaw, kind="yang_sun", has_memory=True, unloading_power=2.5
 
     S. H. Yang, C. T. Sun, ASTM STP 787 (1982) 425-449; T. M. Tan, C. T. Sun, J. Appl. Mech. 52
     (1985) 6-12. Loading follows F = k δ^(3/2), and unloading from the deepest point δ*, F* follows
-    F = F* ((δ - δ_p) / (δ* - δ_p))^(5/2); reloading after the bodies have parted has the exponent
-    3/2 there. The permanent indentation δ_p is 0 up to δ* = δ_c; beyond, it is
+    F = F* ((δ - δ_p) / (δ* - δ_p))^(5/2); reloading after the bodies have parted follows the same
+    curve with the exponent 3/2. The permanent indentation δ_p is 0 up to δ* = δ_c; beyond, it is
     δ* (1 - (δ_c/δ*)^(2/5)) by Yang and Sun, and β (δ* - δ_c) by Tan and Sun. Reloading before the
     bodies have parted, which the papers leave open, retraces the unloading curve.
 

@@ -82,11 +82,11 @@ _NOTHING_NEW = 1e-11
 _NO_CANCELLATION = 0.5
 
 # For the search of a compact body's static mode in the span of Krylov vectors: _FIRST: first number
-# of vectors per contact point; _PROMISING: largest relative residual at which one more per point is
-# tried; _LAST: largest number of such trials; _REACHED: relative residual at which the search
-# succeeds. The error of bᵀx is of the order of the residual squared, but not the error of the part
-# of x that is orthogonal to the other vectors. Success spares a factorisation of K: models of 8
-# oscillators of blocks of 9 400 and 42 000 dofs are made 1.7 and 2.1 times as fast.
+# of vectors per contact point; _PROMISING: largest relative residual at which one more vector per
+# point is tried; _LAST: largest number of such trials; _REACHED: relative residual at which the
+# search succeeds. The error of bᵀx is of the order of the residual squared, but not the error of
+# the part of x that is orthogonal to the other vectors. Success spares a factorisation of K: models
+# of 8 oscillators of blocks of 9 400 and 42 000 dofs are made 1.7 and 2.1 times as fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
 # Relative residual ‖b - K x‖ / ‖b‖ to which an iterative method solves for a static mode. With 1e-6
@@ -118,8 +118,8 @@ class KrylovSpace:
         Contact points on one body, from `FEModel.contact`.
     contact_time : float, optional
         Duration of the contact, s, to a factor of two or three. By default half a period of the
-        body's mass on the stiffness of its contact coordinate, which is far too short for matrices
-        without a mesh of nearly incompressible material.
+        body's mass on the stiffness of its contact coordinate. This default is far too short for
+        matrices without a mesh if the material is nearly incompressible.
     duration : float, optional
         Duration for which the body's motion must be accurate, s, if much longer than the contact;
         ``math.inf`` for the lowest natural modes. Every other vector is then fitted to it, at the
@@ -127,8 +127,8 @@ class KrylovSpace:
         The motion of a free body as a whole, and that of a constrained body under slowly varying
         forces, is always accurate.
     sharpened : bool, optional
-        True to fit vectors beyond the 48th and the 192nd to models of that size. Each of the two
-        changes costs a further factorisation.
+        True to fit vectors beyond the 48th, and again beyond the 192nd, to models of that size.
+        Each of the two changes costs a further factorisation.
     solver : str or callable, optional
         See `FEModel.inverse`.
 
@@ -389,7 +389,7 @@ class KrylovSpace:
     ) -> tuple[FloatArray, FloatArray, FloatArray, float]:
         """Return x made M-orthogonal to the basis, M x, the coordinates removed, and x's length.
 
-        The length is 0 if the new x is a rounding error. Gram-Schmidt passes end with one that
+        The length is 0 if the new x is a rounding error. Gram-Schmidt passes end with a pass that
         hardly shortens x.
         """
         vectors, parts, before = self._basis[: self._count], np.zeros(self._count), math.inf

@@ -162,7 +162,8 @@ def _first_oscillators(
         chosen = np.flatnonzero(found & (masses > _NO_MASS * static.mass))
         largest = float((left + np.append(left[1:], 0.0)).max())
         omega2 = 1.0 / theta[chosen] - base.s2
-        # Due to rounding, several modes of a multiple eigenvalue appear, which are one oscillator.
+        # Due to rounding errors, several modes appear for a multiple eigenvalue; they are one
+        # oscillator.
         enough = np.count_nonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2) >= n
         if enough and order == "mass" and n:
             enough = largest <= np.sort(masses[chosen])[-n]
@@ -334,7 +335,7 @@ def modal(tips: ContactPoint | Sequence[ContactPoint], n: int, *, solver: Solver
     tips : ContactPoint or sequence of ContactPoint
         Contact points from `FEModel.contact`: one, or several of one body.
     n : int
-        Number of modes, rigid ones included, 1 … n_dofs.
+        Number of modes, rigid motions included, 1 … n_dofs.
     solver : {"auto", "superlu", "pardiso", "multigrid"} or callable, optional
         The linear solver for bodies too large for dense matrices; see `FEModel.inverse`.
 

@@ -214,8 +214,8 @@ class AOModel(Frozen):
         """Frequencies of the model's natural modes, Hz, ascending, shape (n+1,) or less.
 
         They are roots of the secular equation, zero for the rigid motion of a free model. Their
-        number is less by one if the contact coordinate is massless (m0 = 0); oscillators of equal
-        frequency count once.
+        number is smaller by one if the contact coordinate is massless (m0 = 0). Oscillators of
+        equal frequency count as one.
         """
         return np.sqrt(self.to_modal()[0]) / (2.0 * np.pi)
 

@@ -23,7 +23,7 @@ class Chosen:
     rtol : float
         Relative tolerance of each quantity of interest.
     numbers : mapping of str to float
-        Estimated relative error that the models cause, of the quantities of interest and of each
+        Estimated relative errors due to the models, of the quantities of interest and of each
         number of the run.
     """
 

@@ -39,10 +39,10 @@ _LEAST_CONTACT = 0.1
 # initial velocity; for a restitution, absolute. Neither has accurate digits if a body almost stops.
 _LEAST_REBOUND = 0.1
 
-# Number of times during a contact at which the momenta of two runs are compared.
+# Number of instants during a contact at which the momenta of two runs are compared.
 _ON_THE_WAY = 400
 
-# Number of times around the maximum of a record in the search for the largest friction force.
+# Number of instants around the maximum of a record in the search for the largest friction force.
 _BETWEEN = 65
 
 

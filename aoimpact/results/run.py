@@ -983,7 +983,7 @@ class Result(Eventful, Run):
     def friction_force(self) -> FloatArray:
         """Friction force on the target [N], shape (n, 3), opposite to that on the projectile.
 
-        The axes are those of the target's mesh, as for `velocity`.
+        The axes are those of the target's mesh, as for the argument `velocity` of `simulate`.
 
         Raises
         ------

@@ -197,7 +197,7 @@ def _until_over(run: Run) -> float:
     if touching is None and not forced and run.each_contact:
         part = (of.indentation[-1] < of.indentation[0] for of in run.each_contact)
         if all(part):
-            return run.duration  # bodies move apart from the start, such as by a spin
+            return run.duration  # bodies part from the start, for instance due to a spin
     if touching is None or run.in_contact_at_end:
         return math.inf
     start, end = touching

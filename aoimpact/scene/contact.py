@@ -124,7 +124,7 @@ class Contact(NamedTuple):
         Name given by the user; may be empty.
     friction : Friction or None
         Friction; with it the contact has three coordinates per body, along the normal and two
-        tangents. `first_port` and `second_port` are then the numbers of the normal ones.
+        tangents. `first_port` and `second_port` are then the numbers of the normal coordinates.
     removed : (float, float)
         Compliances of the two bodies' meshes that were taken out of the law, m/N.
     width : float or None

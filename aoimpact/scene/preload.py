@@ -124,7 +124,8 @@ class _Configuration:
         Coordinates, the sum of the forces on each, and the sum of the absolute values of the
         forces.
     depth, force, slope, rounding : ndarrays, shape (contacts,)
-        Indentation, m, force, N, stiffness, N/m, and error of the force due to rounding of x, N.
+        Indentation, m, force, N, stiffness, N/m, and error of the force due to rounding errors of
+        x, N.
     """
 
     x: FloatArray
@@ -146,8 +147,8 @@ class _Statics:
     owner : ndarray of int, shape (n,)
         Number of the body of each coordinate.
     movable, sprung, free : ndarrays of bool, shape (n,)
-        True for all coordinates but those of walls, for the movable ones with a stiffness, and for
-        the movable ones without.
+        True for coordinates of bodies other than walls; of these, for coordinates with a stiffness,
+        and for coordinates without.
     directions, reach : sparse arrays, shape (contacts, n)
         Matrix D of the indentations D x - gaps, and its absolute values.
     """
@@ -226,7 +227,7 @@ class _Statics:
         return _Configuration(x, balance, present, depth, force, slope, self.rounding(x, slope))
 
     def rounding(self, x: FloatArray, slopes: FloatArray) -> FloatArray:
-        """Return the errors of the contact forces due to rounding of x, N."""
+        """Return the errors of the contact forces due to rounding errors of x, N."""
         reach = self.reach @ np.abs(x) + np.abs(self.gaps)
         rounding: FloatArray = slopes * _UNITS * _EPSILON * reach
         return rounding
@@ -246,7 +247,7 @@ class _Statics:
         return float(max(np.abs(self.load).max(initial=0.0), at.force.max(initial=0.0)))
 
     def check(self, at: _Configuration, slopes: FloatArray, size: float) -> None:
-        """Raise if a law's limit is exceeded, or rounding errors are large beside `size`, N."""
+        """Raise if a law's limit is exceeded, or rounding errors are large compared with `size`."""
         limits, rounding = self.springs.limits, self.rounding(at.x, slopes)
         for i in np.flatnonzero(at.depth > limits)[:1]:
             raise LawLimitError(
@@ -273,7 +274,7 @@ class _Statics:
 
         K s + Dᵀ S D s = balance is solved for the forces S D s and the coordinates without
         stiffness; the other coordinates follow one by one. The cost depends on the number of
-        contacts, and a soft spring loses no digits beside a stiff one.
+        contacts, and a soft spring loses no digits next to a stiff one.
         """
         own, free, between, ground = self._constant
         contacts = sp.diags_array(1.0 / (at.slope + damping * self.slopes))

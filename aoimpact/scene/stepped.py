@@ -42,7 +42,7 @@ class SteppedBody:
     Attributes
     ----------
     parts : mapping
-        Fields of the core's aoi_modes by name; missing ones are None.
+        Fields of the core's aoi_modes by name; missing fields are None.
     x, v : ndarrays, shape (n,)
         Coordinates at t = 0, and their rates.
     """
