@@ -187,7 +187,7 @@ class OdeScene:
             if free > 0.0:
                 rate -= force(free)[0] * push
                 if time.perf_counter() > deadline:
-                    raise ConvergenceError(f"SciPy took too long, given up at t = {t:.6g} s")
+                    raise ConvergenceError(f"SciPy took too long and was stopped at t = {t:.6g} s")
             return rate
 
         return slope
@@ -197,7 +197,7 @@ class OdeScene:
 
         def slope(t: float, y: FloatArray) -> FloatArray:
             if time.perf_counter() > deadline:
-                raise ConvergenceError(f"SciPy took too long, given up at t = {t:.6g} s")
+                raise ConvergenceError(f"SciPy took too long and was stopped at t = {t:.6g} s")
             rate: FloatArray = matrix @ y
             return rate
 

@@ -26,7 +26,7 @@ _AXES = Orthotropic.axes
 # Indices in the order xx, yy, zz, xy, yz, xz. `_PLANE`: of xx, yy, xy. `_SHEAR`: of xz, yz.
 _PLANE, _SHEAR = [0, 1, 3], [5, 4]
 
-# Accepted range of thicknesses, m: no stiffness overflows.
+# Accepted range of thicknesses, m, in which no stiffness overflows.
 _thickness = partial(within, low=1e-9, high=1e3)
 
 # Largest plausible ratio of offset to thickness; an offset in millimetres gives about a thousand.

@@ -262,7 +262,7 @@ class Orthotropic:
         with np.errstate(over="ignore", invalid="ignore"):  # overflow is refused below
             relative = self._compliance[:3, :3] * max(self.E)
         if not np.isfinite(relative).all():
-            raise InputError(f"E={self.E} Pa, nu={self.nu}: they are too far apart")
+            raise InputError(f"E={self.E} Pa, nu={self.nu}: their ratios overflow")
         energies = np.linalg.eigvalsh(relative)
         if not energies.min() > _ROUNDED * energies.max():
             e1, e2, e3 = self.E

@@ -54,7 +54,7 @@ def finest_level(pencil: Pencil) -> Finest:
         # 1.
         moves = np.tile(np.eye(3), (pencil.n // 3 + 1, 1))[: pencil.n]
         inner = np.abs(K @ moves) <= PRINTED * K.diagonal()[:, None]
-        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # rows next to supports fail
+        size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # except near supports
         motions = moves.reshape(-1, 3, 3) if size == 3 else np.ones((pencil.n, 1, 1))
     else:
         size, free, nodes = 3, pencil.free, np.unique(pencil.free // 3)

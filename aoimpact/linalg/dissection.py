@@ -73,7 +73,7 @@ def fill(matrix: Any, places: FloatArray | None = None) -> Fill:
 
 
 def _cross_section(matrix: Any, along: FloatArray) -> float:
-    """Return the size of a separator at the median of the coordinate `along`; n if constant."""
+    """Return the size of a separator at the median of `along`, or n if `along` is constant."""
     below = _below(along[:, None])
     mark = 1.0 + np.random.default_rng(0).random(len(below))  # random: no sums cancel
     up = np.count_nonzero((matrix @ (mark * below))[~below])

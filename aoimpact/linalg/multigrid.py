@@ -1,7 +1,7 @@
 """Multigrid: conjugate gradients preconditioned by a V-cycle, for bodies too large for factors.
 
-Below a mesh of second order, the first coarse level has the linear elements on its corners. All
-other coarse levels are by smoothed aggregation, with rigid motions as near-null-space vectors. The
+For a mesh of second order, the first coarse level has the linear elements on its corners. All other
+coarse levels are made by smoothed aggregation, with rigid motions as near-null-space vectors. The
 preconditioner works in single precision, the iteration in double.
 """
 
@@ -91,7 +91,7 @@ class _Level:
 class Multigrid:
     """(K + s²M)⁻¹ by conjugate gradients, preconditioned by a V-cycle.
 
-    It has one work space, so that threads which share it take turns.
+    Threads that share it take turns, since it has a single work space.
 
     Parameters
     ----------

@@ -38,9 +38,10 @@ def is_installed() -> bool:
 class _Factors:
     """Factors of K + s²M for one s² at a time; the analysis of the pattern serves every s².
 
-    Replacing the factors takes at most half the time of a first factorisation. It speeds up, by a
-    factor of 1.31 to 1.37, models of thin bodies, which also need factors of K for their static
-    mode (benchmarks/reduction.py --constrained: two plates and a bar of tetrahedra).
+    Replacing the factors takes at most half the time of a first factorisation. It speeds up the
+    construction of models of thin bodies, which also need factors of K for their static mode, by a
+    factor of 1.31 to 1.37 (benchmarks/reduction.py --constrained: two plates and a bar of
+    tetrahedra).
     """
 
     def __init__(self, pencil: Pencil) -> None:

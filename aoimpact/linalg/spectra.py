@@ -136,8 +136,9 @@ def shifted(
 ) -> LinearSolver:
     """Return the solver of K + s²M with s² near the lowest elastic eigenvalue.
 
-    K of a free body is singular, and K + s²M is not. s² far below the first elastic eigenvalue
-    costs digits, far above it iterations, so s² is corrected once the eigenvalue is known roughly.
+    K of a free body is singular, and K + s²M is not. If s² is far below the first elastic
+    eigenvalue, digits are lost; if s² is far above, more iterations are needed. So s² is corrected
+    once the eigenvalue is known roughly.
 
     Parameters
     ----------
