@@ -70,7 +70,7 @@ def true_law(kind: str, rng: np.random.Generator, mass: float, speed: float) -> 
 def start_of(law: Any, free: list[str], rng: np.random.Generator) -> dict[str, Any]:
     """Return the arguments of `fit_law` that give the initial law.
 
-    It is a class or, of plastic laws, an object with wrong values of the parameters to fit.
+    The initial law is a class or, for plastic laws, an object with wrong values of the parameters.
     """
     if not isinstance(law, ao.ElasticPlastic):
         return {"law": type(law)}

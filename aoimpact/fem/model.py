@@ -399,7 +399,7 @@ class FEModel(Frozen):
         return vars(self)[name]
 
     def _matrices(self) -> dict[str, Any]:
-        """Return K, M and `held`, assembled from the mesh."""
+        """Return a dict of K, M and `held`, assembled from the mesh."""
         made: Any = self.shapes, self.material
         free: Any = self.free
         return completed(*stiffness_mass(*made), self.masses, self.springs, free)
@@ -706,7 +706,7 @@ class FEModel(Frozen):
 
     @cached_property
     def finer(self) -> FEModel | None:
-        """The body with a refined mesh, for estimating the mesh error; None if impossible.
+        """The body with a refined mesh, for estimating the mesh error, or None.
 
         :meta private:
         """

@@ -50,8 +50,7 @@ def finest_level(pencil: Pencil) -> Finest:
     K, M, where = pencil.K, pencil.M, None
     place: npt.NDArray[np.int64] | slice = slice(None)
     if pencil.nodes is None or pencil.free is None:
-        # Blocks of 3 if translations of triples of dofs cause no force in most rows of K, else of
-        # 1.
+        # Blocks of 3 if most rows of K have no force under translations of dof triples, else of 1.
         moves = np.tile(np.eye(3), (pencil.n // 3 + 1, 1))[: pencil.n]
         inner = np.abs(K @ moves) <= PRINTED * K.diagonal()[:, None]
         size = 3 if pencil.n % 3 == 0 and inner.mean() > 0.5 else 1  # except near supports

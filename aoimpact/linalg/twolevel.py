@@ -13,9 +13,9 @@ from .method import Inverse
 from .pencil import Pencil
 from .solvers import LinearSolver
 
-# Tolerance of ‖f - A x‖ / ‖f‖ of rough solutions. In 99 impacts on 15 bodies, results with 0.1 and
-# 0.03 differ by at most 0.4 % on tetrahedra of first order, whose median errors are 0.7 to 1.2 %,
-# and by at most 0.05 % on elements of second order.
+# Tolerance of ‖f - A x‖ / ‖f‖ of rough solutions. In 99 impacts on 15 bodies, results with
+# tolerances of 0.1 and 0.03 differ by at most 0.4 % on tetrahedra of first order, whose median
+# errors are 0.7 to 1.2 %, and by at most 0.05 % on elements of second order.
 _ROUGH = 0.1
 
 # Number of columns solved together, limited because each needs a few vectors in memory. Solving 16

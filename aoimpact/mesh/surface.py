@@ -340,7 +340,7 @@ class Surface:
         return best
 
     def bulges(self, face: IntArray) -> FloatArray:
-        """Return offsets of nodes between corners from places on a flat side, m, (n, 5, 3)."""
+        """Return offsets of midside nodes from where straight sides have them, m, (n, 5, 3)."""
         found = np.zeros((len(face), 5, 3))
         for side, on in self.of_count(face):
             n, count, of = side.n_corners, len(side.nodes), side.element

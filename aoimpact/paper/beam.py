@@ -144,5 +144,5 @@ def displacement() -> list[Row]:
 
 
 def apart(first: FloatArray, second: FloatArray) -> float:
-    """Return the largest difference of two histories, in percent of the largest value."""
+    """Return the largest difference between two histories, in percent of the largest value."""
     return 100.0 * float(np.abs(first - second).max() / np.abs(second).max())
