@@ -150,25 +150,26 @@ AOI_API int aoi_star_to_modal(const aoi_star *star, double *omega2, double *part
 AOI_API int aoi_star_from_modal(size_t count, const double *omega2, const double *weight, double *m0,
                                 double *k0, double *m, double *k, const aoi_pause *pause);
 
-/* The AO model of a body from its constraint modes: K phi + mu b = omega2 M phi with b^T phi = 0, where b is the
- * contact functional, u = b^T X, and mu the force that holds u at zero. Eqs. (6), (9), (10), (12). Modes of equal
- * frequency form one oscillator, modes without mass none. A residual mass within rounding is set to zero. Where all
- * modes of K and M are known, aoi_star_from_modal is simpler, with weight = (b^T phi)^2/(phi^T M phi).
+/* Finds the AO model of a body from its constraint modes: K phi + mu b = omega2 M phi with b^T phi = 0, where b is
+ * the contact functional, u = b^T X, and mu the force that holds u at zero. Eqs. (6), (9), (10), (12). Modes of
+ * equal frequency are combined in one oscillator; a mode without mass gives none. A residual mass within rounding
+ * is set to zero. If all modes of K and M are known, aoi_star_from_modal is simpler, with weight = (b^T
+ * phi)^2/(phi^T M phi).
  *   n            degrees of freedom
- *   count        modes; all n - 1, or some
+ *   count        number of modes; all n - 1, or fewer
  *   phi_st       n: static mode, with b^T phi_st = 1, eqs. (2), (3)
  *   m_phi_st     n: M phi_st
- *   k0           static stiffness, eq. (11); 0 of a free body
+ *   k0           static stiffness, eq. (11); 0 for a free body
  *   phi          count x n, mode after mode: M-orthogonal, of any norm
  *   m_phi        count x n: M phi
  *   omega2       count: ascending
  * Out:
  *   star         m0, k0 and the oscillators, ascending in frequency; m and k below
  *   m, k         count: their masses and stiffnesses
- *   coefficient  count: c_i of each mode, eq. (9); 0 for one without mass
- *   oscillator   count: which oscillator each mode is part of; -1 for none
- * AOI_ERROR_ARGUMENT if omega2 does not ascend, AOI_ERROR_NOT_POSITIVE if a mode with mass has no stiffness or phi_st has
- * no mass, AOI_ERROR_NOT_FINITE. */
+ *   coefficient  count: c_i of each mode, eq. (9); 0 for a mode without mass
+ *   oscillator   count: index of the oscillator that contains each mode; -1 for none
+ * AOI_ERROR_ARGUMENT if omega2 does not ascend, AOI_ERROR_NOT_POSITIVE if a mode with mass has no stiffness or
+ * phi_st has no mass, AOI_ERROR_NOT_FINITE. */
 AOI_API int aoi_star_from_constraint_modes(size_t n, size_t count, const double *phi_st, const double *m_phi_st,
                                            double k0, const double *phi, const double *m_phi, const double *omega2,
                                            aoi_star *star, double *m, double *k, double *coefficient,
@@ -179,17 +180,17 @@ AOI_API int aoi_star_from_constraint_modes(size_t n, size_t count, const double 
 enum { AOI_LAW_PARAMETERS = 9, AOI_LAW_MEMORY = 2, AOI_LAW_NOTE = 3 };
 
 typedef struct aoi_law aoi_law;
-struct aoi_law_values; /* for the core alone */
+struct aoi_law_values; /* private to the core */
 
 /* Value of a law: force [N], d force / d indentation [N/m], d force / d rate [N s/m]. */
 typedef struct aoi_law_value {
     double force, stiffness, damping;
 } aoi_law_value;
 
-/* A law written by the caller, as functions of indentation > 0 [m] and rate [m/s]: its force [N],
- * stiffness [N/m], damping [N s/m] and potential [J] (rate 0). given[i] is nonzero for each function supplied. The force
- * is required; a missing derivative is replaced by a finite difference, a missing potential by quadrature. They are C
- * functions, or all go through call, with data and the number of the function. */
+/* A law written by the caller, as functions of indentation > 0 [m] and rate [m/s]: its force [N], stiffness [N/m],
+ * damping [N s/m] and potential [J] (rate 0). given[i] is nonzero for each function supplied. The force is
+ * required; a missing derivative is replaced by a finite difference, a missing potential by quadrature. The
+ * functions are C functions, or all are called through `call`, with data and the number of the function. */
 enum aoi_user_function {
     AOI_USER_FORCE = 0,
     AOI_USER_STIFFNESS,
@@ -242,8 +243,8 @@ struct aoi_law {
     double *note;        /* NULL, or AOI_LAW_NOTE doubles, the first NaN before a run: indentation
                             and rate where the law gave no force, and the status that says why   */
 
-    /* For the core alone, zero in a law of the caller's: forces at several places at once, a table,
-     * a user's law. */
+    /* Private to the core, and zero in a law of the caller's: forces at several indentations at once, a table, a
+     * user's law. */
     void (*together)(const aoi_law *law, const double *indentation, const double *rate,
                      struct aoi_law_values *values);
     const double *table;
@@ -286,7 +287,7 @@ AOI_API int aoi_law_create_table(aoi_law *law, size_t count, const double *table
 /* Makes the caller's law.
  *   user             copied
  *   depends_on_rate  1: the force depends on the rate
- *   pulls            1: negative forces are meant
+ *   pulls            1: adhesion, negative forces act
  * AOI_ERROR_ARGUMENT if the force, or a function with a nonzero `given`, is missing. */
 AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depends_on_rate, int pulls);
 
@@ -294,13 +295,13 @@ AOI_API int aoi_law_create_user(aoi_law *law, const aoi_user_law *user, int depe
  * compliance that is not finite or a limit that is not positive. */
 AOI_API int aoi_law_check(const aoi_law *law);
 
-/* Gives the force of a law and its derivatives, as runs in fixed steps use them: zero at and below rest, and cut at
- * zero unless the law pulls.
- *   memory       AOI_LAW_MEMORY, or NULL for a law without
+/* Gives the force of a law and its derivatives, as runs in fixed steps use them: zero at and below rest and,
+ * unless the law pulls, where the force would be negative.
+ *   memory       AOI_LAW_MEMORY, or NULL for a law without memory
  *   indentation  m
- *   rate         m/s; chooses between loading and unloading
+ *   rate         m/s; its sign also tells loading from unloading
  * Out:
- *   value        NaN where the caller's law or the indentation is NaN */
+ *   value        NaN if the caller's law gives NaN or the indentation is NaN */
 AOI_API void aoi_law_push(const aoi_law *law, const double *memory, double indentation, double rate,
                           aoi_law_value *value);
 
@@ -491,7 +492,7 @@ typedef struct aoi_contact {
     size_t body[2], port[2];
     double gap;
     const aoi_law *law;
-    const aoi_friction *friction; /* made of that law; NULL: none                                            */
+    const aoi_friction *friction; /* made from the contact's law; NULL: no friction                          */
     /* with friction, [3][3] m/N: the compliance taken out, in the axes normal, t1, t2; [0][0] is law->compliance.
      * NULL: law->compliance alone */
     const double *compliance;

@@ -42,11 +42,12 @@ static const double SUDDEN = 1e-22, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_
 static const double RIGID = 1e15;
 
 /* Largest ratio of a dashpot's relaxation time to the length of a later implicit step: a stronger dashpot is
- * replaced by one at this limit, since the indentation changes only by rounding. Tried: 6 runs change, by 4e-13. */
+ * replaced by one at this limit, since the indentation changes only by rounding. Tried with a third and three
+ * times the value: 6 runs change, by a relative 4e-13. */
 static const double RIGID_IN_STEP = 1e13;
 
 /* Largest number of Newton iterations, for the forces in equilibrium and for the rates after a sudden change.
- * Tried: 1 run changes, by 1e-13. */
+ * Tried with a third and three times the value: 1 run changes, by a relative 1e-13. */
 enum { MOST_LOOPS = 30 };
 
 size_t aoi_balance_size(size_t count, size_t span)
@@ -113,8 +114,9 @@ static size_t list(aoi_adaptive *run, size_t c, size_t count)
     return count + 1;
 }
 
-/* Returns the piece of its law that a contact is on. The piece is found from indentation and rate if the contact is
- * open, slack, or beyond an end of its piece by more than the tolerance of events. */
+/* Returns the piece of the law that applies to a contact. It is the contact's present piece, unless the contact is
+ * open, slack, or beyond an end of that piece by more than the tolerance of events; then indentation and rate
+ * determine it. */
 static int piece_at(const aoi_adaptive *run, const aoi_contact_state *of, double indentation, double rate)
 {
     const aoi_adaptive_contact *contact = &run->contact[of->contact];

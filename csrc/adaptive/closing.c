@@ -9,8 +9,8 @@
 #include <float.h>
 #include <math.h>
 
-/* Number of fixed-point iterations for quantities that depend on the contact time, which in turn depends on these
- * quantities. Tried: from 2 to 12 no run changes. */
+/* Number of fixed-point iterations for estimates that depend on the contact time, which itself depends on these
+ * estimates. Tried: from 2 to 12 no run changes. */
 enum { RISES = 4 };
 
 /* Work of a force F proportional to d^n, up to an indentation d, divided by F d: 1/(n+1), for n = 3/2. */

@@ -1,4 +1,4 @@
-/* Contacts in the rows of a track. */
+/* Evaluation of the contacts in the rows of a track. */
 #include "adaptive/row.h"
 #include "collocation/collocation.h"
 #include "motion/nodes.h"
@@ -192,7 +192,7 @@ double aoi_row_stuck(const double *of, double place)
     for (; i < AOI_SLIP_CHANGES && change[i] <= place; i++) {
         slips = !slips;
         low = change[i];
-        from = NAN; /* slipping springs stick all at once */
+        from = NAN; /* when slip ends, all springs stick at once */
     }
     if (slips) {
         return 0.0;

@@ -18,8 +18,8 @@ enum aoi_row { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRAC
 enum aoi_row_body { AOI_TRACK_BODY = 0, AOI_TRACK_BODY_WORK, AOI_TRACK_BODY_LOST, AOI_TRACK_STATE };
 
 /* Values of a contact in a row.
- *   CONTACT        its number
- *   BEGINS, ENDS   1 if its force begins at the row's start, and ends at its end, else 0
+ *   CONTACT        index of the contact
+ *   BEGINS, ENDS   1 if its force begins at the row's start (BEGINS) or ends at its end (ENDS), else 0
  *   EDGE           enum aoi_edge with which the step was solved
  *   PIECE, MEMORY  piece and memory of its law
  *   WORK, LOST     work done on it before the row, energy lost at the row's end, J

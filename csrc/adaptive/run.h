@@ -49,7 +49,7 @@ typedef struct aoi_closed {
     double touch_rate; /* rate at the last start of its force, before a sudden change of the rate, m/s */
     int begins, piece;
     double low, high; /* ends of the law's piece, m */
-    /* length of the last step, s, as allowed by the error of the contact's first step; 0: not known */
+    /* largest length of the contact's last step, s, by the error of its first step; 0: not known */
     double edge;
     /* length and indentation polynomial of the last step, to guess the next */
     double last_length, last[AOI_NODES + 1];
@@ -122,7 +122,7 @@ struct aoi_adaptive {
      * have saved */
     double table_cost, saved;
     double base;
-    double indentation_scale, impulse_scale; /* largest scales of closed contacts */
+    double indentation_scale, impulse_scale; /* largest indentation and impulse scales of the closed contacts */
     double force_scale; /* largest force in the step tried if several contacts are closed, else 0, N      */
     double origin, elapsed; /* the time is their sum: short steps late in a run would otherwise be lost in rounding */
     double left_off;        /* rounding error of elapsed, s */
@@ -162,7 +162,7 @@ enum { AOI_MOST_LOOKS = 100000, AOI_LOOKS_IN_STEP = 10000 };
 
 /* Largest number of evaluations of a mode from one halt to the next, which take some hundredths of a second: each
  * evaluation looks up the loads, and a halt advances all bodies once more. This limits the time between checks for
- * signals and does not affect the results. Tried: no run changes. */
+ * signals and does not affect the results. Tried with a third and three times the value: no run changes. */
 enum { AOI_MOST_BENDS = 30000 };
 
 /* An event closer than this to the start of a step, as a share of the step, is applied at the start. Measured:

@@ -85,13 +85,13 @@ static inline int aoi_body_has_ledger(const aoi_modes *body)
  * Legendre series and, at an edge, the length that its error allows the last step. */
 double aoi_step_growth(aoi_adaptive *run, aoi_contact_step *entry, double h);
 
-/* Notes the first event of a closed contact. */
+/* Finds the events of a closed contact in the step, and notes the first one. */
 void aoi_step_closed_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt);
 
 /* Opens a closed contact whose force is negligible. */
 void aoi_step_skip(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt);
 
-/* Notes an event of a contact at a place of the step, if it is the contact's first. */
+/* Notes an event of a contact at a position of the step (place), unless an earlier one of this contact is noted. */
 void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, aoi_attempt *attempt);
 
 /* Returns the tolerance of the indentation at which a contact touches, at least its rounding error, m. */

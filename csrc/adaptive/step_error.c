@@ -110,7 +110,7 @@ static int load_bent(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     const aoi_contact *of = &run->system->contact[entry->contact];
     /* Times closer than this count as equal: run.c steps beyond a kink by up to 8 times the rounding error of the
-     * time. Tried: no run changes. */
+     * time. Tried with a third and three times the value: no run changes. */
     const double now = aoi_run_now(run), slack = 16.0 * DBL_EPSILON * run->end;
     return aoi_modes_next_bend(&run->system->body[of->body[0]], now - slack) <= now + slack ||
            aoi_modes_next_bend(&run->system->body[of->body[1]], now - slack) <= now + slack;

@@ -12,8 +12,8 @@
 #include <math.h>
 
 /* A contact with a negligible force is opened only if its indentation is at most this share of the tolerance of a
- * touch. The contact then stays open up to half that tolerance, so that it does not close at once. Tried: no run
- * changes. */
+ * touch. The contact then stays open up to half that tolerance, so that it does not close at once. Tried with a
+ * third and three times the value: no run changes. */
 static const double SKIP_SHARE = 0.1;
 
 /* True if a function of time falls below zero in the step; sets `place` to the position (0 to 1). If the function
@@ -86,7 +86,7 @@ static void line_up(double start, const double *nodes, double factor, double shi
     }
 }
 
-/* Notes events where the law's uncut force changes its sign. */
+/* Notes an event where the force of the law changes its sign; a negative force counts as such here, not as zero. */
 static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];

@@ -283,7 +283,7 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
     *error = (aoi_collocation_error){0.0, 0.0, 0.0};
     impulse_responses(response, contact, entry->axis, answer);
     aoi_legendre_fit(entry->start, entry->indentation, entry->legendre);
-    if (entry->sliding) { /* set by aoi_sliding_check */
+    if (entry->sliding) { /* aoi_sliding_check has set `beyond` */
         add_errors(entry, h, entry->sliding->beyond[entry->axis], answer, error);
     } else if (entry->piece != AOI_SLACK) {
         double beyond[AOI_EDGE_CHECKS];

@@ -61,7 +61,7 @@ static inline double aoi_newton_take(aoi_contact_step *entry, int first, const d
     for (size_t i = 0; i < AOI_NODES; i++) {
         const double next = (first ? entry->homogeneous[i] : entry->indentation[i]) - answer[i];
         const double change = fabs(next - entry->indentation[i]) * inverse;
-        largest = change <= largest ? largest : change; /* also if change is NaN */
+        largest = change <= largest ? largest : change; /* a NaN counts as the largest change */
         entry->indentation[i] = next;
         entry->force[i] = (first ? entry->constant : entry->force[i]) + by[i];
     }
@@ -71,11 +71,11 @@ static inline double aoi_newton_take(aoi_contact_step *entry, int first, const d
     return largest;
 }
 
-/* aoi_collocation_solve for a single contact. */
+/* Solves as aoi_collocation_solve, for a single contact. */
 int aoi_collocation_solve_one(const aoi_system *system, const aoi_response *response, double h,
                               aoi_contact_step *entry);
 
-/* aoi_collocation_solve for a system for which aoi_crowd_pays is true. */
+/* Solves as aoi_collocation_solve, for a system for which aoi_crowd_pays is true. */
 int aoi_crowd_solve(const aoi_system *system, const aoi_response *response, double h, size_t count,
                     aoi_contact_step *entry, double *work);
 

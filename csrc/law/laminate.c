@@ -1,10 +1,11 @@
-/* yang_sun: k, critical indentation d_c, beta. The indentation of laminates: S. H. Yang, C. T. Sun, ASTM STP 787
+/* yang_sun: k, critical indentation d_c, beta. Contact law of laminates: S. H. Yang, C. T. Sun, ASTM STP 787
  * (1982) 425-449; T. M. Tan, C. T. Sun, J. Appl. Mech. 52 (1985) 6-12.
- *   loading    F = k d^(3/2), to the deepest point d*, F*
+ *   loading    F = k d^(3/2), up to the largest indentation d*, with force F*
  *   unloading  F = F1 ((d - d_p) / (d1 - d_p))^(5/2) from the point d1, F1 at which it begins
  *   reloading  F = F* ((d - d_p) / (d* - d_p))^(3/2) once the bodies have parted
- * d_p = 0 up to d* = d_c, then d* (1 - (d_c/d*)^(2/5)), or beta (d* - d_c) where beta is not 0. The papers do
- * not treat reloading before the bodies have parted: here it follows the unloading curve back to d1, without gain. */
+ * d_p = 0 up to d* = d_c; beyond, d_p = d* (1 - (d_c/d*)^(2/5)), or beta (d* - d_c) if beta is not 0. The papers
+ * do not treat reloading before the bodies have parted: here it follows the unloading curve back to d1, so that no
+ * energy is gained. */
 #include "law/kinds.h"
 
 #include <math.h>

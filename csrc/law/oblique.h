@@ -17,7 +17,7 @@ typedef struct aoi_oblique_equation {
 typedef struct aoi_oblique_solution {
     double force[3], place[3];
     double by_free[3][3], by_rate[3]; /* derivatives d force / d free and d force / d rate_free */
-    double stuck;         /* as in aoi_friction_value */
+    double stuck;         /* depth within which springs stick, m */
     double share, rate;   /* share as in aoi_friction_try; rate of the indentation, m/s */
 } aoi_oblique_solution;
 

@@ -1,18 +1,19 @@
-/* Elastic-plastic contacts: Hertz's law up to the yield force; then each law's own curve, which ends in a straight line;
- * from the deepest point d*, F* unloading and reloading by Hertz's law of a flattened sphere,
+/* Elastic-plastic contacts: Hertz's law up to the yield force; then each law's own curve, which ends in a straight
+ * line; from the largest indentation d*, with force F*, unloading and reloading by Hertz's law of a flattened
+ * sphere,
  *   F = F* ((d - d_p) / (d* - d_p))^(3/2).
  *
- * thornton: k, yield force. C. Thornton, J. Appl. Mech. 64 (1997) 383-386. The line starts at yield with
- * the slope there (the pressure stays at its limit over a growing core), d* - d_p = F* / (k d*^(1/2)).
+ * thornton: k, yield force. C. Thornton, J. Appl. Mech. 64 (1997) 383-386. The line starts at yield with the slope
+ * there (the pressure stays at its limit over a growing core), d* - d_p = F* / (k d*^(1/2)).
  *
- * elastic_plastic: k, yield force, slope s = 2 pi R p0. M. R. Brake, Int. J. Solids Struct. 49 (2012)
- * 3129-3141: fully plastic from where Hertz's mean pressure is the hardness p0, d_f = (s/(2 k))^2, on the
- * line F = s (d - d_f/2); between yield and there Hermite's cubic, which meets both with their slopes.
- * I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729, up to d_r:
- * d_p = d* (1 - w^(-0.28)) (1 - w^(-0.69)), w being the ratio of d* to the indentation of yield. Beyond, the
- * recovery d* - d_p goes as F*^(1/2), as that of a flattened sphere does on which F = pi p0 a^2. At d_r
- * both have the same slope: with m = d ln(d* - d_p)/d ln d* and d ln F/d ln d = 2 d/(2 d - d_f),
- * d_r = m d_f/(2 m - 1), about 1.6 d_f. Were it d_f, the share of the work that is given back would rise there. */
+ * elastic_plastic: k, yield force, slope s = 2 pi R p0. M. R. Brake, Int. J. Solids Struct. 49 (2012) 3129-3141:
+ * fully plastic from d_f = (s/(2 k))^2 on, where Hertz's mean pressure is the hardness p0, on the line
+ * F = s (d - d_f/2); between yield and d_f Hermite's cubic, which meets both curves with their slopes. Unloading
+ * from d* up to d_r by I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729:
+ * d_p = d* (1 - w^(-0.28)) (1 - w^(-0.69)), w being the ratio of d* to the indentation of yield. Beyond d_r, the
+ * recovery d* - d_p is proportional to F*^(1/2), as for a flattened sphere with F = pi p0 a^2. At d_r both have
+ * the same slope: with m = d ln(d* - d_p)/d ln d* and d ln F/d ln d = 2 d/(2 d - d_f), d_r = m d_f/(2 m - 1),
+ * about 1.6 d_f. If d_r were d_f, the share of the work that is returned would increase there. */
 #include "law/kinds.h"
 
 #include <math.h>

@@ -59,7 +59,7 @@ static void hunt_crossley_force(const aoi_law *law, const double *memory, int pi
     (void)piece;
     value->force = slope * d * factor;
     value->stiffness = n * slope * factor;
-    value->damping = chi > 0.0 ? slope * d * chi : 0.0; /* also if the force is infinite */
+    value->damping = chi > 0.0 ? slope * d * chi : 0.0; /* 0 if chi is 0, also if the force is infinite */
 }
 
 static double hunt_crossley_potential(const aoi_law *law, const double *memory, double indentation)
@@ -109,8 +109,8 @@ static void kuwabara_kono_force(const aoi_law *law, const double *memory, int pi
     }
 }
 
-/* kelvin_voigt, kelvin_voigt_pulling: k, c. F = k d + c rate; the first is cut at zero, the second
- * pulls until d = 0. linear: k, without c. */
+/* kelvin_voigt, kelvin_voigt_pulling: k, c. F = k d + c rate; negative forces are replaced by zero in the first
+ * law, and act until d = 0 in the second. linear: k, without c. */
 static void kelvin_voigt_force(const aoi_law *law, const double *memory, int piece,
                                double indentation, double rate, aoi_law_value *value)
 {

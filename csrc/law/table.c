@@ -81,7 +81,7 @@ static double table_potential(const aoi_law *law, const double *memory, double i
            x * (c.force + x * (c.slope / 2.0 + x * (c.square / 3.0 + x * c.cubic / 4.0)));
 }
 
-/* True if the energies at the ends of a piece differ by the integral of its cubic. */
+/* True if the given energies at the ends of a piece differ by the integral of its cubic, as they must. */
 static int energy_is_sound(const aoi_law *law, size_t i)
 {
     const double *f = forces(law) + i, *s = slopes(law) + i, *energy = energies(law) + i;

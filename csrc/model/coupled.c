@@ -27,7 +27,8 @@
 
 /* FIRST_STEPS, MOST_STEPS: largest numbers of Newton steps in the first attempt, and in later attempts.
  * MOST_HALVINGS: largest number of halvings of a step. SWEEPS: number of sweeps over the contacts if no halving
- * helps. Tried: 5 runs by Newmark's rule change, by 2e-12; MOST_STEPS changes none. */
+ * helps. Tried with a third and three times the value: 5 runs by Newmark's rule change, by a relative 2e-12;
+ * MOST_STEPS changes none. */
 enum { FIRST_STEPS = 20, MOST_STEPS = 500, MOST_HALVINGS = 6, SWEEPS = 4 };
 
 /* Relative tolerance of the last attempt, for equations that amplify rounding errors (dashpots too stiff for the
@@ -40,12 +41,12 @@ static const double ROUGH = 1e-9;
  * leave 64. */
 static const double YIELD = 1.0 - 1e-6;
 
-/* The error of an indentation is relative to at least this share of the largest indentation. Tried: 2 runs change,
- * by 1e-14. */
+/* The error of an indentation is relative to at least this share of the largest indentation. Tried with a third
+ * and three times the value: 2 runs change, by a relative 1e-14. */
 static const double SHARE = 1e-6;
 
 /* Largest ratio of the terms of a law's force to the force at which its digits are trusted: above it, cancellation
- * loses digits. Tried: 15 runs change, by 7e-13. */
+ * loses digits. Tried with a third and three times the value: 15 runs change, by a relative 7e-13. */
 static const double CANCELS = 16.0;
 
 /* An iterate: for each contact its indentation and rate without its own force, the solution of its equation, the
@@ -106,7 +107,7 @@ static size_t last_of(const aoi_coupled *e, size_t i)
 
 static const double *row_of(const aoi_coupled *e, const double *matrix, size_t i)
 {
-    return matrix + (i * (2 * e->band + 1) + e->band) - i; /* to be indexed by the column */
+    return matrix + (i * (2 * e->band + 1) + e->band) - i; /* indexed by the number of the column */
 }
 
 /* Returns the index of the first equation of the contact that equation i belongs to. */

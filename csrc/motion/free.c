@@ -92,8 +92,8 @@ static double first_root(double c, double b, double a)
 }
 
 /* Phase advance of a mode in the time left, rad, below which the mode is treated as slow: its equilibrium under a
- * load, about which a fast mode is bounded, may be very far away. Tried: 49 runs change, by 4e-8 where rtol is
- * 1e-5. */
+ * load, about which a fast mode is bounded, may be very far away. Tried with a third and three times the value: 49
+ * runs change, by a relative 4e-8 where rtol is 1e-5. */
 static const double HARDLY_TURNS = 0.1;
 
 /* Upper bound of a mode's contribution to the indentation over a time. For a slow mode it is a parabola, for a

@@ -84,8 +84,8 @@ void aoi_turn_motions(const aoi_turn *turn, aoi_motions *motions)
  * upward recurrence is used: each is stable there. */
 static const double UPWARD_FROM = 6.0;
 
-/* Coefficients for l = 7 and 6 of j_l(y) / y^l = sum over k of (-y^2/2)^k / (k! (2l+1)!! (2l+3) (2l+5) ..
- * (2l+2k+1)). */
+/* Coefficients for l = 7 and 6 of the series j_l(y) / y^l = sum over k of
+ * (-y^2/2)^k / (k! (2l+1)!! (2l+3) (2l+5) .. (2l+2k+1)). */
 enum { TERMS = 18 };
 static const double OF_LAST[2][TERMS] = {
     {4.9333382666716e-07, -1.450981843138706e-08, 1.9091866357088235e-10, -1.5152274886577965e-12,

@@ -1,4 +1,4 @@
-/* Products with the matrices of a step, and the inverse of one. */
+/* Products with matrices over the nodes of a step, and the inverse of such a matrix. */
 #include "motion/nodes.h"
 #include "law/law.h"
 

@@ -19,7 +19,7 @@ typedef struct aoi_columns {
 typedef struct aoi_response {
     double h;
     int has_rates;                        /* 1: influence_rate is filled                  */
-    double *impulse, *rate, *step, *ramp; /* [n][node]: aoi_motion at the nodes          */
+    double *impulse, *rate, *step, *ramp; /* [n][node]: members of aoi_motion at the nodes */
     double *to_x, *to_v;                  /* [n][node]: x, v at the end of the step, per unit force at the node */
     /* [port][column][node][node]: displacement (rate) of the port at the second node, per unit force on the
      * column's port at the first node */

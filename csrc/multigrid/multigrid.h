@@ -31,13 +31,13 @@ typedef struct aoi_part {
  * results are wrong. */
 int aoi_blocks_check(const aoi_blocks *matrix, aoi_part part, size_t stored_count);
 
-/* Subtracts A x from r, in stages 0 and 1; x and r have n size floats and do not overlap. work: floats. */
+/* Subtracts A x from r, in two stages, 0 and 1; x and r have n size floats and do not overlap. work: floats. */
 void aoi_blocks_subtract(const aoi_blocks *matrix, aoi_part part, int stage, const float *x, float *r,
                          float *work);
 
-/* Sets y to A x in double precision, in stages 0 and 1; x and y have n size doubles and do not overlap. values:
- * entries of A in double precision, stored as those of `matrix`, whose values and inverse are not read. work:
- * doubles. */
+/* Sets y to A x in double precision, in two stages, 0 and 1; x and y have n size doubles and do not overlap.
+ * values: entries of A in double precision, stored as those of `matrix`, whose values and inverse are not read.
+ * work: doubles. */
 void aoi_blocks_multiply(const aoi_blocks *matrix, aoi_part part, int stage, const double *values,
                          const double *x, double *y, double *work);
 

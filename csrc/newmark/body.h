@@ -50,7 +50,7 @@ typedef struct aoi_stepped_kind {
     /* sets a at the start, under the forces in free_a */
     int (*begin)(aoi_stepped *body);
     int (*accelerate)(aoi_stepped *body);            /* sets free_a from the predictors in x and v      */
-    /* power of dashpots at the rates in before, W */
+    /* returns the power dissipated by damping at the rates in `before`, W */
     double (*power)(const aoi_stepped *body);
     /* writes energies and gravity's work, without the residual compliance */
     void (*observe)(const aoi_stepped *body, double *row, size_t stride);
@@ -71,7 +71,7 @@ void aoi_stepped_lay_out(aoi_stepped *body, const aoi_modes *model, aoi_memory *
  * AOI_ERROR_NOT_FINITE if a compliance overflows, AOI_ERROR_NOT_POSITIVE, or an error of the body's kind. */
 int aoi_stepped_start(aoi_stepped *body, const aoi_rule_step *step);
 
-/* Finds the accelerations at the start under a force at each port. */
+/* Finds the accelerations at the start, under the given forces on the ports. */
 int aoi_stepped_begin(aoi_stepped *body, const double *force);
 
 /* Steps of a body that is not plain. aoi_stepped_predict advances the body to the end of a step without forces on

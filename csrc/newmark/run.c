@@ -173,7 +173,7 @@ static int rubbing_begin(const aoi_contact *of, aoi_contact_state *contact, cons
     }
     if (status == AOI_OK) {
         status = rub(contact);
-        rubbing->guess[1] = rubbing->guess[2] = 0.0; /* no slide is the guess for the next step */
+        rubbing->guess[1] = rubbing->guess[2] = 0.0; /* the guess for the next step is no slide */
         rubbing->start_energy = aoi_friction_energy(of->friction, &rubbing->state);
         contact->start_energy = aoi_law_potential(&of->friction->law, NULL, rubbing->depth);
     }

@@ -147,7 +147,7 @@ PyObject *blocks_smooth(PyObject *args)
     return finish(&all.of, "smoothing", "");
 }
 
-/* Calls aoi_graph_aggregate. args: (row starts, indices, aggregates). */
+/* Aggregates the nodes of a graph by aoi_graph_aggregate. args: (row starts, indices, aggregates). */
 PyObject *graph_aggregate(PyObject *args)
 {
     call of = {.status = AOI_OK};
