@@ -78,8 +78,8 @@ class Hierarchy:
     make : callable
         Returns the model of a given order.
     space : callable or None
-        Returns the Krylov space of the models, made at the first call. When it contains all that
-        the ports excite, `most` is lowered to the order reached.
+        Returns the Krylov space of the models, made at the first call. When it contains all motions
+        that the ports excite, `most` is lowered to the order reached.
     """
 
     first: int

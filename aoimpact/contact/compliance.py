@@ -26,7 +26,8 @@ class Compliance:
         frequency s minus the body's compliance R beyond the part contained in a contact law.
         Negative if the model is too stiff.
     varying : float
-        Change of c in an impact, as the contact radius grows to a and the frequency varies, m/N.
+        Change of c during an impact, in which the contact radius grows to a and the frequency
+        varies, m/N.
     deflection : ndarray, shape (n_dofs,)
         Displacement x of the model under the unit force at the frequency s, m/N.
     s : float
@@ -36,15 +37,15 @@ class Compliance:
     by_width : float
         dR/d(log a), m/N; 0 for flat contacts and for shells and beams.
     beyond : float
-        R of solids at the frequency s, m/N.
+        Compliance R of solids at the frequency s, m/N.
     splitting : Splitting or None
         Split of the displacement of solids, u = χ u_B + w.
     mesh_field : ndarray, shape (1 or 2, n_nodes, 3), or None
         The model's approximation of u_B, m/N: its displacement under the nodal forces minus w. For
         bodies with shells or beams, followed by the rotations, 1/N.
     oblique : ndarray, shape (3, 3), or None
-        c for forces and displacements along the direction of the force and two tangents, m/N; None
-        without tangents.
+        Compliance c for forces and displacements along the direction of the force and two tangents,
+        m/N; None without tangents.
     """
 
     removed: float

@@ -197,13 +197,14 @@ class Splitting:
     behind : bool
         True if the body reaches behind the contact.
     depth, left : float
-        Depth where χ ceases to fall under a layer, m, and χ there; infinity and 1 without layer.
+        Depth at which χ ceases to fall under a layer, m, and χ at this depth; infinity and 1
+        without a layer.
     s2 : float
-        s², (rad/s)².
+        Square of the frequency s, (rad/s)².
     w : ndarray, shape (n_forces, 1 or 2, n_nodes, 3)
         Displacement w, m/N, and for bodies with shells or beams its rotation, 1/N.
     compliance : ndarray, shape (n_forces, n_forces)
-        R, m/N.
+        Compliance R, m/N.
     inertia : float
         -dR/d(s²) for the normal force, kg m²/N².
     by_width : float

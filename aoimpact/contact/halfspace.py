@@ -35,8 +35,8 @@ _ANGLES = 128
 _EVERY = 2
 
 # Relative change of the shear moduli that separates equal roots of Stroh's eigenvalue problem.
-# Equal roots, as isotropic materials have, lack independent eigenvectors. Half of the digits
-# remain.
+# Equal roots, as isotropic materials have, lack independent eigenvectors. The change leaves half of
+# the digits.
 _APART = 1e-7
 
 # Ratio of distance to radius a above which the pressure's transform is a series in a/|z|, exact to

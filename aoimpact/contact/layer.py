@@ -192,7 +192,7 @@ def mesh_compliance(
     forces : ndarray, shape (n_nodes,)
         Nodal shares of a unit force along the normal.
     point, normal : ndarray, shape (3,)
-        Contact point, m, and normal there.
+        Contact point, m, and normal at this point.
     s : float
         Frequency (Laplace variable), rad/s.
     couples : ndarray, shape (n_nodes, 3), optional

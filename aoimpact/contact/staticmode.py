@@ -38,7 +38,7 @@ class StaticMode:
     k0 : float
         Static stiffness φ_stᵀ K φ_st, N/m; exactly 0 if b excites rigid motion.
     m_phi : ndarray, shape (n_dofs,)
-        M φ_st.
+        Product M φ_st.
     mass : float
         Static mass m_st = φ_stᵀ M φ_st, kg.
     unobservable : ndarray, shape (n_dofs, r)

@@ -215,7 +215,7 @@ def write_series(
     Parameters
     ----------
     path : path
-        A suffix .vtu or .pvd is ignored.
+        File name, of which a suffix .vtu or .pvd is ignored.
     mesh : Mesh
     times : ndarray, shape (k,)
         Times that ParaView shows, s.
@@ -319,13 +319,13 @@ class Field:
             "nodes": extrapolated from the Gauss points and averaged over the elements at a node, of
             the stiffest material where materials meet; components of shape (k, n_nodes, 6).
             "gauss": at the Gauss points of the elements' stiffness; components of shape
-            (k, n_cells, n_gauss, 6), nan beyond the points of an element of a mixed mesh. Shells
-            and beams have only "nodes".
+            (k, n_cells, n_gauss, 6), nan for points that an element of a mixed mesh does not have.
+            Shells and beams have only "nodes".
         layer : str, (int, str) or (float, float), optional
-            Place within shells: "top", to which the elements' normals point and the default,
-            "middle" or "bottom". (3, "bottom") is the lower face of the fourth ply from the bottom,
-            with stress along the ply's axes, xx along the fibres, and nan where there is no such
-            ply. Place within beams: by default that of the largest von Mises stress in the section;
+            Place within shells: "top" (the default), to which the elements' normals point, "middle"
+            or "bottom". (3, "bottom") is the lower face of the fourth ply from the bottom, with
+            stress along the ply's axes, xx along the fibres, and nan where there is no such ply.
+            Place within beams: by default that of the largest von Mises stress in the section;
             "top" and "bottom" are the sides along the section's z axis, "left" and "right" those
             along y, "middle" is the centroid, and (y, z) any point of the section, m. A round beam
             without an orientation has no sides.

@@ -402,7 +402,7 @@ class Probe(Sensed):
         -----
         AOImpactWarning
             Always: the acceleration has no finite bandwidth and no error estimate, since an impact
-            excites modes up to any frequency, each with as much acceleration. `filtered` converges.
+            excites modes up to any frequency with the same acceleration. `filtered` converges.
         """
         warn(
             "acceleration after an impact grows with the number of modes, and has no error; take "

@@ -634,7 +634,7 @@ def chosen_law(ends: Sequence[tuple[BodyModel, int]], names: Sequence[str]) -> L
     ends : sequence of (model, int)
         Model and number of the contact point, of projectile and target.
     names : sequence of str
-        Names of both, for messages.
+        Names of both bodies, for messages.
 
     Raises
     ------

@@ -243,8 +243,8 @@ def newmark_run(
     duration : float, optional
         Duration of the record, s; by default that of the plan.
     start : (forces, rates), optional
-        Contact forces at t = 0, N, and their rates, N/s, shape (pushes,). The default, by the laws,
-        is wrong for a massless contact point with a rate-dependent law.
+        Contact forces at t = 0, N, and their rates, N/s, shape (pushes,). The default, which
+        follows from the laws, is wrong for a massless contact point with a rate-dependent law.
     energies : bool, optional
         True to record energies.
 

@@ -197,7 +197,7 @@ class BodyModel(ABC):
 
     @property
     def places(self) -> int:
-        """Number of contact points; one with tangents has three ports. A rigid body has one point.
+        """Number of contact points, each with three ports if it has tangents; 1 for a rigid body.
 
         :meta private:
         """
@@ -294,14 +294,14 @@ class AsWhole(NamedTuple):
     centre : ndarray, shape (n,)
         Displacement of the centre of mass along the direction of travel per unit q.
     moving : ndarray, shape (n,)
-        q̇ of the body moving undeformed with unit velocity.
+        Modal rates q̇ of the body moving undeformed with unit velocity.
     weight : ndarray, shape (n,)
-        q̈ under unit gravity along the direction of travel.
+        Modal accelerations q̈ under unit gravity along the direction of travel.
     velocity : ndarray, shape (6, n), or None
         Velocity of the centre of mass and mean spin per unit q̇, in the axes of the mesh; shape
         (3, n), without spin, if supports prevent it. None if ports have a normal direction only.
     momentum : ndarray, shape (n, 6), or None
-        q̇ of the undeformed body for unit velocities and spins.
+        Modal rates q̇ of the undeformed body for unit velocities and spins.
     """
 
     centre: FloatArray
@@ -335,7 +335,7 @@ class Body(Frozen, BodyModel):
     tips : tuple of ContactPoint
         Contact functionals of the ports; empty for a body given by numbers.
     residual : ndarray, shape (p, p), or None
-        R, the compliance of massless contacts beyond the modes, m/N.
+        Compliance R of massless contacts beyond the modes, m/N.
     vectors : ndarray, shape (n_dofs, r), or callable that returns it
         Vectors of which the modes are combinations; None for a body given by numbers.
     coordinates : ndarray, shape (r, n)
@@ -345,7 +345,8 @@ class Body(Frozen, BodyModel):
     linear_solver : str
         Name of the linear solver that the model was made with; empty if none was needed.
     contact_time : float or None
-        Duration of the contact that the model was fitted to, s; None if it fits any.
+        Duration of the contact that the model was fitted to, s; None if the model fits any
+        duration.
     slow : float or None
         Duration of the slower motion that every second vector was fitted to, s; None if none was.
     numbers : AOModel or None
@@ -830,7 +831,7 @@ def of_modes(
     omega2 : ndarray, shape (n,)
         Squares of the natural frequencies, (rad/s)², ascending; 0 for rigid motions.
     vectors, coordinates
-        As of `Body`.
+        Attributes of `Body`.
     **how
         Further attributes of `Body`.
     """

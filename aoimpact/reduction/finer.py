@@ -20,8 +20,8 @@ from .body import Body, of_modes
 from .krylov import KrylovSpace, only_excited
 
 # Number of members of the sequence; for shells and beams, number of vectors beyond those of the
-# given model. For a model of 8 vectors, one member gives an error estimate of histories of 0.6 of
-# the true error; for models of 3 to 16 vectors, 12 members give 0.8 to 5 times the true error
+# given model. The estimated error of histories is 0.6 times the true error with one member, for a
+# model of 8 vectors, and 0.8 to 5 times with 12 members, for models of 3 to 16 vectors
 # (tests/accuracy/test_finer.py).
 _TERMS = 12
 

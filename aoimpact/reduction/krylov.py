@@ -450,7 +450,7 @@ class KrylovSpace:
         """Add some vectors, at most `most`; return True if at least one was new."""
         if self._ended:
             return False
-        # Each shift serves all functionals in turn before the next shift.
+        # All functionals are used in turn with one shift before the next shift.
         solves, places = self._solved, len(self._b)
         turn, until, first = solves // places, _SHARPENED_FROM, self.shift
         while turn >= until:

@@ -236,9 +236,9 @@ def antioscillators(
         For an impact take "krylov", with `contact_time`: 5 of its oscillators give the force on the
         beam of the paper to 0.5 %, where "eigen" needs 28. Its oscillators are those of the body
         projected on its static mode and the motions that an impact excites. Vibration long after
-        the impact needs `duration`, and an oscillator or two for each natural mode in it. "eigen"
-        takes the constraint modes of the paper, which are not fitted to a time scale and converge
-        at all.
+        the impact needs `duration`, and one or two oscillators for each natural mode that vibrates.
+        "eigen" takes the constraint modes of the paper, which are not fitted to a time scale, and
+        whose models converge on all time scales.
     order : {"mass", "frequency"}, optional
         Order of the oscillators, of which the first `n` are taken: by descending mass (default of
         "eigen"), or by ascending frequency (the only order of "krylov").
@@ -259,7 +259,7 @@ def antioscillators(
     Raises
     ------
     InputError
-        If `n` is not in 0 … n_dofs - 1, or None on a body too large for all of them.
+        If `n` is not in 0 … n_dofs - 1, or is None for a body too large to compute all oscillators.
     SingularError
         If the contact moves part of the body as a mechanism. Any other mechanism is accepted in a
         free body; in a constrained body only if K need not be factorised.

@@ -19,7 +19,7 @@ class Chosen:
     Attributes
     ----------
     quantities : mapping of str to (str, float)
-        Unit and, of a history, largest value over the record; NaN for a number.
+        Unit and, for a history, its largest value over the record; NaN for a number.
     rtol : float
         Relative tolerance of each quantity of interest.
     numbers : mapping of str to float

@@ -280,7 +280,7 @@ def look_up(result: Run, name: str, argument: str) -> float:
     ----------
     result : Run
     name : str
-        Name as of `Run.value`. Attributes are dotted, with numbers as indices of sequences.
+        Name as in `Run.value`. Attributes are dotted, with numbers as indices of sequences.
     argument : str
         Argument of the caller that has the name, for messages.
 
@@ -340,8 +340,8 @@ def number_errors(
     known : mapping of str to float, optional
         Errors that are known already.
     on_the_way : bool, optional
-        True for a lower bound of the errors of numbers that integrate the force: the root mean
-        square difference of the momentum transferred during contact, since two different forces may
+        True to raise errors of numbers that integrate the force to those that the root mean square
+        difference of the momentum transferred during contact causes, since two different forces may
         have the same integral by chance. These errors are infinite if one run touches more often
         than the other: the true motion may touch more often than both.
     """

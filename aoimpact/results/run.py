@@ -382,8 +382,8 @@ class Cost:
     Attributes
     ----------
     model : float
-        Time to choose and make the bodies' models, including the runs for that; 0 if models were
-        given.
+        Time to choose and make the bodies' models, including the runs that the choice needs; 0 if
+        models were given.
     run : float
         Time of the run itself.
 

@@ -66,8 +66,8 @@ def solve(plan: Scenario, solver: TimeSolver | None) -> Run:
     InputError, InputTypeError
         As for `time_solver`.
     LawLimitError
-        If a contact grows wider than its patches, or deeper than its table; the error has the
-        contact's number.
+        If a contact grows wider than its patches, or an indentation exceeds the table of its law;
+        the error has the contact's number.
     """
     solver = time_solver(plan, solver)
     try:
@@ -119,7 +119,7 @@ class RecordLength:
     given : bool
         True if the duration was given.
     margin : float, optional
-        Time added to what the impact needs if the duration was not given, s.
+        Time added to the duration that the impact needs, if no duration was given, s.
     settled : bool, optional
         False to let the next run determine a duration that was not given.
     """

@@ -143,7 +143,7 @@ class _Statics:
     Attributes
     ----------
     stiffness, inertia, load : ndarrays, shape (n,)
-        Stiffness, N/m, mass, kg, 0 if massless, and load, N, 0 for a wall, of each coordinate.
+        Stiffness, N/m, mass, kg (0 if massless), and load, N (0 for a wall), of each coordinate.
     owner : ndarray of int, shape (n,)
         Number of the body of each coordinate.
     movable, sprung, free : ndarrays of bool, shape (n,)

@@ -64,7 +64,8 @@ class BodyRows(NamedTuple):
     port_velocities: FloatArray
 
 
-# Numbers of rows; in the core AOI_CONTACT_ROWS, AOI_BODY_ROWS, AOI_PORT_ROWS, AOI_FRICTION_ROWS.
+# Numbers of rows of a contact, body, port and friction, as in the core: AOI_CONTACT_ROWS,
+# AOI_BODY_ROWS, AOI_PORT_ROWS, AOI_FRICTION_ROWS.
 _CONTACT, _BODY, _PORT, _SLIDING = 4, len(BodyRows._fields) - 2, 2, 8
 
 
