@@ -461,7 +461,7 @@ def writable_folder(path: FilePath) -> Path:
 
 
 def checked(record: Any, /, **checks: Check | tuple[type[Any], ...]) -> None:
-    """Check fields of a frozen dataclass: call a check and store its result, or check the class."""
+    """Check fields of a frozen dataclass by functions, whose results are stored, or for classes."""
     for name, check in checks.items():
         value = getattr(record, name)
         if isinstance(check, tuple):

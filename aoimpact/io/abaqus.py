@@ -226,7 +226,7 @@ class AbaqusDeck:
         return found
 
     def read(self, source: Source) -> dict[str, OneMaterial]:
-        """Return the section of each group that has elements of the section's dimension."""
+        """Return the sections by group, except sections of elements that no body can have."""
         groups = {key(name): name for name in source.raw.cell_sets}
         dims = np.repeat([block.dim for block in self.blocks], np.diff(source.raw.first))
         bare = dims.copy()  # dimension of each element without a section; 0 with one
@@ -366,7 +366,7 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
 
 
 def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
-    """Return all node sets and all element sets by name; members are numbered over all scopes."""
+    """Return all node sets and element sets by name, with numbers through the whole deck."""
     sets: dict[tuple[Which, str], list[tuple[str, IntArray]]] = {}
     for name, scope in {"": whole, **whole.inner}.items():
         for (which, inner), pieces in scope.sets.items():
@@ -460,7 +460,7 @@ class Scope:
     parts, inner : mapping of str to Scope
         Parts and instances of an assembly, by their names in capitals.
     first : mapping of Which to int
-        Numbers of the scope's first node and first element, counted over all scopes.
+        Numbers of the scope's first node and first element, counted through the whole deck.
     places : ndarray, shape (n, 3)
         Coordinates of the nodes, in ascending order of their labels.
     turn : ndarray, shape (3, 3)
@@ -530,7 +530,7 @@ class Scope:
         return {which: self.first[which] + len(self.known[which][0]) for which in self.first}
 
     def blocks(self) -> Iterator[tuple[_Elements, int, IntArray]]:
-        """Yield each block, its first element's number and its nodes, numbered over all scopes."""
+        """Yield each block, its first element and its nodes, as numbers through the whole deck."""
         for scope in (*self.inner.values(), self):
             start = scope.first["ELSET"]
             for block in scope.elements:
@@ -610,7 +610,7 @@ class Scope:
             self.sets.setdefault(at, []).append(keyword)
 
     def _number(self) -> None:
-        """Sort the nodes by label, and replace node labels of the elements by rows."""
+        """Sort the nodes by label; replace the elements' node labels by row numbers of nodes."""
         labels = raw.joined(labels for _, labels, _ in self._points)
         places = np.concatenate([np.zeros((0, 3)), *(places for _, _, places in self._points)])
 
@@ -635,7 +635,7 @@ class Scope:
         self.known["ELSET"] = labels[order], order
 
     def members(self, which: Which, name: str) -> IntArray:
-        """Return the sorted members of a set, numbered over all scopes."""
+        """Return the sorted members of a set, as numbers through the whole deck."""
         at = which, name
         if at not in self._found:
             self._found[at] = None
@@ -687,7 +687,7 @@ class Scope:
         return raw.joined(parts)
 
     def _numbered(self, which: Which, labels: IntArray) -> IntArray:
-        """Return the numbers, over all scopes, of the nodes or elements `labels`; -1: undefined."""
+        """Return the numbers through the whole deck of nodes or elements, by label; -1: undefined."""
         known, order = self.known[which]
         rows = raw.rows_of(known, labels)
         return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows

@@ -170,7 +170,7 @@ def _format(text: bytes) -> tuple[float, _Types]:
 
 
 def _names(text: bytes) -> dict[tuple[int, int], str]:
-    """Return group names by dimension and tag; version 2.0 gives no dimension: -1."""
+    """Return group names by dimension and tag; the dimension is -1 if the file does not give it."""
     count, *lines = (decoded(text) or "").strip().splitlines()
     found = {}
     for line in lines:

@@ -193,7 +193,7 @@ def read_matrices(
     return body
 
 
-# --------------------------------------------------------------------------------- the files
+# ------------------------------------------------------------------------------ matrix files
 
 
 def _read_npz(file: Path) -> list[RawMatrix]:
@@ -310,7 +310,7 @@ def _given_labels(dofs: Any, stiffness: RawMatrix, inertia: RawMatrix) -> IntArr
     return checked_labels(found, len(found))
 
 
-# ------------------------------------------------------------------------------ K and M alike
+# --------------------------------------------------------------------------- matching K and M
 
 _Pair = tuple[Any, Any, IntArray | None]  # K, M, and node and component of each row
 
@@ -425,7 +425,7 @@ def _coordinates(
     }
 
 
-# ------------------------------------------------------------------- dofs and places of rows
+# -------------------------------------------------------------- dofs and coordinates of rows
 
 
 def read_dofs(dofs: Any) -> IntArray:

@@ -445,8 +445,8 @@ def _sets(control: list[Line], bulk: BulkData) -> dict[str, tuple[tuple[str, ...
 
 # ----- sections
 
-# Index of the field with a surface element's material angle or system, by layout. The next field is
-# the offset; fields 10 to 12 or 13 are thicknesses at the nodes.
+# Index of the field with a surface element's material angle or system, by `Entries.layout`. The
+# next field is the offset; fields 10 to 12 or 13 are thicknesses at the nodes.
 _THETA = {"quad": 6, "triangle": 5, "triangle6": 8, "quad8": 14}
 
 _WTMASS = re.compile(rb"\s*PARAM[\s,*]+WTMASS[\s,]+([^\s,]+)")
@@ -576,7 +576,7 @@ class NastranDeck:
         with refusing(own.error):
             return make(self.source, own, rho)
 
-    # ------------------------------------------------------------ fields of elements
+    # ---------------------------------------------------- data in fields of elements
 
     def offset(self, own: IntArray, card: Card) -> float:
         """Return the offset ZOFFS, m, if all elements have the same; refuse nodal thicknesses."""

@@ -63,7 +63,7 @@ def is_nastran(content: bytes) -> bool:
     return _BULK.search(decoded(content) or "") is not None
 
 
-# --------------------------------------------------------------------------- files and sections
+# -------------------------------------------------------------------- files and parts of a deck
 
 
 def read_deck(file: Path) -> tuple[list[Line], BulkData]:
@@ -139,7 +139,7 @@ def _all_lines(main: Path) -> list[Line]:
     return found
 
 
-# ------------------------------------------------------------------------------ lines to entries
+# ---------------------------------------------------------------------------- entries from lines
 
 
 class Piece(NamedTuple):

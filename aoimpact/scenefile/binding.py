@@ -32,7 +32,7 @@ _STAND_INS = vars(fem) | vars(contact) | vars(_ARRAYS) | {"npt": _ARRAYS}
 
 @record
 class Call:
-    """A function with its arguments, which may be calls themselves.
+    """A call to be made: a function and its arguments, which may be calls themselves.
 
     `keep`: whether the returned object is kept for calls with the same text in a sweep's next runs.
     """
@@ -45,7 +45,7 @@ class Call:
 
 @record
 class Reader:
-    """Reader of an argument's values in a file.
+    """Function that checks a value in a file, and converts it to an argument.
 
     Attributes
     ----------
@@ -228,13 +228,13 @@ class Binder:
 
 
 def table(*functions: Table | Callable[..., Any]) -> Reader:
-    """Return the reader of a table with the arguments of one of the given functions."""
+    """Return the `Reader` of a table with the arguments of one of the given functions."""
     tables = [of if isinstance(of, Table) else Table(of) for of in functions]
     return Reader("a table", (dict,), lambda binder, *of: binder.bind(tables, *of))
 
 
 def typed(*functions: Table | Callable[..., Any], **more: str) -> Reader:
-    """Return the reader of a table whose key `type` names one of the given functions.
+    """Return the `Reader` of a table whose key `type` names one of the given functions.
 
     Parameters
     ----------
@@ -266,7 +266,7 @@ def calls(node: Any) -> Iterator[Call]:
 
 
 def reader(hint: Any) -> Reader | None:
-    """Return the reader of values for an annotation; None if a file cannot hold the values."""
+    """Return the `Reader` of values for an annotation; None if a file cannot hold the values."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return next(of for of in inner if isinstance(of, Reader))
@@ -284,7 +284,7 @@ def reader(hint: Any) -> Reader | None:
 
 
 def _either(hints: Sequence[Any]) -> Reader | None:
-    """Return the reader of a union, which reads a value by the first annotation that fits it."""
+    """Return the `Reader` of a union, which reads a value by the first annotation that fits it."""
     path = any(get_origin(hint) is os.PathLike for hint in hints)
     found = (reader(hint) for hint in hints if not (path and hint in (str, Any)))
     kinds = list(dict.fromkeys(filter(None, found)))
@@ -299,7 +299,7 @@ def _either(hints: Sequence[Any]) -> Reader | None:
 
 
 def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:
-    """Return the reader of a list; `hints`: annotation of each entry, or of all if `endless`."""
+    """Return the `Reader` of a list; `hints`: annotation of each entry, or of all if `endless`."""
     each = [found for hint in hints if (found := reader(hint))]
     if len(each) < len(hints):
         return None
@@ -317,7 +317,7 @@ def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:
 
 
 def _entries(hint: Any) -> Reader | None:
-    """Return the reader of a table with values of one kind under any keys."""
+    """Return the `Reader` of a table with values of one kind under any keys."""
     each = reader(hint)
     if each is None:
         return None

@@ -418,7 +418,7 @@ class SceneFile:
                 found[name] = probe.filtered(cfc=sensor.cfc, corner=sensor.corner).acceleration
         return found
 
-    # ------------------------------------------------------------------------- messages
+    # ------------------------------------------------------------------- error messages
 
     def _at(self, place: Place, message: str) -> str:
         line = line_of(self.text, place)

@@ -57,7 +57,7 @@ _MATERIALS = (
 
 
 def _named(which: str) -> Reader:
-    """Return the reader of a name of a material or body; it returns the material or body."""
+    """Return the `Reader` of a name of a material or body; it returns the material or body."""
     return Reader(f"a name from [{which}]", (str,), lambda binder, *at: binder.entry(which, *at))
 
 
@@ -208,7 +208,7 @@ def _of_surfaces(law: Callable[..., laws.ContactLaw]) -> Table:
 
 
 def _read_law(binder: Binder, value: Any, place: Place) -> Any:
-    """Return the call that makes a law from its parameters, or from a coefficient of restitution.
+    """Return the `Call` that makes a law from its parameters, or from a coefficient of restitution.
 
     The stiffness k may be given by two surfaces.
     """
@@ -259,7 +259,7 @@ def _place(body: _FINITE, point: Numbers, direction: Numbers) -> ContactPoint:
 
 
 def _read_sensor(binder: Binder, value: Any, place: Place) -> Any:
-    """Return the call that makes a sensor; without `type`, a point that measures displacement."""
+    """Return the `Call` that makes a sensor; without `type`, a point that measures displacement."""
     if "type" not in value:
         return binder.bind(Table(_place), value, place)
     if "body" not in value:
@@ -341,7 +341,7 @@ def _port(body: Handle, port: int = 0) -> Handle:
 
 
 def _read_handle(binder: SceneBinder, value: Any, place: Place) -> Any:
-    """Return the call for a body of the scene, or for one contact point of the body."""
+    """Return the `Call` for a body of the scene, or for one contact point of the body."""
     if isinstance(value, dict):
         return binder.bind(Table(_port), value, place)
     return binder.find(binder.handles, "the scene", value, place)
@@ -457,7 +457,7 @@ def _numbered(entries: Any) -> Iterator[tuple[str, int]]:
             yield str(entry.get("name", entry["body"])), i
 
 
-# ------------------------------------------------------------------------------------ the file
+# ------------------------------------------------------------------------------ the whole file
 
 
 def _sweep(

@@ -39,7 +39,7 @@ from ..testrig import Signal
 _SOLVER = Adaptive(rtol=1e-9)
 _STEP = 1e-4
 
-# Offset of the variables from 0: SciPy's steps of finite differences are relative to the variables.
+# Offset that keeps the variables away from 0: SciPy's finite-difference steps are relative to them.
 _ORIGIN = 30.0
 
 # Largest relative standard error with which a parameter counts as determined.
@@ -364,7 +364,7 @@ def _warn_of_a_poor_fit(
     noise = 0.0
     if (
         problem.force and len(problem.measured) >= _FEW
-    ):  # second differences of errors with deviation σ have √6 σ
+    ):  # if errors have deviation σ, second differences have √6 σ
         second = np.abs(np.diff(problem.measured, 2))
         noise = float(np.median(second)) / (0.6745 * math.sqrt(6.0))
     if residual > max(_OFF * noise, _VISIBLE * largest):

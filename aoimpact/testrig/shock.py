@@ -218,9 +218,10 @@ def shock_spectrum(
 def _largest(signal: Signal, frequency: float, damping: float, unit: str) -> tuple[float, ...]:
     """Return the largest positive and negative response, and magnitudes during and after `signal`.
 
-    The oscillator z'' + 2ζω z' + ω² z = -u is solved exactly by means of its eigenvalue λ:
-    q' = λq + u, z = 2 Re(r q). For the absolute acceleration z'' + u, λ² r replaces r; for the
-    pseudo-velocity, ω r. The signal u is linear between samples, and interpolated to smaller steps.
+    The oscillator z'' + 2ζω z' + ω² z = -u is solved exactly by means of its eigenvalue λ and the
+    residue r of its transfer function: q' = λq + u, z = 2 Re(r q). For the absolute acceleration
+    z'' + u, λ² r replaces r; for the pseudo-velocity, ω r. The signal u is linear between samples,
+    and interpolated to smaller steps.
     """
     from scipy.signal import cont2discrete, lfilter  # slow to import
 

@@ -185,7 +185,7 @@ class Signal(Frozen):
         values = np.gradient(source.velocity, source.t)
         return cls(source.t, values, unit="m/s²", name="acceleration")
 
-    # ------------------------------------------------------------------- its samples
+    # ----------------------------------------------------------------------- samples
 
     @property
     def mean_rate(self) -> float:
@@ -245,7 +245,7 @@ class Signal(Frozen):
         times = np.minimum(self.t[0] + steps / wanted, self.t[-1])
         return replace(self, t=times, values=np.interp(times, self.t, self.values))
 
-    # ------------------------------------------------------------------- the filter
+    # ----------------------------------------------------------------------- filter
 
     def filtered(self, cfc: float | None = None, *, corner: float | None = None) -> Signal:
         """Return the signal filtered by a channel frequency class; its `raw` is this signal.
