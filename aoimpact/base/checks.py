@@ -461,7 +461,10 @@ def writable_folder(path: FilePath) -> Path:
 
 
 def checked(record: Any, /, **checks: Check | tuple[type[Any], ...]) -> None:
-    """Check fields of a frozen dataclass by functions, whose results are stored, or for classes."""
+    """Check the fields of a frozen dataclass.
+
+    `checks`: for each field, the permitted classes, or a function that returns the value to store.
+    """
     for name, check in checks.items():
         value = getattr(record, name)
         if isinstance(check, tuple):

@@ -21,12 +21,12 @@ def available() -> float:
     container's, and this process's (``ulimit -v``, batch systems).
     """
     found = [float("inf")]
-    with suppress(OSError, ValueError, AttributeError, ImportError):  # not on macOS and Windows
+    with suppress(OSError, ValueError, AttributeError, ImportError):  # missing on macOS and Windows
         found.append(float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")))
         lines = Path("/proc/meminfo").read_text().splitlines()
         (kibibytes,) = (line.split()[1] for line in lines if line.startswith("MemAvailable:"))
         found.append(1024.0 * int(kibibytes))
-        import resource  # not there on Windows
+        import resource  # missing on Windows
 
         if (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) != resource.RLIM_INFINITY:
             pages = int(Path("/proc/self/statm").read_text().split()[0])

@@ -35,10 +35,11 @@ def styled() -> Iterator[None]:
     a notebook, which becomes interactive with its first figure, would show no further figures.
     """
     import matplotlib.pyplot as plt
-    from cycler import cycler  # of matplotlib
+    from cycler import cycler  # comes with matplotlib
 
     count = len(DASHES)
-    dashes = [DASHES[(i + i // count) % count] for i in range(count * len(COLOURS))]  # all pairs
+    # Dashes are shifted at each repetition, so that every pair of colour and dash occurs.
+    dashes = [DASHES[(i + i // count) % count] for i in range(count * len(COLOURS))]
     look: Any = {
         "axes.prop_cycle": cycler(color=COLOURS * count) + cycler(linestyle=dashes),
         "axes.grid": True,
@@ -140,7 +141,7 @@ def draw_curves(
     axes.set_ylabel(label(name, y_shown))
     axes.grid(True, alpha=0.3)
     if x_unit == "s":
-        span = x_factor * np.append(x[:1], x[-1:])  # show the whole record, not just curves
+        span = x_factor * np.append(x[:1], x[-1:])  # show the whole record in any case
         axes.update_datalim(np.column_stack([span, 0.0 * span]), updatey=False)
         axes.margins(x=0.0)
     legend(axes)

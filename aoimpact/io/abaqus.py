@@ -583,7 +583,7 @@ class Scope:
             towards = name[0] == "B" and [len(row) for row in keyword.rows[:1]] == [n + 2]
             table = keyword.connectivity(n + towards)[:, : n + 1]
         else:  # nodes of an assembly's elements may be written instance.label
-            ends = ["", *(line.text[-1] for line in keyword.data)]  # end of the previous line
+            ends = ["", *(line.text[-1] for line in keyword.data)]  # end of each previous line
             rows = zip(ends, enumerate(keyword.rows), strict=False)
             numbers = [keyword.integers(i, row[:1]) for end, (i, row) in rows if end != ","]
             kind, table = "", np.reshape(np.array(numbers, dtype=np.int64), (-1, 1))
@@ -687,7 +687,7 @@ class Scope:
         return raw.joined(parts)
 
     def _numbered(self, which: Which, labels: IntArray) -> IntArray:
-        """Return the numbers through the whole deck of nodes or elements, by label; -1: undefined."""
+        """Return numbers, through the whole deck, of nodes or elements by label; -1: undefined."""
         known, order = self.known[which]
         rows = raw.rows_of(known, labels)
         return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows

@@ -31,7 +31,7 @@ _MOST_INCLUDED = 2000
 # Keywords whose data lines may be in another file (INPUT=).
 _WITH_INPUT = frozenset(("NODE", "ELEMENT", "NSET", "ELSET"))
 
-# A file that begins with one of these keywords is taken for a deck.
+# A file that begins with one of these keywords is taken for a deck of Abaqus or CalculiX.
 _FIRST = frozenset(("HEADING", "NODE", "ELEMENT", "PART", "INCLUDE", "PREPRINT", "NSET", "ELSET"))
 _KEYWORD = re.compile(r"\s*\*(?!\*)")
 _BEGIN = re.compile(r"(?:\s*\*\*.*\n)*\s*\*\s*([A-Za-z][A-Za-z -]*)")

@@ -222,7 +222,7 @@ def _nodes_4(numbers: _Numbers) -> tuple[IntArray, FloatArray]:
 
 def _width(type_: int) -> int:
     if type_ not in _KINDS:
-        raise ValueError(f"elements of Gmsh's type {type_} are not read: order 1 and 2 alone are")
+        raise ValueError(f"elements of Gmsh's type {type_} are not read, only order 1 and 2")
     return raw.nodes_in(_KINDS[type_])
 
 

@@ -204,7 +204,7 @@ def _read_npz(file: Path) -> list[RawMatrix]:
         require(3 * whole, f"matrix file {str(file)!r}", "take a coarser mesh")
         matrix = sp.coo_array(sound_matrix("it", sp.load_npz(file)))
         matrix.sum_duplicates()
-    except Exception as error:  # a damaged archive makes zipfile, NumPy and SciPy raise almost any
+    except Exception as error:  # zipfile, NumPy and SciPy raise various errors for damaged files
         raise spoilt(file, f"it is no square matrix of SciPy, or cut short: {error}") from None
     return [RawMatrix(file, "", matrix)]
 
@@ -340,7 +340,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
     if K.nnz == M.nnz and not (K - M).data.any():
         raise InputError("K and M have the same entries; give M its own file")
     largest, heaviest = (float(abs(one.diagonal()).max(initial=0.0)) for one in (K, M))
-    if 0.0 < largest < heaviest:  # all frequencies below 1 rad/s
+    if 0.0 < largest < heaviest:  # else, all frequencies are below 1 rad/s
         raise InputError(f"K up to {largest:.3g}, M up to {heaviest:.3g}: are they exchanged?")
     return K, M, labels
 

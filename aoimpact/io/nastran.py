@@ -604,7 +604,8 @@ class NastranDeck:
         x = across(self.source.directions(own, edges=True), normals)
         columns = [table.fields[:, _THETA[layout]] for table, layout in self.entries(own)]
         words, of = np.unique(np.concatenate(columns), return_inverse=True)
-        systems = [INTEGER.fullmatch(word) is not None for word in words.tolist()]  # MCID
+        # An integer is MCID, the label of a coordinate system; a real number is the angle THETA.
+        systems = [INTEGER.fullmatch(word) is not None for word in words.tolist()]
         texts = [b"0" if s or not w else w for s, w in zip(systems, words.tolist(), strict=True)]
         angles = np.radians([number(text.decode()) for text in texts])
         along = np.cos(angles)[of, None] * x + np.sin(angles)[of, None] * np.cross(normals, x)

@@ -342,7 +342,7 @@ def columns(lines: Any, width: int, delimiter: str | None = None, **how: Any) ->
             contextlib.suppress(ValueError, OverflowError, RuntimeError),
             warnings.catch_warnings(),
         ):
-            warnings.simplefilter("ignore")  # the warning that there are no data
+            warnings.simplefilter("ignore")  # NumPy's warning of missing data
             how = {"comments": None, "ndmin": 2, "encoding": "latin-1"} | how
             found = np.loadtxt(lines, delimiter=delimiter, converters=converters, **how)
             table: FloatArray = found.reshape(len(found), -1 if len(found) else width)

@@ -127,7 +127,7 @@ class Source:
         return Profile(area * unit**2, tensor, J * unit**4, compliance, unit * points, np.zeros(2))
 
     def beam(self, of: Any, material: Any, z: Any, members: IntArray, axes: Any, to: Any) -> Beam:
-        """Return the `Beam` of a section whose z axis is along `z`; profiles get principal axes.
+        """Return the `Beam` of a section with z along `z`; a `Profile` gets its principal axes.
 
         The rows of `axes` are the beam's y and z, in components along (h, v) of the profile's
         figure. `to` is each element's offset from its nodes to the figure's line of nodes, m.
@@ -293,5 +293,5 @@ def refusing(error: Callable[[str], MeshError]) -> Iterator[None]:
         raise
     except ArithmeticError:
         raise error("its numbers are 0, or lie too far apart to compute with") from None
-    except (InputTypeError, ValueError, RecursionError) as wrong:  # endless recursion
+    except (InputTypeError, ValueError, RecursionError) as wrong:  # circular references
         raise error(str(wrong)) from None

@@ -83,8 +83,7 @@ _OFF, _VISIBLE, _FEW = 3.0, 0.02, 8
 # if its start may be any of a thousand samples.
 _EXPLAINED = 10.0
 
-# Difference between the logarithms of a parameter and of its bound below which the parameter counts
-# as being at the bound.
+# A parameter counts as being at its bound if the logarithms of both differ by less than this.
 _AT_BOUND = 1e-2
 
 # Singular values of the scaled Jacobian below this share of the largest one are taken for rounding

@@ -226,7 +226,7 @@ def _largest(signal: Signal, frequency: float, damping: float, unit: str) -> tup
     from scipy.signal import cont2discrete, lfilter  # slow to import
 
     omega = 2.0 * math.pi * frequency
-    root = complex(-damping, math.sqrt(1.0 - damping * damping))  # λ/ω
+    root = complex(-damping, math.sqrt(1.0 - damping * damping))  # eigenvalue λ in units of ω
     factor = {"m/s²": omega * root**2, "m": 1.0 / omega, "m/s": 1.0}[unit]
     share = 0.5j / root.imag * factor
     parts = max(1, math.ceil(_PER_PERIOD * frequency / signal.rate))
