@@ -4,7 +4,7 @@
  *   cc -O3 cvode_pair.c -lsundials_cvode -lsundials_nvecserial -lm
  *
  * benchmarks/adaptive.py builds and runs it. Standard input, numbers separated by white space:
- *   velocity gap duration, length (size of displacements), k n of F = k d^n,
+ *   velocity gap duration, length (scale of displacements), k n of F = k d^n,
  *   then for the projectile and the target: count m0 k0, count times m k;
  *   then any number of runs: method (0 Adams, 1 BDF), iteration (0 fixed point, 1 Newton), rtol,
  *   repeats, limit [s].

@@ -1,5 +1,5 @@
-/* Yardstick for the core: a rigid sphere on a star (an AO model) by Newmark's average acceleration, in
- * plain C - no record of velocities or energies, no other law, no massless contact. */
+/* Reference for the time of the core: a rigid sphere on an AO model (star) by Newmark's average
+ * acceleration, in plain C - no record of velocities or energies, no other law, no massless contact. */
 #include <math.h>
 #include <stddef.h>
 

@@ -37,14 +37,14 @@ int main(void)
     aoi_law law;
     aoi_friction friction;
     check(aoi_law_create(&law, "hertz", 1, &stiffness), "law");
-    /* ratio 2 (1 - nu)/(2 - nu), nu = 0.3 */
+    /* ratio of tangential to normal stiffness: 2 (1 - nu)/(2 - nu), nu = 0.3 */
     check(aoi_friction_create(&friction, &law, mu, 1.4 / 1.7, 1e-4), "friction");
     const aoi_contact contact = {.body = {0, 1}, .law = &law, .friction = &friction};
     aoi_system system = {.body_count = 2, .contact_count = 1, .body = body, .contact = &contact};
     void *links = malloc(aoi_system_size(&system));
     check(aoi_system_link(&system, links), "system");
 
-    double v[16] = {1.0, 0.3, 0.0, 0.0, 0.0, -20.0}; /* m/s towards the rod and along it, rad/s; the rod rests */
+    double v[16] = {1.0, 0.3, 0.0, 0.0, 0.0, -20.0}; /* of the ball: towards the rod, along it, m/s; spin, rad/s */
     const aoi_start start = {.v = v};
     const double end = 3e-4;
     aoi_adaptive *run = malloc(aoi_adaptive_size(&system));
@@ -69,7 +69,7 @@ int main(void)
     const double *after = aoi_adaptive_progress(run).x ? aoi_adaptive_progress(run).v : v;
     printf("  rebound %.4f m/s, along %.4f m/s, spin %.2f rad/s\n", after[0], after[1], after[5]);
 
-    /* About the point of contact, on which all forces act, the ball keeps its angular momentum. */
+    /* All forces act at the point of contact: the angular momentum of the ball about it is conserved. */
     const double before = moment * v[5] - mass * radius * v[1], kept = moment * after[5] - mass * radius * after[1];
     check(fabs(kept - before) <= 1e-9 * fabs(before) ? AOI_OK : AOI_ERROR_TOLERANCE, "angular momentum");
     free(memory), free(links), free(run), free(track.values), free(track.row), free(sampler), free(column);

@@ -49,7 +49,7 @@ static void make_beam(double *omega, double *shape, double *centre, aoi_modes *b
 }
 
 /* Runs to a tolerance, and prints the motion at some times. peak: force, N; duration: of the
- * contact, s; rebound: velocity of the ball away from the body over SPEED. */
+ * contact, s; rebound: ratio of the ball's velocity away from the body to SPEED. */
 static void run_adaptive(const aoi_system *system, const aoi_start *start, double end, double *peak,
                          double *duration, double *rebound)
 {
@@ -102,7 +102,7 @@ static void strike(const char *what, const aoi_modes *ball, const aoi_modes *tar
     const aoi_contact contact = {.body = {0, 1}, .law = law};
     aoi_system system = {.body_count = 2, .contact_count = 1, .body = bodies, .contact = &contact};
     void *links = malloc(aoi_system_size(&system));
-    double v[1 + MODES] = {SPEED * MASS * ball->centre[0]}; /* of the ball's mode; the target is at rest */
+    double v[1 + MODES] = {SPEED * MASS * ball->centre[0]}; /* modal velocity of the ball; the target is at rest */
     const aoi_start start = {.v = v};
     check(aoi_system_link(&system, links), "system");
     printf("A ball against %s\n", what);
@@ -120,7 +120,7 @@ static void strike(const char *what, const aoi_modes *ball, const aoi_modes *tar
  * sines. m and k have room for DOFS; stiffness and mass are the struck end's entries of K and M. */
 static void make_rod(aoi_star *star, double *m, double *k, double *stiffness, double *mass)
 {
-    enum { N = DOFS - 1 }; /* the end does not move in a constraint mode */
+    enum { N = DOFS - 1 }; /* the struck end does not move in a constraint mode */
     const double pi = acos(-1.0), spring = 210e9 * 1e-4 * DOFS / 0.2, part = 7850.0 * 1e-4 * 0.2 / DOFS;
     double phi_st[DOFS], m_phi_st[DOFS], c[N], omega2[N], phi[N * DOFS], m_phi[N * DOFS];
     int32_t oscillator[N];
