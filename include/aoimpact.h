@@ -206,11 +206,11 @@ typedef struct aoi_user_law {
 } aoi_user_law;
 
 /* A contact law. A caller gets one from a function below, and may then set its compliance, limit and note. Or the
- * caller fills in a new law: force and potential, limit = HUGE_VAL, further members as needed, and zero for the rest.
- * Both integrators read all members; aoi_law_push reads them for callers that integrate on their own.
+ * caller fills in a new law: force and potential, limit = HUGE_VAL, further members as needed, and zero for the
+ * rest. Both integrators read all members. A caller that integrates on its own gets the force by aoi_law_push.
  *
- * memory is an array of AOI_LAW_MEMORY doubles for one contact, all zero until its first touch. It may be NULL for a
- * law whose remember is NULL. */
+ * memory is an array of AOI_LAW_MEMORY doubles for one contact, all zero until its first touch. It may be NULL for
+ * a law whose remember is NULL. */
 struct aoi_law {
     /* Sets value to the law on one of its smooth pieces, without replacing negative forces by zero. Slightly
      * beyond the ends of the piece the law is continued, smoothly if possible. */
@@ -410,8 +410,8 @@ typedef struct aoi_sparse {
     const double *values;   /* [start[n]]   */
 } aoi_sparse;
 
-/* A linear solver of the caller's. solve(data, x) replaces the right-hand side x, n doubles, by the
- * solution, and returns 0, or anything else for a failure. */
+/* A linear solver of the caller's. solve(data, x) replaces the right-hand side x, n doubles, by the solution, and
+ * returns 0; any other value means failure. */
 typedef struct aoi_solver {
     int (*solve)(void *data, double *x);
     void *data;
@@ -533,10 +533,10 @@ enum aoi_contact_row {
     AOI_CONTACT_ELASTIC,     /* J, in the law    */
     AOI_CONTACT_DISSIPATED,  /* J                */
     AOI_CONTACT_ROWS,
-    /* With friction, always written: */
+    /* With friction; these rows are always written: */
     AOI_CONTACT_TANGENTIAL = AOI_CONTACT_ROWS, /* N, two rows: along the tangents                   */
     AOI_CONTACT_FRICTION = AOI_CONTACT_TANGENTIAL + 2, /* J, dissipated since the start              */
-    AOI_CONTACT_STUCK, /* share of the indentation within which springs stick: 0 where all slip      */
+    AOI_CONTACT_STUCK, /* share of the indentation up to which springs stick: 0 where all slip       */
     AOI_FRICTION_ROWS
 };
 enum aoi_body_row {

@@ -155,12 +155,12 @@ def main() -> None:
     )
     declare("Evaluation points at edges, else nodes.", "edge_point[3][AOI_NODES]", [*edges, nodes])
     declare(
-        "Values, at an edge's points, of the same cardinal polynomials, by columns.",
+        "Values, at an edge's points, of the cardinal polynomials of 0 and nodes, by columns.",
         "indentation_at_edge[2][AOI_NODES + 1][AOI_NODES]",
         [by_columns([lagrange(ends, x) for x in points]) for points in edges],
     )
     declare(
-        "Matrix from values at an edge's points to the least-squares fit's at nodes, by columns.",
+        "Matrix from values at an edge's points to the nodes of a least-squares fit, by columns.",
         "edge_projection[2][AOI_NODES][AOI_NODES]",
         [by_columns(projection(nodes, points, edge_weights)) for points in edges],
     )

@@ -35,15 +35,15 @@
 static const double SUDDEN = 1e-22, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_RELAXED = 1e-5,
                     MOST_STEPS = 100.0;
 
-/* Largest ratio of a dashpot's relaxation time to the length of the implicit step at the start of a run, which is
- * lengthened if necessary: above it, the dashpot's force is only rounding error. Measured: 1e14 and 1e15 solve all
- * of the 400 scenes of YIELD in coupled.c, of which 4 fail without this limit; 1e13 changes the time of another
- * contact's first touch by 4e-8. */
+/* Largest ratio of a dashpot's relaxation time to the length of the implicit step at the start of a run; the step
+ * is lengthened if necessary. With a larger ratio, the dashpot's force is only rounding error. Measured: 1e14 and
+ * 1e15 solve all of the 400 scenes of YIELD in coupled.c, of which 4 fail without this limit; 1e13 changes the
+ * time of another contact's first touch by 4e-8. */
 static const double RIGID = 1e15;
 
-/* Largest ratio of a dashpot's relaxation time to the length of a later implicit step: a stronger dashpot is
- * replaced by one at this limit, since the indentation changes only by rounding. Tried with a third and three
- * times the value: 6 runs change, by a relative 4e-13. */
+/* Largest ratio of a dashpot's relaxation time to the length of an implicit step after an event. A stronger
+ * dashpot is replaced by one at this limit, since the indentation changes only by rounding. Tried with a third and
+ * three times the value: 6 runs change, by a relative 4e-13. */
 static const double RIGID_IN_STEP = 1e13;
 
 /* Largest number of Newton iterations, for the forces in equilibrium and for the rates after a sudden change.

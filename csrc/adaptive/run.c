@@ -428,7 +428,8 @@ static int move_freely(aoi_adaptive *run)
             land(run, c, run->free_state[1]);
         }
         if (run->base > 0.0) {
-            run->level = AOI_HIGHEST_LEVEL; /* a fine level follows from the estimate for the closing contact */
+            /* the coarsest level, which the estimate for the closing contact refines */
+            run->level = AOI_HIGHEST_LEVEL;
         }
         run->indentation_scale = run->impulse_scale = 0.0;
         aoi_contact_close(run, c);

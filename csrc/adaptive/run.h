@@ -49,7 +49,7 @@ typedef struct aoi_closed {
     double touch_rate; /* rate at the last start of its force, before a sudden change of the rate, m/s */
     int begins, piece;
     double low, high; /* ends of the law's piece, m */
-    /* largest length of the contact's last step, s, by the error of its first step; 0: not known */
+    /* largest length of the contact's last step, s, that the error of its first step allows; 0: not known */
     double edge;
     /* length and indentation polynomial of the last step, to guess the next */
     double last_length, last[AOI_NODES + 1];

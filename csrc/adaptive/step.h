@@ -98,7 +98,7 @@ void aoi_step_note_event(double place, int kind, aoi_adaptive_contact *contact, 
 double aoi_touch_tolerance(aoi_adaptive *run, const aoi_contact_step *entry);
 
 /* Sets `series` to the Legendre coefficients of the forces on a body's ports in a step of length h, given at the
- * nodes. For a body without modes that oscillate many times in the step, nothing is set. */
+ * nodes. For a body without modes that are fast in this step (AOI_PATH_FAST), nothing is set. */
 void aoi_step_series(const aoi_modes *body, const double *force, double h, double *series);
 
 /* Finds the initial value x and velocity v of the polynomial particular motion of mode j of a body under the

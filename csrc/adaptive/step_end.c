@@ -33,8 +33,8 @@ static double top_of(const aoi_law *law, const aoi_contact_step *entry)
     return aoi_legendre_top(AOI_NODES, by_force, &place, &value) ? place : 1.0;
 }
 
-/* Updates the peak of the normal force of a contact with friction. The peak is found from its row, since friction
- * changes the normal force a little. */
+/* Updates the peak of the normal force of a contact with friction. The peak is found from the contact's row, since
+ * friction changes the normal force a little. */
 static void note_rubbing_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h, const double *of)
 {
     double place, value, force[3], bent;
@@ -55,7 +55,7 @@ static void note_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h
     }
     const double place = top_of(law, entry);
     if (law->depends_on_rate) {
-        /* its derivative; the slope of the indentation's series would lose digits */
+        /* the slope of the indentation's series would lose digits */
         aoi_legendre_fit(entry->start_rate, entry->rate, by_rate);
         rate = aoi_legendre_evaluate(AOI_NODES + 1, by_rate, place, &slope);
     }

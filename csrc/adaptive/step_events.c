@@ -86,7 +86,7 @@ static void line_up(double start, const double *nodes, double factor, double shi
     }
 }
 
-/* Notes an event where the force of the law changes its sign; a negative force counts as such here, not as zero. */
+/* Notes an event where the law's force, before its cut at zero, changes its sign. */
 static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_attempt *attempt)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];

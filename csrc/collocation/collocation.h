@@ -57,8 +57,8 @@ size_t aoi_collocation_size(size_t count, size_t span);
 int aoi_crowd_pays(const aoi_system *system);
 size_t aoi_crowd_size(const aoi_system *system);
 
-/* Returns the displacements of the modes of all bodies in contact, [first[body] + mode][node], under the contact
- * forces of a step that aoi_collocation_solve has solved. Their signs are changed. */
+/* Returns minus the displacements of the modes of all bodies in contact, [first[body] + mode][node], under the
+ * contact forces of a step that aoi_collocation_solve has solved. */
 const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *work);
 
 /* True if rates must be computed: the law of one of these contacts depends on the rate, or on its sign. */

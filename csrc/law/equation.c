@@ -87,7 +87,8 @@ static double upper_end(const search *s)
 }
 
 /* Returns the force at the solution x, N. If it is a small difference of large terms, one of which depends on the
- * rate, the force is taken from the contact equation: the law would lose more digits by the rounding of x. */
+ * rate, the force is taken from the contact equation: that of the law has a larger error, due to the rounding of
+ * x. */
 static double force_found(const search *s, double x)
 {
     const aoi_contact_equation *e = s->equation;
@@ -127,8 +128,8 @@ static int find_root(const search *s, double low, double high, double *force, do
         const double newton = isinf(slope) && excess != 0.0 ? HUGE_VAL : excess / slope;
         const double enough = 4.0 * DBL_EPSILON * x;
         double next = x - newton;
-        /* Iterates lie strictly inside: otherwise Newton's method could jump from end to end of the bracket for
-         * ever. */
+        /* The next iterate must lie strictly inside: otherwise Newton's method could jump from end to end of the
+         * bracket for ever. */
         if (!(fabs(newton) <= enough || (next > low && next < high))) {
             next = 0.5 * (low + high);
         }

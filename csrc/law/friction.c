@@ -23,9 +23,9 @@
 /* Largest number of times that an interval between two springs is halved in one step, into 64 parts at most. */
 enum { MOST_PARTINGS = 6 };
 
-/* Least width of an interval, relative to its depth, for which its mean stiffness is the difference of the forces
- * divided by the width. In a narrower interval the mean of the stiffnesses at its ends is more accurate. The value
- * is the cube root of the rounding. */
+/* Width of an interval, relative to its depth, below which the mean of the stiffnesses at its ends is more
+ * accurate than the difference of the forces divided by the width. The value is the cube root of the rounding
+ * error. */
 static const double NARROW = 6e-6;
 
 /* Smallest square from which length_of takes the root directly: it is far enough from underflow to keep its

@@ -8,12 +8,12 @@
  *
  * elastic_plastic: k, yield force, slope s = 2 pi R p0. M. R. Brake, Int. J. Solids Struct. 49 (2012) 3129-3141:
  * fully plastic from d_f = (s/(2 k))^2 on, where Hertz's mean pressure is the hardness p0, on the line
- * F = s (d - d_f/2); between yield and d_f Hermite's cubic, which meets both curves with their slopes. Unloading
- * from d* up to d_r by I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42 (2005) 3716-3729:
- * d_p = d* (1 - w^(-0.28)) (1 - w^(-0.69)), w being the ratio of d* to the indentation of yield. Beyond d_r, the
- * recovery d* - d_p is proportional to F*^(1/2), as for a flattened sphere with F = pi p0 a^2. At d_r both have
- * the same slope: with m = d ln(d* - d_p)/d ln d* and d ln F/d ln d = 2 d/(2 d - d_f), d_r = m d_f/(2 m - 1),
- * about 1.6 d_f. If d_r were d_f, the share of the work that is returned would increase there. */
+ * F = s (d - d_f/2); between yield and d_f Hermite's cubic, which meets both curves with their slopes. For d* up
+ * to d_r, d_p = d* (1 - w^(-0.28)) (1 - w^(-0.69)) by I. Etsion, Y. Kligerman, Y. Kadin, Int. J. Solids Struct. 42
+ * (2005) 3716-3729, w being the ratio of d* to the indentation of yield. Beyond d_r, the recovery d* - d_p is
+ * proportional to F*^(1/2), as for a flattened sphere with F = pi p0 a^2. At d_r both have the same slope: with
+ * m = d ln(d* - d_p)/d ln d* and d ln F/d ln d = 2 d/(2 d - d_f), d_r = m d_f/(2 m - 1), about 1.6 d_f. If d_r
+ * were d_f, the share of the work that is returned would increase there. */
 #include "law/kinds.h"
 
 #include <math.h>
@@ -86,7 +86,7 @@ static void load(const aoi_law *law, int piece, double d, aoi_law_value *value)
     }
 }
 
-/* Returns the force at a deepest indentation beyond yield, N. */
+/* Returns the force of loading at an indentation beyond yield, N. */
 static double top_force(const aoi_law *law, double deepest)
 {
     aoi_law_value top;

@@ -46,8 +46,8 @@ static double linear_energy(const aoi_law *law, const double *memory, double ind
     return indentation > 0.0 ? 0.5 * law->parameter[0] * indentation * indentation : 0.0;
 }
 
-/* hunt_crossley: k, chi, n. F = k d^n (1 + chi rate): K. H. Hunt, F. R. E. Crossley, J. Appl. Mech.
- * 42 (1975) 440-445. Not cut at zero: the force is negative where the bodies part faster than
+/* hunt_crossley: k, chi, n. F = k d^n (1 + chi rate): K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975)
+ * 440-445. Negative forces are returned as they are: the force is negative where the bodies part faster than
  * 1/chi. power: k, n, without chi. */
 static void hunt_crossley_force(const aoi_law *law, const double *memory, int piece,
                                 double indentation, double rate, aoi_law_value *value)

@@ -155,8 +155,8 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
         return;
     }
     if (at->force[i] != 0.0) {
-        /* The slopes are those of the law before negative forces are replaced by zero: a positive force may be
-         * below the rounding error of its damping term. */
+        /* The slopes are those of the law without its cut at zero: rounding of the damping term may make a
+         * positive force negative, which the cut would set to zero, with zero slopes. */
         double low, high;
         const int piece = aoi_law_piece(contact->law, contact->memory, at->indentation[i],
                                         speed > 0.0, &low, &high);
@@ -246,8 +246,8 @@ static void find_off(const newton *s, iterate *at, size_t i)
     s->rate_size[i] = fabs(e->rate_free[i]) + rate_size;
 }
 
-/* Returns the effect of the rounding errors of all rates on indentation i (with the matrix of compliances) or rate
- * i (of rate compliances), through the forces of damped laws. */
+/* Returns the error in indentation i (matrix: compliance) or rate i (matrix: rate compliance) that the rounding
+ * errors of all rates cause through the forces of damped laws. */
 static double uncertainty(const newton *s, const iterate *at, const double *matrix, size_t i)
 {
     const double *row = row_of(s->e, matrix, i);

@@ -15,8 +15,8 @@ typedef struct aoi_load_span {
  * ports: number of ports. */
 aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
 
-/* Returns the time of a bend of the load after `time`, s: the next bend once `skipped` bends have been passed
- * over. HUGE_VAL if there is none. */
+/* Returns the time of the bend of a load that follows the next `skipped` bends after `time`, s; HUGE_VAL if there
+ * is none. */
 double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped);
 
 /* True if times ascend (equal neighbours are allowed) and all numbers are finite. */

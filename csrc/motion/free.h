@@ -17,8 +17,8 @@ typedef struct aoi_forced {
 void aoi_forced_fit(double from, double length, const double *values, aoi_forced *forced);
 
 /* Two bodies in free motion, with their own copies of x and v (n each) at the same time, and a contact between
- * them. forced: the part of the indentation that a step's contact forces add, and then no search may go beyond the
- * end of that step; or NULL. */
+ * them. forced: the part of the indentation that a step's contact forces add, or NULL. With such a part, no search
+ * may go beyond the end of that step. */
 typedef struct aoi_free_pair {
     const aoi_modes *body[2];
     size_t port[2];

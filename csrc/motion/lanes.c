@@ -12,7 +12,7 @@ static const double LEAST = 1e-36;
 /* 1.5 * 2^52: adding a number to it rounds the number to an integer. */
 static const double ROUNDER = 6755399441055744.0;
 
-/* Largest angle that is reduced by pi/2 in four parts, about 2^31 quarter turns, for which this is exact enough. */
+/* Largest angle, about 2^31 quarter turns, for which its reduction by pi/2 in four parts is exact enough. */
 static const double FARTHEST = 3e9;
 
 /* pi/2 as the sum of four parts. The products of the first two with an integer below 2^31 are exact (W. J. Cody

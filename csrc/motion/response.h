@@ -5,8 +5,8 @@
 #include "law/law.h"
 
 /* Columns of an influence matrix, one for each port on which forces act. port: port of each column; of: column of
- * each port; both NULL: column and port have the same index. count = AOI_BY_MODES: instead of ports, the
- * influences [n][node][node] are on each mode, of a unit force on that mode; sums of these are the influences
+ * each port; both NULL: column and port have the same index. count = AOI_BY_MODES: the influences [n][node][node]
+ * are those of a unit force on each mode on the motion of that mode; weighted sums of these are the influences
  * between ports. */
 typedef struct aoi_columns {
     size_t count, *port, *of;

@@ -83,7 +83,7 @@ static void take_part(part_call *all, PyObject *args, size_t size, size_t parts,
         PyErr_SetString(PyExc_ValueError, "a stage of a product must be 0 or 1");
         call_fail(of, CALL_RAISED);
     }
-    if (parts == 3) { /* (pattern, values, inverse) */
+    if (parts == 3) { /* the matrix is the tuple (pattern, values, inverse) */
         TAKE_SOME(of, described, 1, 3, ARRAY('f', all->matrix.values, all->entries),
                   MATRIX('f', all->matrix.inverse, all->length, all->matrix.size));
     }

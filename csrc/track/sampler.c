@@ -25,7 +25,7 @@ struct aoi_sampler {
     size_t rows;
     /* for each body: number of the last row that contains it, and the body's index in track */
     size_t *body_row, *body_at;
-    size_t *contact_row, *contact_at; /* the same for each contact                           */
+    size_t *contact_row, *contact_at; /* for each contact: number of its last row, and its index in track */
 
     size_t row, most_modes;
     int has_edge; /* 1: a contact of the row was solved with an edge   */
