@@ -309,7 +309,7 @@ def _run_tasks(workers: Any, task: _Job, items: Iterable[_Item]) -> Iterator[tup
             submit, most = None, 1
         elif isinstance(workers, int):
             threads = ThreadPoolExecutor(workers, thread_name_prefix="aoimpact")
-            stack.callback(threads.shutdown, wait=False)  # an interrupt does not wait
+            stack.callback(threads.shutdown, wait=False)  # an interrupt must not wait
             submit, most = threads.submit, _AHEAD * workers
         else:
             submit, most = workers.submit, _AHEAD * _width(workers)

@@ -91,7 +91,7 @@ def read(file: Path) -> RawMesh:
     for i, name in enumerate(names, 1):
         table, attributes = found.get(f"connect{i}", (np.zeros((0, 1)), {}))
         if table.ndim != 2:
-            raise ValueError(f"the nodes of {name!r} are no table")
+            raise ValueError(f"the connectivity of {name!r} is no table")
         type_, width = _text(attributes.get("elem_type", b"")).upper(), table.shape[1]
         kind = _KINDS.get(type_[:3], {}).get(width, f"{type_} of {width} nodes")
         kinds.append(kind if len(table) else "vertex")

@@ -82,7 +82,7 @@ class _Numbers:
     def finish(self) -> None:
         left = self.content[self.at :]
         if len(left if self.types is None else left.strip()):
-            raise ValueError("there is more in it than it announces")
+            raise ValueError("it has more numbers than it announces")
 
 
 def read(file: Path) -> RawMesh:
@@ -271,7 +271,7 @@ def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
     parts: set[int] = set()
     for kind, n_tags, rows in chunks:
         if n_tags < 2 or rows.shape[1] != 1 + n_tags + _width(kind):
-            raise ValueError("elements lack physical or elementary tag, or have too few nodes")
+            raise ValueError("elements with fewer than two tags, or a wrong number of nodes")
         # Columns: element number, physical tag, elementary tag, nodes.
         table = rows[:, np.r_[0:3, 1 + n_tags : rows.shape[1]]]
         for entity in np.unique(rows[:, 2]).tolist():

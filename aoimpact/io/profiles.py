@@ -23,11 +23,11 @@ from ..fem import CircularSection, RectangularSection, TubularSection
 # third moment of area to A^2.5, and of an edge's length to the longest edge.
 _CLOSED, _ROUND = 1e-6, 1e-9
 
-# `_PLACES`, `_WEIGHTS`: Gauss rule on a panel of the outline. `_COARSER`: ratio of the lengths of
-# successive panels away from a corner. The panels at corners have an eighth of the shortest edge's
-# length; `_LEVELS` limits their number on very long edges. J then differs by less than 1e-4 from
-# that with eight points on smaller panels. `_FAR`: distance from a panel's middle, in half-lengths,
-# beyond which the rule is exact to 1e-9.
+# `_PLACES`, `_WEIGHTS`: Gauss rule on a panel of the outline. `_COARSER`: factor by which panels
+# grow away from a corner. The panels at corners have an eighth of the shortest edge's length, or
+# more on very long edges, where `_LEVELS` limits the number of panels. J is then accurate to 1e-4,
+# compared with eight points on smaller panels. `_FAR`: distance from a panel's middle, in
+# half-lengths, beyond which the rule is exact to 1e-9.
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 _COARSER, _LEVELS, _FAR = 4.0, 7, 4.0
 

@@ -137,7 +137,7 @@ class Source:
             if of.skewed:
                 self.left_out.append("L, T and the like carry shear at the centroid, not beside it")
             (yy, yz), (_, zz) = axes @ of.second @ axes.T
-            if abs(yz) > _ROUND * (yy + zz):  # rotate the axes to the principal axes
+            if abs(yz) > _ROUND * (yy + zz):  # these are no principal axes
                 angle = 0.5 * math.atan2(math.copysign(2.0, yy - zz) * yz, abs(yy - zz))
                 c, s, z = math.cos(angle), math.sin(angle), across(z, x)
                 z, axes = c * z - s * np.cross(z, x), np.array([[c, s], [-s, c]]) @ axes

@@ -46,8 +46,8 @@ _ORIGIN = 30.0
 _DETERMINED = 0.5
 
 # First guess of a parameter if only the class of a law is given. _GUESSES: by the parameter's unit,
-# a factor, and the exponents of largest force, largest indentation and velocity, whose product is
-# the guess. _NAMED: guess by the parameter's name.
+# the factor c and exponents of the guess c F^i δ^j v^k, with largest force F, largest indentation δ
+# and velocity v. _NAMED: guess by the parameter's name.
 _GUESSES: dict[str, tuple[float, float, float, float]] = {
     "N": (0.3, 1.0, 0.0, 0.0),
     "m": (0.3, 0.0, 1.0, 0.0),
