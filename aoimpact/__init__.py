@@ -65,7 +65,7 @@ if _PathFinder.find_spec("aoimpact._core", __path__) is None:
             "script by the Python of that environment (.venv/bin/python)"
         )
 
-import lazy_loader as _lazy_loader  # last, so that the message above explains a missing one
+import lazy_loader as _lazy_loader  # last: the message above explains if it is missing
 
 # The public names are listed in __init__.pyi; each is imported at its first use.
 _find, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)

@@ -60,7 +60,7 @@ def check_linear_solver(solver: Solver, *, chosen: bool) -> None:
 
 
 def checked_rtol(rtol: float | None) -> float:
-    """Return the checked relative tolerance; the default one if None.
+    """Return the checked relative tolerance, or the default tolerance if `rtol` is None.
 
     Raises
     ------

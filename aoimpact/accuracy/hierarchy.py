@@ -100,7 +100,7 @@ class Hierarchy:
             return self._models[order]
 
     def finished(self, order: int) -> Body:
-        """Return the model of an order without vectors of other models, for the caller to keep."""
+        """Return the model of an order for the caller to keep; it shares no vectors with others."""
         return self.model(order).alone
 
     def release(self) -> None:

@@ -74,8 +74,8 @@ def errors_left_out(
     softer = replace(run.plan, contacts=altered)
     changed = altered != tuple(run.plan.contacts)
     by_contact = _tried(lambda: softer, run, solver) if changed else []
-    # If only one of both runs kept the whole law of contacts stiffer than their meshes, the
-    # difference of the runs is no error estimate.
+    # If one of the runs kept whole laws, as contacts are stiffer than its meshes, and the other did
+    # not, the difference of the runs is no error estimate.
     whole = meshed.plan.bounded != run.plan.bounded
     unknown = [math.inf] * (whole or any(outgrown(run)))
     mesh = _changes(wanted, run, [*others, *unknown])

@@ -238,7 +238,7 @@ class Search:
         """Restart with models that are fitted to the time scales `scales`."""
         time, slow = alike(scales.contact_time), scales.slow and alike(scales.slow, up=True)
         self._made: list[Hierarchy] = []
-        for body in self._unlike:  # reuse the models of a similar impact, if there are any
+        for body in self._unlike:  # reuse models of a similar impact, if any
             make = partial(model_hierarchy, body, time, slow, self.solver)
             if isinstance(body, FullModel):
                 tips = tuple([tip.key for tip in body.tips])
@@ -251,7 +251,7 @@ class Search:
         self._failure: AOImpactError | None = None
 
     def _at(self, orders: _Orders) -> Run | None:
-        """Run with models of these orders; None if such small models cannot be run."""
+        """Run with models of these orders; None if models this small cannot be run."""
         pairs = list(zip(self._made, orders, strict=True))
         models = [one.model(n) for one, n in pairs]
         key = tuple([min(n, one.most) for one, n in pairs])  # making a model may lower `most`

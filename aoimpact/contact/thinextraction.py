@@ -39,9 +39,9 @@ from .touch import touched
 _SLOW = 0.087
 
 # Largest c E* √A of full sections of area A. At the axis, √A/2 deep, the field of a half-space
-# gives (1 + ν)(3 - 2ν)/(π (1 - ν²)) = 1.1 (K. L. Johnson, Contact Mechanics, 1985, eq. 3.17).
-# Infinite square prisms have 1.3 to 1.5. Forces of balls of 5 and 10 mm on solids of 10 x 10,
-# 20 x 6 and 6 x 20 mm agree with those on beams with 0.9 to 2.0.
+# gives (1 + ν)(3 - 2ν)/(π (1 - ν²)) = 1.1 (K. L. Johnson, Contact Mechanics, 1985, eq. 3.17). For
+# infinite square prisms the value is 1.3 to 1.5. Forces of balls of 5 and 10 mm on solids of 10 x
+# 10, 20 x 6 and 6 x 20 mm agree with those on beams for values of 0.9 to 2.0.
 _OF_SECTION = 2.0
 
 # Tolerance, relative to the radius, in the search for a patch's radius; c compensates for the

@@ -357,7 +357,7 @@ def thickness(surface: Surface, point: FloatArray, along: FloatArray) -> float:
 
 
 def _place(surface: Surface, point: FloatArray) -> Place:
-    """Return the nearest point on the surface, on each face that has it; refuse far points."""
+    """Return the nearest surface point, once for each face that contains it; refuse far points."""
     here = surface.nearest(point)
     gap, size = float(here.distance[0]), float(surface.edges(here.face[:1])[0])
     if gap > _OFF_SURFACE * size:

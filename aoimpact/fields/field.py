@@ -228,7 +228,7 @@ def write_series(
     InputError
         If the folder does not exist.
     """
-    from xml.sax.saxutils import quoteattr  # would bring urllib and ssl with it
+    from xml.sax.saxutils import quoteattr  # its import loads urllib and ssl
 
     meshio = meshio_of_all_kinds()
     given = _in_folder(path)

@@ -195,7 +195,7 @@ class SensedOnce:
 
 
 class Each(Generic[T]):
-    """Base of objects that prepare data, such as rows on the dofs, once for each body."""
+    """Base class of objects that prepare data, such as rows on the dofs, once for each body."""
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle without the prepared data."""
@@ -212,7 +212,7 @@ class Each(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class At(Each[sp.csr_array]):
-    """Motion along axes at places of a body, computed by rows on its dofs, (p k, n_dofs).
+    """Motion along axes at places of a body, from rows on the body's dofs, (p k, n_dofs).
 
     Attributes
     ----------
@@ -656,7 +656,7 @@ def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.cs
     if body.mesh is None or not body.mesh.thin:
         return rows[:, body.free]
     n, own = rows.shape[1], np.arange(len(axes))
-    rows.resize((rows.shape[0], 2 * n))  # rotations move no node, but places between nodes
+    rows.resize((rows.shape[0], 2 * n))  # rotations displace places between nodes, not nodes
     rows = rows.tolil()
     for place in np.flatnonzero(np.diff(weights.indptr) > 1):
         held = slice(*weights.indptr[place : place + 2])

@@ -168,7 +168,7 @@ def pair(
     Raises
     ------
     InputError, InputTypeError
-        For an invalid argument, or if `law` is left out and not known.
+        For an invalid argument, or if `law` is left out and cannot be found from the surfaces.
     """
     scene = Scene()
     scene._mark = Mark("")

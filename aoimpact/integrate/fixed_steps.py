@@ -195,7 +195,7 @@ def _to_tolerance(
         if isinstance(fine, SteppedRecorder):
             if error.share <= rtol:
                 return fine, error
-            # Comparisons with coarser runs use only the rows of contacts.
+            # Only rows of contacts are kept: comparisons with coarser runs use no others.
             fine = replace(fine, record=plan.layout.of_contacts(fine.record).copy())
         before = [fine, before[0]]
     raise ConvergenceError(
@@ -348,7 +348,7 @@ def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
     """Return the estimated duration of the contact of a rigid `mass`, kg, at `velocity`, m/s; in s.
 
     It is 3 times the ratio of largest indentation to velocity; the factor is 2.94 for Hertz's law
-    (Johnson, Contact Mechanics, eq. 11.25) and π for a linear one.
+    (Johnson, Contact Mechanics, eq. 11.25) and π for a linear law.
     """
     try:
         return 3.0 * law.stroke(0.5 * mass * velocity * velocity) / velocity

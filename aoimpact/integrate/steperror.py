@@ -34,8 +34,8 @@ _NO_DIGIT = 0.2
 _AROUND_PEAK = 0.8
 
 # _AT_TOUCH: indentation, relative to the largest one, at which a law's force is checked for a jump
-# at the touch; _NO_JUMP: largest ratio of that force to the peak without a jump. A third or three
-# times either value changes none of 1488 estimates.
+# at the touch; _NO_JUMP: largest ratio of that force to the peak at which there is no jump. Values
+# a third or three times as large change none of 1488 estimates.
 _AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
 
 # Friction force relative to the normal force below which it is a rounding error.

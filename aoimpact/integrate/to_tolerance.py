@@ -51,7 +51,8 @@ OTHER_STEPS = 1e-7
 
 # Largest number of steps of a repeated run, relative to that of the first run: twice what a method
 # of order 15 needs for fifteen digits. With a value of 3, six of 305 results that another run
-# confirms are lost. Larger values waste proportionally more time on runs that confirm nothing.
+# confirms are lost. Larger values waste proportionally more time on runs that do not reach
+# agreement.
 PATIENCE = 20
 
 # Least error of friction at any tolerance, relative to its bound, if directions change: the core's

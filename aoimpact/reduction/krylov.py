@@ -169,7 +169,7 @@ class KrylovSpace:
         refuse_mechanism(self.tips)
         refuse_massless(self.tips)
         # shift: s of K + s²M, rad/s, which grows with the number of vectors; _slow: shifts for slow
-        # motion, used in turn with `shift`.
+        # motion, which alternate with `shift`.
         self.shift, self._slow = shift, tuple[float, ...]()
         self._highest = highest if boolean("sharpened", sharpened) else 0.0
         self.solver_name, self._solver = "", checked_solver(solver)

@@ -41,9 +41,9 @@ SOLVED = 1e-6
 
 # Largest unbalanced force, relative to its parts, that is left uncorrected. Approximate solutions
 # leave that much for each vector, in a separate direction; exact solutions leave one direction for
-# each force, and rounding errors of 1e-12. The neglect makes a probe five times as fast, and causes
-# relative errors of at most 9e-5 (3e-5 with a third of this limit) in stresses of the bodies of
-# SOLVED and of a beam, with models of 9 … 67 oscillators.
+# each force, and rounding errors of 1e-12. The neglect makes a probe five times as fast. It causes
+# relative errors of at most 9e-5 (3e-5 with a third of this limit) in stresses of the bodies named
+# at SOLVED and of a beam, for models of 9 … 67 oscillators.
 _BALANCED = ROUGH
 
 

@@ -411,7 +411,7 @@ class AOModel(Frozen):
     def _displaced(self, values: FloatArray) -> FloatArray:
         """Return the displacement of the body for coordinates λ, (n_dofs,) or (n_dofs, times)."""
         assert self.origin is not None
-        # The coordinates of M-orthonormal modes φ are φᵀM times the motion; in the coordinates λ, M
+        # The coordinates of M-orthonormal modes φ are φᵀM times the motion. In the coordinates λ, M
         # is diagonal.
         of, masses = self.origin, np.concatenate([[self.m0], self.m])
         q = of.shape[0] * (self._moved(of.omega**2).T @ (values.T * masses).T).T

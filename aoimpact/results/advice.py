@@ -304,7 +304,7 @@ def _thickness(joint: _Joint) -> Limit | None:
 
 
 def _mass_ratio(joint: _Joint) -> Limit | None:
-    """Limit that never warns: its row states the mass ratio, which tells how a plate responds."""
+    """Limit without a warning: its row states the mass ratio, which tells how a plate responds."""
     first, second = (joint.plan.bodies[body] for body, _ in joint.contact.ports)
     if not first.known_mass or not second.mass or not second.constrained or second.wall:
         return None
@@ -396,8 +396,8 @@ def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
 def follows(run: Run, body: int) -> bool:
     """Return whether a body's displacement is known to be accurate after the contact.
 
-    The criterion is the force that its model leaves unbalanced at the time scale of the record. It
-    costs a few products with K and M, whereas an error estimate costs another run.
+    The criterion is the force that the model leaves unbalanced at the time scale of the record.
+    This criterion costs a few products with K and M, whereas an error estimate costs another run.
     """
     model, touches = run.plan.bodies[body], _touches(run, body)
     if model.contact_time is None or not touches or not len(run.t):
@@ -498,7 +498,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
 
 
 def _face_alike(first: ContactPoint, second: ContactPoint) -> bool:
-    """True if two meshes in common coordinates lie on the same side of a common contact."""
+    """True if two meshes in common coordinates lie on the same side of their common contact."""
     nodes, place, along = first.body.given.nodes, first.point, first.direction
     if first.body is second.body or nodes is None or place is None or second.point is None:
         return False

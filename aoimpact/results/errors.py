@@ -200,7 +200,7 @@ def percent(share: float | None) -> str:
     if math.isinf(share):
         return "not bounded"
     digits = f"{100.0 * share:.2g}" if share >= ROUNDING else "0"
-    return f"{float(digits):.0f}" if 1.0 <= share < 1e3 else digits  # 120, not 1.2e+02
+    return f"{float(digits):.0f}" if 1.0 <= share < 1e3 else digits  # as 120, not 1.2e+02
 
 
 def suggestion(name: str, names: Iterable[str]) -> str:

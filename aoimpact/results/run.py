@@ -642,8 +642,8 @@ class Run:
     def motion_at(self, body: int, time: float | None = None) -> FloatArray:
         """Return the velocity of a body's centre of mass and its spin, m/s and rad/s, shape (6,).
 
-        By default the time is that after the last contact, or the record's end. Rounding errors are
-        set to 0.
+        By default the time is the end of the last contact or, without contact, of the record.
+        Rounding errors are set to 0.
 
         :meta private:
         """
@@ -816,7 +816,7 @@ class Run:
 
     @property
     def touching(self) -> tuple[float, float] | None:
-        """Start of the first contact and end of the last one, s; None without any.
+        """Start of the first contact and end of the last one, s; None without contact.
 
         :meta private:
         """
@@ -1022,7 +1022,7 @@ class Result(Eventful, Run):
         """Ratio of the tangential velocity after the last contact to that before the first one.
 
         The velocity is that of the projectile's centre of mass relative to the target's, along its
-        initial direction; the ratio is negative if it reverses. NaN where `restitution` is, and
+        initial direction; the ratio is negative if it reverses. NaN where `restitution` is NaN, and
         without an initial tangential velocity.
         """
         return self._number("tangential_restitution")

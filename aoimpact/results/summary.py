@@ -125,14 +125,14 @@ def summary_text(head: str, rows: Sequence[tuple[str, str]], width: int) -> str:
 
 
 def _told(run: Run, name: str, digits: int = 4, *, listed: bool = False, along: str = "") -> str:
-    """Return a number of a run with its unit and error."""
+    """Return text with a number of a run, its unit and its error."""
     value = run.numbers[name]
     number = _number(QUANTITIES[name.rpartition(".")[2]], value, digits)
     return f"{number}{along}{_within(run, name, value, listed=listed)}"
 
 
 def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
-    """Return the error of a number, with its parts if `listed`; empty where none is known.
+    """Return text with a number's error, with its parts if `listed`; empty where none is known.
 
     The text is also empty if only the error of time integration is known, as for bodies given by
     numbers.
@@ -164,13 +164,13 @@ def _is_certain(error: ErrorParts, count: int) -> bool:
 
 
 def _peak(run: Run, owner: str) -> str:
-    """Return the largest force of a contact, and its time."""
+    """Return text with the largest force of a contact, and its time."""
     force = _told(run, f"{owner}peak_force", 5, listed=True)
     return f"{force} at {_told(run, f'{owner}peak_time')}"
 
 
 def _slips(contact: ContactResult) -> str:
-    """Return the intervals of full slip of a contact."""
+    """Return text with the intervals of full slip of a contact."""
     if not contact.intervals or not (slips := contact.slip_intervals):
         return ""
     if not contact.stick_intervals:
@@ -180,7 +180,7 @@ def _slips(contact: ContactResult) -> str:
 
 
 def _body(run: Run, number: int) -> str:
-    """Return a body's model, support and contact points; in an impact also its mass."""
+    """Return text with a body's model, support and contact points; in an impact also its mass."""
     body, scene = run.plan.bodies[number], run.plan.scene
     rigid, name, mass = body.label in _RIGID, run.names[number], ""
     tips = body.tips[:: 3 if run.plan.oblique else 1][: _PLACES if scene else 1]
@@ -194,7 +194,7 @@ def _body(run: Run, number: int) -> str:
 
 
 def _place(tip: ContactPoint, *, rigid: bool) -> str:
-    """Return a contact point's node or patch, position and direction."""
+    """Return text with a contact point's node or patch, position and direction."""
     if tip.point is None or tip.direction is None:
         return ""
     what = "point" if tip.node is None else f"node {tip.node_label}"
@@ -239,7 +239,7 @@ def error_rows(run: Run) -> list[tuple[str, str]]:
 
 
 def _interest(run: Run, name: str, parts: ErrorParts) -> str:
-    """Return a quantity of interest, its value and its total error."""
+    """Return text with a quantity of interest, its value and its total error."""
     words, interest = name.replace("_", " "), QUANTITIES.get(name)
     if interest is None or interest.is_history:
         bound = _bound(run, QUANTITIES["force"], math.inf, parts)

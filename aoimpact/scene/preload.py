@@ -102,7 +102,7 @@ class _Springs:
             still = np.zeros(len(which))
             _core.law_force(law, within[which], still, own, steepness, damping, False)
             force[which], slope[which] = own, steepness
-        slope = np.where(depth > 0.0, np.maximum(slope, 0.0), 0.0)  # rounding errors may be < 0
+        slope = np.where(depth > 0.0, np.maximum(slope, 0.0), 0.0)  # a rounding error may be < 0
         return np.where(depth > 0.0, force + slope * (depth - within), 0.0), slope
 
     def stiffness_under(self, load: float) -> FloatArray:
@@ -247,7 +247,7 @@ class _Statics:
         return float(max(np.abs(self.load).max(initial=0.0), at.force.max(initial=0.0)))
 
     def check(self, at: _Configuration, slopes: FloatArray, size: float) -> None:
-        """Raise if a law's limit is exceeded, or rounding errors are large compared with `size`."""
+        """Raise if a law's limit is exceeded, or rounding errors are large for forces of `size`."""
         limits, rounding = self.springs.limits, self.rounding(at.x, slopes)
         for i in np.flatnonzero(at.depth > limits)[:1]:
             raise LawLimitError(
