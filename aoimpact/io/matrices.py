@@ -187,7 +187,7 @@ def read_matrices(
             try:
                 body = body.with_mesh(solid, material)
             except InputError as error:
-                raise InputError(f"{error} Its place is nodes times length={metres:g}") from error
+                raise InputError(f"{error} It is at nodes times length={metres:g}") from error
     for doubt in audited(body, frequencies=0).doubts:
         warn(f"{called}: {doubt}")
     return body

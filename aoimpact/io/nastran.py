@@ -527,7 +527,7 @@ class NastranDeck:
             if not name.startswith("property "):
                 continue
             dim = int(dims[members].max())
-            own = members[dims[members] == dim]  # edges of a mesher may have the number, too
+            own = members[dims[members] == dim]  # a mesher may give edges the number, too
             if (of := self.source.instead(name, dim)) is not None:
                 found[name] = of
                 continue
