@@ -189,7 +189,7 @@ def model_hierarchy(
     Parameters
     ----------
     body : Body, FullModel or Hierarchy
-        A `Body` with several ports has no other models than itself.
+        A `Body` with several ports is its own only model.
     contact_time : float
         Duration of the contact that the models are fitted to, s.
     duration : float, optional

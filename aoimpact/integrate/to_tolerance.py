@@ -20,8 +20,9 @@ FLOOR = 0.01 * TIGHTEST
 
 # Largest difference of two adaptive runs for which errors are assumed proportional to their causes;
 # above it the error is set to 1. A third of this value costs 1.3 % more steps. With seven times
-# this value, a scene of 784 touches fails although another run confirms it. Three times this value
-# still detects chaos; with a value of 1, the estimate is 0.07 where two runs differ by 0.27.
+# this value, a scene of 784 touches fails although a further run confirms its result. Three times
+# this value still detects chaos; with a value of 1, the estimate is 0.07 where two runs differ by
+# 0.27.
 LINEAR = 0.03
 
 # Safety factor of the comparison of two adaptive runs: errors are proportional to the tolerance,

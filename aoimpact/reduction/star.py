@@ -601,7 +601,7 @@ def with_shapes(
     placed[: n + 1, others.shape[1] :] = coordinates * r
     shape = np.concatenate([np.zeros(others.shape[1]), r])[None]
     follow = None
-    if numbers.m0 == 0.0:  # a force at once moves only the contact
+    if numbers.m0 == 0.0:  # only the contact follows a force at once
         follow = numbers.residual * np.concatenate([[1.0], -np.ones(n), np.zeros(len(still.T))])
     body = Body(
         kind="AO" if n or numbers.k0 else "rigid",

@@ -345,8 +345,9 @@ RULES: dict[str, Callable[[_Joint], Limit | None]] = {
 _BALANCED_AGAIN = 3e-5
 
 # Largest relative unbalanced force at which the displacement after a contact is accurate. On twelve
-# bodies the relative error of the displacement was .15 to 1.3 for larger forces, except for a light
-# body that moves as a whole, and less than .1 for forces below a tenth of this limit.
+# bodies the relative error of the displacement was .15 to 1.3 for larger unbalanced forces, except
+# for a light body that moves as a whole, and less than .1 for unbalanced forces below a tenth of
+# this limit.
 _BALANCED_AFTER = 1e-3
 
 
