@@ -487,7 +487,7 @@ AOI_API int aoi_rigid_modes(const aoi_rigid *rigid, double *memory, aoi_modes *b
  * With friction a contact has three forces. The ports port[i], port[i] + 1 and port[i] + 2 of a body are its
  * normal and two tangents, with axes as for aoi_rigid. Slides are u_first - u_second along the tangents. Friction
  * holds the first body back and pulls the second along. Springs are not stretched at a touch. Bodies that overlap
- * at t = 0 are taken to have moved straight from indentation and slide 0 to those at t = 0. */
+ * at t = 0 are taken to have moved straight from indentation and slides 0 to their state at t = 0. */
 typedef struct aoi_contact {
     size_t body[2], port[2];
     double gap;
@@ -559,8 +559,8 @@ AOI_API size_t aoi_record_body(const aoi_system *system, size_t body);
 
 /* State of the bodies at t = 0. Copied by the run.
  *   x, v         [first[body_count]]: coordinates of all bodies and their rates; NULL: zero
- *   rested       1: the bodies have come to rest under loads and contacts; 0: those set in at t = 0. It has
- *                an effect only with a residual compliance, which deflects at once
+ *   rested       1: the bodies have come to rest under loads and contacts; 0: loads and contacts set in at
+ *                t = 0. It has an effect only with a residual compliance, which deflects at once
  *   force        [first_force[contact_count]], for Newmark's rule: the contact forces just after t = 0, N;
  *                NULL: those that the laws give at x and v. Given forces, together with the loads, deflect
  *                a residual compliance; it starts undeflected if force is NULL. An adaptive run finds the

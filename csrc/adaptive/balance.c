@@ -375,8 +375,9 @@ static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, 
            from->rate < -error;
 }
 
-/* After a turn of the indentation: keeps the rate from becoming positive if the turn is an event of the step;
- * takes the unloading piece of the law if the rate has become negative in this sudden change. */
+/* Handles a change of the rate's sign at a sudden change. If the step has located the turn as an event, the rate
+ * must not become positive again; if the rate has become negative only now, the contact moves to the unloading
+ * piece of its law. */
 static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contact)
 {
     if (contact->event == AOI_EVENT_TURN) {

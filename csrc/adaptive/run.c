@@ -452,8 +452,8 @@ static void halt(aoi_adaptive *run)
 
 /* ------------------------------------------------------------------------- a step of contact */
 
-/* Closes the contacts of bodies in free motion that touch now, and finds a time before which no other such contact
- * closes. */
+/* Closes the contacts of bodies in free motion that touch now, and finds a time before which no other contact of
+ * bodies in free motion closes. */
 static int watch_free_pairs(aoi_adaptive *run)
 {
     const size_t none = run->system->contact_count;

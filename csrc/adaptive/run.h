@@ -123,7 +123,7 @@ struct aoi_adaptive {
     double table_cost, saved;
     double base;
     double indentation_scale, impulse_scale; /* largest indentation and impulse scales of the closed contacts */
-    double force_scale; /* largest force in the step tried if several contacts are closed, else 0, N      */
+    double force_scale; /* largest force of the closed contacts, so far or expected, N; 0 if only one is closed */
     double origin, elapsed; /* the time is their sum: short steps late in a run would otherwise be lost in rounding */
     double left_off;        /* rounding error of elapsed, s */
     double horizon;         /* time before which no bodies in free motion touch, s     */

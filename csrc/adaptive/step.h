@@ -30,8 +30,8 @@ static inline double aoi_step_indentation(const aoi_contact_step *entry)
     return aoi_nodes_largest(entry->start, entry->indentation);
 }
 
-/* Returns the indentation scale of a contact, m: its largest indentation so far, `largest`, or a small share of
- * the other contacts' scale. */
+/* Returns the indentation scale of a contact, m: the largest of its indentation so far, `largest`, and
+ * LESSER_SHARE times the largest scale of the closed contacts. */
 static inline double aoi_step_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
     return fmax(fmax(run->contact[entry->contact].scales.indentation, largest),
@@ -50,10 +50,10 @@ static inline int aoi_step_may_peak(const aoi_adaptive_contact *contact, const a
     return aoi_step_force(entry) >= NEAR_PEAK * contact->ledger.peak.force;
 }
 
-/* Returns the force scale of a contact, N: its largest force so far, or expected at its touch, or a small share of
- * the other contacts' scale. The other contacts matter where a wave or a load has just reached the contact: its
- * force starts like a power of time, and an error relative to this force alone would not decrease with the step
- * length. */
+/* Returns the force scale of a contact, N: the largest of its force so far, the force expected at its touch,
+ * `largest`, and LESSER_SHARE times the largest force of the closed contacts. The last matters where a wave or a
+ * load has just reached the contact: its force starts like a power of time, and an error relative to this force
+ * alone would not decrease with the step length. */
 static inline double aoi_step_force_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];

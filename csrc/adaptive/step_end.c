@@ -225,7 +225,7 @@ static void apply_event(aoi_adaptive *run, size_t c)
         take_piece(law, contact, contact->closed.start, contact->closed.rate > 0.0);
         break;
     case AOI_EVENT_TURN:
-        contact->closed.rate = fmin(contact->closed.rate, 0.0); /* without this the same event would occur again */
+        contact->closed.rate = fmin(contact->closed.rate, 0.0); /* otherwise the same event would occur again    */
         take_piece(law, contact, contact->closed.start, 0);
         contact->closed.last_length = 0.0;
         break;

@@ -20,9 +20,9 @@
 #include <float.h>
 #include <math.h>
 
-/* TAIL_SHARE, STEP_SHARE: shares of rtol for the error within a step (last coefficients of the polynomial) and at
- * the end of one step. The latter errors add up over some twenty steps of a contact, and grow from one contact to
- * the next. See the table in ../README.md. */
+/* TAIL_SHARE, STEP_SHARE: shares of rtol for the error within a step (last coefficients of the polynomial) and for
+ * the error at the end of one step. Errors at the ends add up over some twenty steps of a contact, and grow from
+ * one contact to the next. See the table in ../README.md. */
 static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
 /* Factor on STEP_SHARE, and at a residual compliance also on TAIL_SHARE, in the first and last step of a contact.
@@ -204,8 +204,8 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }
 
-/* Returns the rate scale of a contact, m/s: its largest rate so far, or a small share of the other contacts'
- * scale. */
+/* Returns the rate scale of a contact, m/s: the larger of its largest rate so far and LESSER_SHARE times that of
+ * any closed contact. */
 static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     double scale = run->contact[entry->contact].scales.rate;
@@ -231,7 +231,8 @@ static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entr
 }
 
 /* Returns the growth that friction allows in a step where slip may begin or end. The drift and the error of the
- * impulse are of about the order that a kink of the rate gives; the latter counts only if it is too large. */
+ * impulse are of about the order in the step length that a kink of the rate gives. The error of the impulse counts
+ * only if it is too large. */
 static double sliding_growth(const errors *of)
 {
     const double worst = fmax(of->drift, of->handed_on > 1.0 ? of->handed_on : 0.0);

@@ -19,8 +19,8 @@ static const double JUMP = 1e-3;
 
 typedef struct point {
     double place[3], force[3], residual[3];
-    double by[3][3], slope[3][3]; /* derivatives of force and residual with respect to place */
-    double by_rate[3];            /* derivative of the force with respect to the rate */
+    double by[3][3], slope[3][3]; /* derivatives of forces and residuals with respect to indentation and slides */
+    double by_rate[3];            /* derivative of the forces with respect to the rate */
     double size; /* norm of the residual beyond rounding */
     double stuck, share, rate;
 } point;
@@ -128,8 +128,8 @@ static double jump_of(const aoi_friction *friction, const aoi_oblique_equation *
     return JUMP * friction->mu * p->force[0] * fmax(fabs(e->compliance[1][1]), fabs(e->compliance[2][2]));
 }
 
-/* Fills in the solution from the last iterate: by_free = by slope^-1, and by_rate from the derivative at constant
- * place. */
+/* Fills in the solution from the last iterate: by_free = by times the inverse of slope; by_rate follows from the
+ * derivative of the forces with respect to the rate at constant indentation and slides. */
 static void give(const aoi_oblique_equation *e, const point *p, aoi_oblique_solution *solution)
 {
     double inverse[9], moved[3];

@@ -15,8 +15,8 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
                            const double *v0, const double *x1, const double *v1, double *scratch,
                            double *work, double *dissipated);
 
-/* Finds the same as aoi_modes_free_work, for the part of a step of length h from its start to `place` (0 .. 1),
- * under force[port][node]. x0, v0: state at the start; x1: coordinates at `place`. The change of
+/* Finds work and dissipated energy as aoi_modes_free_work, for the part of a step of length h from its start to
+ * `place` (0 .. 1), under force[port][node]. x0, v0: state at the start; x1: coordinates at `place`. The change of
  * aoi_modes_bent_work is not included in the work, since it needs the forces at both times. The dissipated energy
  * is the integral of the damping's power along the motion. It does not use the balance of energies, which can
  * therefore serve as a check. */

@@ -1,4 +1,4 @@
-/* Products with matrices over the nodes of a step, and the inverse of such a matrix. */
+/* Products with matrices over the nodes of a step, and inversion of a matrix over the nodes. */
 #include "motion/nodes.h"
 #include "law/law.h"
 

@@ -65,7 +65,7 @@ static void state_at(const aoi_path *path, double share, double *x, double *v)
     const double part = path->place * share, time = part * path->h;
     const double pull = path->omega * path->omega * path->x;
     aoi_motion motion;
-    /* the force at the nodes of the interval from the start to that position */
+    /* the force at the nodes of the interval from the path's start to the position */
     aoi_legendre_at_nodes(path->force, 0.0, part, values);
     aoi_nodes_to_legendre(values, legendre);
     aoi_oscillator_motion(path->omega, path->decay, time, &motion);

@@ -48,7 +48,8 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_
 
 /* Adds sign times the change since the start of a port's displacement at the nodes and, if `rate` is not NULL, of
  * its rate. The change is due to the state at the start, to the loads and to constant forces on all ports (force,
- * or NULL), without the deflection of the residual compliance under the latter. time: start of the step, s. */
+ * or NULL). The deflection of the residual compliance under these constant forces is not included. time: start of
+ * the step, s. */
 void aoi_response_homogeneous(const aoi_response *response, const aoi_modes *body, size_t port,
                               double sign, double time, const double *x, const double *v, const double *force,
                               double *displacement, double *rate);

@@ -85,7 +85,7 @@ static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, si
     }
 }
 
-/* Subtracts A_ij x_j from r_i for all stored blocks j of row i, and A_ji x_i from r_j for those after the
+/* Subtracts A_ij x_j from r_i for all stored blocks j of row i, and A_ji x_i from r_j for the blocks after the
  * diagonal. r_i is then complete, since the rows before row i have already subtracted their part. b: block size, a
  * compile-time constant where speed matters. */
 static inline void OF(row)(const aoi_blocks *matrix, const REAL *values, size_t b, size_t row,

@@ -255,8 +255,8 @@ static int contact_advance(const aoi_coupled *e, size_t c, aoi_contact_state *co
 
 /* --------------------------------------------------------------------------- the record */
 
-/* Writes the rows of friction. Returns the energy of the stretches minus that of the compliance taken out of law
- * and friction, J; the latter energy is stored in the bodies. */
+/* Writes the rows of friction. Returns the energy of the stretches minus the energy of the compliance taken out of
+ * law and friction, J, which is stored in the bodies. */
 static double write_friction(const aoi_contact_state *contact, double *row)
 {
     const aoi_rubbing *of = contact->rubbing;
@@ -416,8 +416,8 @@ static void find_ports(aoi_newmark *run)
     }
 }
 
-/* Sets the forces on the ports at the start and one step before; the latter are extrapolated from the rates of the
- * forces. If contact forces are not given, both are zero. slope: rates of the loads. */
+/* Sets the forces on the ports at the start, and extrapolates the forces one step before from their rates. If
+ * contact forces are not given, both are zero. slope: rates of the loads. */
 static void start_push(aoi_newmark *run, const aoi_start *start, const double *slope)
 {
     const size_t ports = run->system->first_port[run->system->body_count];

@@ -60,7 +60,8 @@ static void *copied(call *of, const char *bytes, Py_ssize_t size)
     return copy ? memcpy(copy, bytes, (size_t)size) : NULL;
 }
 
-/* Makes a track from the bytes that track_bytes returns, and checks it. args: (bodies, contacts, values, places). */
+/* Makes a track from the bytes that track_bytes returns, and checks it. args: (bodies, contacts, values, start
+ * indices of the rows). */
 PyObject *track_open(PyObject *args)
 {
     PyObject *bodies, *contacts, *capsule = NULL;

@@ -12,8 +12,8 @@
  * to that end. */
 static const double RECORD_END = 1.0 - 1e-14;
 
-/* The intervals found so far, and for each contact the interval that has not ended (lasts = 1). The end of the
- * latter is the end of its last row so far. */
+/* The intervals found so far, and for each contact its interval that has not ended (lasts = 1), whose end is the
+ * end of the contact's last row so far. */
 typedef struct search {
     double end;
     aoi_interval *open;

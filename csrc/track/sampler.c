@@ -1,4 +1,4 @@
-/* Dense output: the record of a track at any time. Bodies are advanced from the start of a row to that time
+/* Dense output: the record of a track at any time. Bodies are advanced from the start of a row to this time
  * exactly as in the run. At evenly spaced times in free motion they are advanced from one time to the next. */
 #include "linear/vector.h"
 #include "linear/work.h"
