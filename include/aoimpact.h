@@ -361,7 +361,7 @@ typedef struct aoi_friction_state {
 /* Friction at the end of a path on which the first body slides relative to the second. The force acts on the second
  * body; its opposite acts on the first. */
 typedef struct aoi_friction_value {
-    double force[2];         /* N                                                                   */
+    double force[2];         /* friction along both tangents, N                                     */
     double by_slide[2][2];   /* d force / d slide, N/m                                              */
     double by_indentation[2]; /* d force / d indentation, N/m                                      */
     double by_share[2];      /* d force / d share, N                                                */
@@ -440,14 +440,15 @@ typedef struct aoi_full {
  * centre_residual are NULL. Only Newmark's rule takes such a body. */
 typedef struct aoi_modes {
     size_t n, ports;
-    const double *omega;           /* [n], ascending, rad/s                          */
-    const double *decay;           /* [n], 1/s                                       */
-    const double *shape, *push;    /* [ports][n]                                     */
-    const double *residual;        /* [ports][ports], m/N, symmetric                 */
-    const double *gravity;         /* [n]                                            */
-    const double *inertia;         /* [n], energy inertia v^2 / 2; NULL: 1           */
-    const double *centre;          /* [n], displacement of the centre of mass per x_j; required */
-    const double *centre_residual; /* [ports], further displacement per force, m/N */
+    const double *omega;           /* [n]: angular frequencies of the modes, ascending, rad/s */
+    const double *decay;           /* [n]: decay rates of the modes, 1/s             */
+    /* [ports][n]: displacement of a port per x_j; acceleration of x_j per force on a port */
+    const double *shape, *push;
+    const double *residual;        /* [ports][ports]: residual compliance, symmetric, m/N */
+    const double *gravity;         /* [n]: acceleration of x_j due to gravity        */
+    const double *inertia;         /* [n]: mode j has the kinetic energy inertia_j v_j^2 / 2; NULL: 1 */
+    const double *centre;          /* [n]: displacement of the centre of mass per x_j; required */
+    const double *centre_residual; /* [ports]: further displacement of the centre of mass per force on a port, m/N */
     aoi_load load;
     const aoi_full *full;          /* NULL, or the body's matrices                   */
 } aoi_modes;
@@ -528,25 +529,25 @@ AOI_API int aoi_system_link(aoi_system *system, void *memory);
  * dissipated is the work of its force minus the energy stored, and zero for a law that has neither a rate nor a
  * memory; the energy that friction has dissipated is its work minus the energy of the stretches. */
 enum aoi_contact_row {
-    AOI_CONTACT_FORCE = 0,   /* N                */
-    AOI_CONTACT_INDENTATION, /* m                */
-    AOI_CONTACT_ELASTIC,     /* J, in the law    */
-    AOI_CONTACT_DISSIPATED,  /* J                */
+    AOI_CONTACT_FORCE = 0,   /* normal force, N  */
+    AOI_CONTACT_INDENTATION, /* indentation, m   */
+    AOI_CONTACT_ELASTIC,     /* elastic energy of the law and, with friction, of the stretches, J */
+    AOI_CONTACT_DISSIPATED,  /* energy dissipated by the law since the start, J */
     AOI_CONTACT_ROWS,
     /* With friction; these rows are always written: */
-    AOI_CONTACT_TANGENTIAL = AOI_CONTACT_ROWS, /* N, two rows: along the tangents                   */
-    AOI_CONTACT_FRICTION = AOI_CONTACT_TANGENTIAL + 2, /* J, dissipated since the start              */
+    AOI_CONTACT_TANGENTIAL = AOI_CONTACT_ROWS, /* two rows: friction along the tangents, N          */
+    AOI_CONTACT_FRICTION = AOI_CONTACT_TANGENTIAL + 2, /* energy dissipated by friction since the start, J */
     AOI_CONTACT_STUCK, /* share of the indentation up to which springs stick: 0 where all slip       */
     AOI_FRICTION_ROWS
 };
 enum aoi_body_row {
-    AOI_BODY_CENTRE = 0,      /* m, of the centre of mass                       */
-    AOI_BODY_CENTRE_VELOCITY, /* m/s                                            */
-    AOI_BODY_KINETIC,         /* J                                              */
-    AOI_BODY_ELASTIC,         /* J                                              */
-    AOI_BODY_DISSIPATED,      /* J, by damping since the start                  */
-    AOI_BODY_WORK,            /* J, by loads and gravity since the start        */
-    AOI_BODY_ROWS,            /* then displacement and velocity of each port    */
+    AOI_BODY_CENTRE = 0,      /* displacement of the centre of mass, m          */
+    AOI_BODY_CENTRE_VELOCITY, /* velocity of the centre of mass, m/s            */
+    AOI_BODY_KINETIC,         /* kinetic energy, J                              */
+    AOI_BODY_ELASTIC,         /* elastic energy, J                              */
+    AOI_BODY_DISSIPATED,      /* energy dissipated by damping since the start, J */
+    AOI_BODY_WORK,            /* work of loads and gravity since the start, J   */
+    AOI_BODY_ROWS,            /* number of these rows; displacement and velocity of each port follow */
     AOI_PORT_ROWS = 2
 };
 

@@ -134,7 +134,7 @@ double aoi_row_slide_work(const aoi_contact *contact, const double *of, double p
     double force[3][AOI_NODES], normal[AOI_NODES], work = 0.0, slope;
     /* the law is elastic, so that the row's length (1) has no effect */
     aoi_row_forces(contact, of, 1.0, place, force);
-    aoi_nodes_to_legendre(force[0], normal); /* Legendre coefficients on the part */
+    aoi_nodes_to_legendre(force[0], normal); /* Legendre coefficients on the part up to `place` */
     for (size_t k = 0; k < AOI_NODES; k++) {
         const double at = aoi_radau_node[k], weight = aoi_radau_to_legendre[0][k];
         (void)aoi_legendre_evaluate(AOI_NODES, normal, at, &slope);

@@ -1,6 +1,6 @@
 /* The adaptive run: collocation in steps of length base 2^(-level/8) while a contact is closed, and free motion in
- * closed form otherwise. This file chooses between the two. The length of the first step follows from closing.c,
- * the lengths of later steps from the errors that step_error.c finds. */
+ * closed form otherwise. This file chooses between the two. closing.c sets the length of the first step; the
+ * lengths of later steps follow from the errors that step_error.c finds. */
 #include "adaptive/row.h"
 #include "adaptive/run.h"
 #include "linear/vector.h"

@@ -195,7 +195,7 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
     }
     of->ripple = fmax(run->rtol, 8.0 * DBL_EPSILON) * share * force_scale(run, normal);
     of->drift = 0.0;
-    /* the error of the curve of stretches, which hides a smaller drift, is the least tolerance */
+    /* the tolerance of the drift is at least the error of the curve of stretches, which hides a smaller drift */
     if (entry->sliding) {
         const double known = fmax(STEP_SHARE * run->rtol, entry->sliding->rub.friction.precision);
         of->drift = entry->sliding->drift[entry->axis] / (known * share * force_scale(run, normal));

@@ -102,7 +102,7 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
     p->size = 0.0;
     for (int i = 0; i < 3; i++) {
         double sum = 0.0, all = fabs(p->place[i]) + fabs(e->free[i]);
-        /* included since free[0] may be 0 at the end of a contact */
+        /* the state's indentation is a term as well, since free[0] may be 0 at the end of a contact */
         all += i == 0 ? fmax(state->indentation, 0.0) : 0.0;
         for (int j = 0; j < 3; j++) {
             const double c = e->compliance[i][j];

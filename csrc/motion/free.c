@@ -245,9 +245,9 @@ static int closes(const double *of)
     return 0;
 }
 
-/* Widens the gap by rounding between bodies whose indentation is zero within rounding and that nothing presses
- * together, so that they count as apart: they have just separated, or stay side by side until a load draws one
- * away. */
+/* Widens the gap between two bodies by a rounding error if their indentation is zero within rounding and nothing
+ * presses them together, so that they count as apart. Such bodies have just separated, or stay side by side until
+ * a load draws one away. */
 static void part(aoi_free_pair *pair, double within)
 {
     double of[AOI_DERIVATIVES + 1], scale;

@@ -102,8 +102,8 @@ static void by_quadrature(const aoi_path *path, double *squared, double *moment)
     }
 }
 
-/* Adds to the integrals the terms with the velocity of the oscillation from x, v: alone, and times the velocity of
- * the polynomial solution. */
+/* Adds to both integrals the contributions of the oscillation that starts from x, v: terms with its velocity
+ * alone, and products of its velocity with that of the polynomial solution. */
 static void add_oscillation(const aoi_path *path, const double *velocity, double x, double v,
                             double *squared, double *moment)
 {

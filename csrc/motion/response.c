@@ -245,7 +245,8 @@ static void put_integrals(aoi_response *response, const aoi_modes *body, size_t 
     }
 }
 
-/* Fills the tables and the integrals of all modes at node i. used: number of moments so far. */
+/* Fills the tables and the integrals of all modes at node i. used: raised to the number of moments that the slow
+ * modes need. */
 static void modes_at_node(aoi_response *response, const aoi_modes *body, size_t i, size_t *used)
 {
     const double h = response->h;

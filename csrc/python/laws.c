@@ -152,7 +152,8 @@ void raise_of_laws(call *of, const char *what, double time, const aoi_law *law, 
     for (size_t i = 0; i < count && isnan(indentation) && law[i].note; i++) {
         indentation = law[i].note[0];
         rate = law[i].note[1];
-        /* The NaN has caused the failure of the run, for example a missed tolerance: its own reason is reported. */
+        /* The NaN of the law has caused the failure of the run, for example a missed tolerance: the reason in the
+         * law's note is reported. */
         if (!isnan(indentation) && of->status != AOI_ERROR_PATCH && of->status != AOI_ERROR_ARGUMENT) {
             why = (int)law[i].note[2];
         }
