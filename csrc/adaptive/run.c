@@ -254,9 +254,9 @@ static void set_halt(aoi_adaptive *run)
     }
 }
 
-/* FINEST_CURVE: least precision of a curve of stretches, which takes 1000 springs; otherwise the precision is the
- * smaller of the contact's own and rtol. WITHIN_STEP: factor on the precision within a step. NEWTON_SHARE: ratio
- * of the tolerance of Newton's method to rtol. */
+/* FINEST_CURVE: smallest value of the precision of a curve of stretches, at which the curve takes 1000 springs;
+ * otherwise the precision is the smaller of the contact's own and rtol. WITHIN_STEP: factor on the precision
+ * within a step. NEWTON_SHARE: ratio of the tolerance of Newton's method to rtol. */
 static const double FINEST_CURVE = 4e-6, WITHIN_STEP = 0.01, NEWTON_SHARE = 1e-2;
 
 static void begin_sliding(const aoi_adaptive *run, const aoi_contact *of, aoi_sliding *sliding, aoi_stretch *spring)

@@ -453,8 +453,8 @@ void aoi_friction_try(const aoi_friction *friction, const aoi_friction_state *st
         slips = slips || slide_both;
     }
     value->stuck = slips ? value->stuck : indentation;
-    /* Rounding error of the force: bounds are differences of depths, stretches are sums of many slides. A bound
-     * counts only if a stretch can reach it. */
+    /* The force has the rounding errors of bounds, which are differences of depths, and of stretches, which are
+     * sums of many slides. A bound matters only if a stretch can reach it. */
     const double stretches = friction->ratio * reach * a->at.stiffness;
     value->terms += fmin(friction->mu * share * a->at.force, stretches) + stretches;
 }

@@ -308,8 +308,8 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
     if (piece != AOI_SLACK) {
         aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
         if (law->depends_on_rate && of[AOI_TRACK_EDGE] == AOI_EDGE_NONE) {
-            /* The polynomial of the forces is used, except at an edge: in a very short step the slope is only
-             * rounding error. */
+            /* The force is taken from its polynomial, except at an edge: in a very short step the rate, a slope,
+             * is only rounding error. */
             value.force = force_at(of, place);
         }
         value.force = law->pulls || value.force > 0.0 ? value.force : 0.0;
