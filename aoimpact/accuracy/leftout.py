@@ -8,8 +8,8 @@ uncertainty: a compliance in series for the part that varies as the contact grow
 by the error of the curvatures, and on a shell the compliance that may belong to the mesh.
 
 A law that is not like Hertz's is not corrected at a node of solid elements. The indentation of the
-mesh there is then part of the result. It doubles if elements are halved, so that the result does
-not converge and its error is not known.
+mesh there is then part of the result. This indentation doubles if elements are halved, so that the
+result does not converge and its error is not known.
 
 A model that gives the force accurately need not vibrate as its body does after the contact. The
 error of any history, such as a displacement, velocity or sensor, is estimated by the same two runs.

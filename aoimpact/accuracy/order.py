@@ -3,7 +3,7 @@
 A run with models of n oscillators is compared with runs of n/1.5, n/1.5² and n/1.5³ oscillators. If
 errors fall as a power of n, each difference in the quantity of interest gives an estimate of the
 error. The largest estimate is taken, since one difference alone may be small by chance. The orders
-of the bodies are raised until it is within the tolerance.
+of the bodies are raised until the estimate is within the tolerance.
 """
 
 from __future__ import annotations
@@ -121,8 +121,8 @@ class Search:
         Relative tolerance of each quantity, which determines the first orders.
     rule : Adaptive or Newmark
     record : RecordLength
-        Duration of the runs. It is determined by the run with the largest models, and kept for the
-        runs compared with it.
+        Duration of the runs. The run with the largest models determines the duration, which is kept
+        for the runs compared with this run.
     most : int
         Order above which models are not enlarged.
     solver : str or callable

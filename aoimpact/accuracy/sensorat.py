@@ -221,9 +221,10 @@ class AccelerationAt(Sensor):
     """The filtered acceleration of a point, for ``simulate(quantity=AccelerationAt(...))``.
 
     An unfiltered acceleration after an impact has no finite bandwidth: it grows with the number of
-    modes of a model without limit. It is therefore defined after the filter of a channel, up to the
-    filter's settling time before the end of the record; see `Probe.filtered`. If no duration is
-    given, the record is longer than the impact by two periods of the filter and its settling time.
+    modes of a model without limit. The acceleration is therefore defined after the filter of a
+    channel, up to the filter's settling time before the end of the record; see `Probe.filtered`. If
+    no duration is given, the record is longer than the impact by two periods of the filter and its
+    settling time.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """Compliance of a finite-element body beyond that of a half-space with the same contact.
 
 The displacement under a contact force is split, u = χ u_B + w. u_B is the field of an elastic
-half-space under Hertz's pressure p on a disc of radius a (`halfspace`). It is known in closed form
-and contains everything singular as a → 0. w corrects for the finite body; it is smooth, so that the
-mesh of the body resolves it. It satisfies a(w, v) = L(v) for all v, where a(u, v) =
-∫ ε(u):C:ε(v) + s² ρ u·v dV and
+half-space under Hertz's pressure p on a disc of radius a (`halfspace`). This field is known in
+closed form and contains everything singular as a → 0. w corrects for the finite body; it is smooth,
+so that the mesh of the body resolves it. The correction w satisfies a(w, v) = L(v) for all v, where
+a(u, v) = ∫ ε(u):C:ε(v) + s² ρ u·v dV and
 
     L(v) = ∫ (p - χ σ_B n)·v dA + ∫ σ_B ∇χ·v - C_B g:∇v dV - s² ∫ ρ χ u_B·v dV
            - ∫ (C - C_B) (χ ε_B + g):∇v dV,     g = sym(u_B ⊗ ∇χ).
@@ -88,7 +88,8 @@ def extracted(
     Parameters
     ----------
     tip : ContactPoint
-        Contact point of a body with a mesh. If it has tangents, forces act along these as well.
+        Contact point of a body with a mesh. If the point has tangents, forces act along these
+        tangents as well.
     normal : ndarray, shape (3,)
         Outward normal.
     radius : float
@@ -96,8 +97,8 @@ def extracted(
     solver : LinearSolver
         Solver of K + s²M.
     moved : ndarray, shape (1 or 3, n_dofs), optional
-        Responses of a model at this s to unit forces along the direction and the tangents, m/N; by
-        default those of the body, from the solver.
+        Responses of a model at the solver's s to unit forces along the direction and the tangents,
+        m/N; by default those of the body, from the solver.
 
     Notes
     -----
@@ -170,8 +171,8 @@ def _over_width(body: Any, splitting: Splitting, point: FloatArray, normal: Floa
 class Splitting:
     """Split u = χ u_B + w of a body's displacement under unit forces at a point of its surface.
 
-    The nodal loads L(v), `forces`, and the self terms L(χ u_B) are sums of several integrals. Both
-    have two parts; the second, ∫ ρ χ u_B·v dV, is multiplied by -s².
+    The nodal loads L(v), `forces`, and the self terms L(χ u_B) are sums of several integrals. Loads
+    and terms have two parts; the second part, ∫ ρ χ u_B·v dV, is multiplied by -s².
 
     Parameters
     ----------
@@ -450,8 +451,8 @@ class Splitting:
     def add_cells(self, at_nodes: FloatArray, own: int | None) -> None:
         """Add integrals over cells near or behind the contact, and over cells of other materials.
 
-        Near the contact, the mesh does not interpolate u_B well enough for its inertia: the inertia
-        that `add_elements` adds for these cells is replaced.
+        Near the contact, the mesh does not interpolate u_B well enough for its inertia. The
+        integrals ∫ ρ χ u_B·v that `add_elements` adds for these cells are replaced.
         """
         nodes, mesh, shapes = self.mesh.nodes, self.mesh, self.body.shapes
         softness = np.array([_turned(of.softness, frame.T) for of, frame in self.spaces])

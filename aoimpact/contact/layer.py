@@ -4,9 +4,9 @@ A contact law contains the indentation of a half-space, and a shell contains ben
 shear. Beyond the half-space, an elastic layer has a finite compliance R. The compliance of a
 shear-deformable plate, however, grows without bound as the load narrows, by ln(t/a)/(2π S), and so
 does that of a mesh with ever smaller elements. As for solids (`extraction`), the excess c = G - R
-is removed from the contact law. Here both G and R belong to infinite plates: for G the mesh about
-the contact is solved with K + s²M and the motion of the infinite plate at its rim, and R follows
-from elastodynamics. So c contains only what the elements make of bending and shear near the load,
+is removed from the contact law. Here G and R belong to infinite plates: for G the mesh about the
+contact is solved with K + s²M and the motion of the infinite plate at its rim, and R follows from
+elastodynamics. So c contains only what the elements make of bending and shear near the load,
 independently of the body's boundaries.
 
 The displacement of one face under a pressure on this face, at the wave number k, is half the sum of
@@ -64,8 +64,8 @@ _DIRECTIONS = 36
 def layer_compliance(material: Material, thickness: float, radius: float, s: float) -> float:
     """Return the compliance of an infinite layer beyond that of the half-space, m/N.
 
-    This is the pressure-weighted mean displacement under Hertz's pressure of a unit force e^{st} on
-    one face, minus that of a half-space under a static force, 0.6/(a E*).
+    The compliance is the pressure-weighted mean displacement under Hertz's pressure of a unit force
+    e^{st} on one face, minus that of a half-space under a static force, 0.6/(a E*).
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def layer_compliance_of(layers: Layers, radius: float, s: float) -> float:
 
     For laminates, R is the compliance of the plate minus its excess over elasticity theory. The
     excess hardly depends on frequency if bending waves are long, and is lost in rounding errors if
-    they are very long. It is therefore evaluated at no lower frequency than `slow_bending`.
+    they are very long. The excess is therefore evaluated at no lower frequency than `slow_bending`.
     """
     material = layers.plies[0].material
     if isinstance(material, Material) and _isotropic(layers):

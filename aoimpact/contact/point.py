@@ -71,9 +71,9 @@ _OF_DEPTH = 0.25
 _WIDER = 2.0
 
 # Assumed ratio of the contact radius to the element's edge while the radius is unknown. R hardly
-# depends on it: 0.1 or 4 times the true radius changes a force by 0.2 %. On a curved body, R
-# depends on log a only while a is small compared with the surface's radius of curvature, which does
-# not hold for wide patches.
+# depends on this ratio: 0.1 or 4 times the true radius changes a force by 0.2 %. On a curved body,
+# R depends on log a only while a is small compared with the surface's radius of curvature, which
+# does not hold for wide patches.
 _WITHIN_EDGE = 0.15
 
 # If a patch does not fit on the surface: `_SMALLER`: largest ratio of successive radii. `_WITHIN`:
@@ -140,7 +140,8 @@ class ContactSurface:
 class ContactPoint(Frozen):
     """A contact point of a body: its position, direction and functional b.
 
-    Made by `FEModel.contact`. `simulate` accepts it as a body, the full finite-element model.
+    Made by `FEModel.contact`. `simulate` accepts a contact point as a body: the full finite-element
+    model.
 
     Attributes
     ----------
@@ -514,8 +515,8 @@ class ContactPoint(Frozen):
     def edge_and_wave(self, s: float) -> tuple[float, float]:
         """Return the edge length at the contact, and the bending length λ for a frequency s, m.
 
-        λ = (D/(m s²))^(1/4) belongs to a plate as thick as the body. It is infinite for beams
-        struck along their axis, and for an unknown thickness.
+        λ = (D/(m s²))^(1/4) is that of a plate as thick as the body. λ is infinite for beams struck
+        along their axis, and for an unknown thickness.
 
         :meta private:
         """

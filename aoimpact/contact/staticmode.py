@@ -92,7 +92,8 @@ def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatAr
     """Return the functional of the centre of mass, the body's mass, kg, and whether both are exact.
 
     Without nodes, the mean displacement weighted with the static mode, and the mode's mass, are
-    returned instead. Both are exact if the mode is a translation, with all entries 0 or 1.
+    returned instead. The two replacements are exact if the mode is a translation, with all entries
+    0 or 1.
 
     Parameters
     ----------
@@ -112,7 +113,7 @@ def centre_of(tip: ContactPoint, phi: Callable[[], FloatArray]) -> tuple[FloatAr
 def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
     """Refuse contact points whose force excites a mechanism of the body.
 
-    A mechanism that none of the forces excites is accepted, as it does not contribute.
+    Mechanisms that none of the forces excites are accepted, as they do not contribute.
 
     Raises
     ------

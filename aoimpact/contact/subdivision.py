@@ -1,7 +1,7 @@
 """Quadrature on the faces and cells of a mesh, refined towards a point.
 
-Faces and cells are cut into triangles and tetrahedra in their reference coordinates. These are
-split repeatedly until they are small compared with their distance from the point.
+Faces and cells are cut into triangles and tetrahedra in their reference coordinates. Triangles and
+tetrahedra are split repeatedly until they are small compared with their distance from the point.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ _FACE = 1e-6
 _RINGS, _AROUND = 24, 64
 
 # Rotation of each ring relative to the previous ring, as a fraction of the angle between points.
-# Without it, several rings would be aligned alike with the edges of the faces.
+# Without rotation, several rings would be aligned alike with the edges of the faces.
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 # Smallest cosine of the angle between a normal on the patch and that at its middle: 45°.

@@ -297,7 +297,7 @@ class Field:
     def error(self) -> FloatArray | None:
         """Error due to the body's model, relative to the largest norm over the record, (k,).
 
-        It is the difference from the run with other elements; None for a full model.
+        The error is the difference from the run with other elements; None for a full model.
         """
         found: FloatArray | None = self._response.field_error(self.times)
         return found
@@ -348,8 +348,8 @@ class Field:
         Notes
         -----
         The stress of a beam is due to axial force, bending about both axes, torsion and shear
-        force. It is exact for round and rectangular sections in torsion (Saint-Venant), and by
-        Zhuravskii's formula in shear. A `BeamSection` has only direct stress, at its points.
+        force. The stress is exact for round and rectangular sections in torsion (Saint-Venant), and
+        by Zhuravskii's formula in shear. A `BeamSection` has only direct stress, at its points.
 
         Examples
         --------
@@ -444,7 +444,7 @@ class Field:
         """Draw the deformed body, coloured by von Mises' stress.
 
         Enlargement and colours are the same at all times of the field. The mean displacement of a
-        body without supports is left out: it would fly out of the picture.
+        body without supports is left out, as the body would otherwise fly out of the picture.
 
         Parameters
         ----------

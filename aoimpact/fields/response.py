@@ -3,7 +3,8 @@
 A contact force F on a patch deforms the elements about it as far as their shape functions allow. F
 times `Compliance.mesh_field` is the part of this deformation that approximates the field u_B of a
 half-space under Hertz's pressure. The closed form of u_B for the current contact radius replaces
-it, so that displacement and stress are right under the contact, however large the elements are.
+this part, so that displacement and stress are right under the contact, however large the elements
+are.
 """
 
 from __future__ import annotations

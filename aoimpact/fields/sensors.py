@@ -115,8 +115,8 @@ class History:
     def error(self) -> FloatArray | None:
         """Error due to the body's model, relative to the largest value, (n,).
 
-        It is twice the sum of the differences from the runs with other elements, in the worst
-        component; None for a full model.
+        The error is twice the sum of the differences from the runs with other elements, in the
+        worst component; None for a full model.
         """
         if not self.source.others:
             return None
@@ -189,7 +189,7 @@ class SensedOnce:
     def error(self) -> FloatArray | None:
         """Error due to the body's model, relative to the largest value, (n,).
 
-        It is twice the difference from the run with other elements; None for a full model.
+        The error is twice the difference from the run with other elements; None for a full model.
         """
         return self._history.error
 
@@ -265,7 +265,7 @@ class At(Each[sp.csr_array]):
 class TensorAt(Each[tuple[StressRows, FloatArray]]):
     """Stress, Pa, or strain at places of a body, from its dofs and from half-spaces' fields.
 
-    For a body it prepares the rows on the dofs, and the compliances, (p, 6, 6), 1/Pa, that turn the
+    `of` returns the rows on the body's dofs, and the compliances, (p, 6, 6), 1/Pa, that turn the
     stress of half-spaces under contacts into strain; zero for shells, which have no half-spaces.
 
     Attributes
@@ -395,8 +395,8 @@ class Probe(Sensed):
     def acceleration(self) -> FloatArray:
         """Unfiltered acceleration of the body's model, m/s², in the shape of `displacement`.
 
-        It is computed by central differences of the velocity over a thousandth of the shortest
-        contact, or over two fixed steps.
+        The acceleration is computed by central differences of the velocity over a thousandth of the
+        shortest contact, or over two fixed steps.
 
         Warns
         -----
@@ -461,8 +461,8 @@ class Probe(Sensed):
     def stress(self) -> Stress:
         """The stress over time, of shape (n, p, 6), or (n, 6) for a single point.
 
-        It is averaged at the nodes as in `Field.stress`, and interpolated between them by the
-        elements' shape functions.
+        The stress is averaged at the nodes as in `Field.stress`, and interpolated between them by
+        the elements' shape functions.
 
         Raises
         ------
@@ -593,7 +593,7 @@ def gauge_ends(
     """Return both ends of a gauge, shape (2, 3), m, and the unit vector from one to the other.
 
     The ends lie on the surface, and the strain is that of the chord between them. On a curved
-    surface it differs from the mean along the arc by (length/radius)²/24.
+    surface the strain of the chord differs from the mean along the arc by (length/radius)²/24.
     """
     if body.nodes is None:
         raise InputError(

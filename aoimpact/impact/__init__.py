@@ -1,7 +1,7 @@
 """The public entry points: `simulate`, for an impact of two bodies, and `Scene`, for any number.
 
-They make a plan from the caller's arguments, choose models if a tolerance is given, and run it.
-Used by `scenefile`, `batch`, `study` and `paper`.
+A call makes a plan from the caller's arguments, chooses models if a tolerance is given, and runs
+the plan. Used by `scenefile`, `batch`, `study` and `paper`.
 """
 
 from .foreseen import Foreseen

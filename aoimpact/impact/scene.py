@@ -83,14 +83,15 @@ class Scene:
     """Bodies, the contacts between them, and the loads on them.
 
     All displacements are along one direction of travel. Bodies are added, connected and loaded,
-    then the scene is simulated. It can be simulated repeatedly, with more bodies or other solvers.
+    then the scene is simulated. A scene can be simulated repeatedly, with more bodies or other
+    solvers.
 
     Parameters
     ----------
     gravity : float or array_like, shape (3,), optional
         Acceleration of gravity along the direction of travel, or in three directions (see
-        `simulate`), m/s², up to 1e12. It has no effect on a constrained AO model given by numbers
-        or without nodes, whose supports are not known.
+        `simulate`), m/s², up to 1e12. Gravity has no effect on a constrained AO model given by
+        numbers or without nodes, whose supports are not known.
 
     Examples
     --------

@@ -47,12 +47,13 @@ def simulate(
         quantity of interest allows, or by a model; ``full(tip)`` is the full finite-element model.
         The best model of a given number of oscillators is
         ``antioscillators(tip, n, method="krylov", contact_time=)``. If the radius of a patch was
-        left out, it is 1.4 times the contact radius of rigid bodies.
+        left out, the radius is 1.4 times the contact radius of rigid bodies.
     velocity : float or array_like, shape (3,)
         Speed of the projectile along the direction of travel, m/s, not zero; negative only if the
-        projectile is constrained, so that it swings back. Or its velocity vector in the axes of the
-        target's mesh, to which those of the projectile's mesh are parallel. Without a mesh z is the
-        target's outward normal: ``(0, 0.5, -3.0)`` is a velocity towards the target.
+        projectile is constrained, so that it swings back. A vector is the projectile's velocity in
+        the axes of the target's mesh; the axes of the projectile's mesh are parallel to these.
+        Without a mesh z is the target's outward normal: ``(0, 0.5, -3.0)`` is a velocity towards
+        the target.
     law : ContactLaw, optional
         Contact force as a function of the indentation δ = x_projectile - x_target - gap; by default
         Hertz's law of the materials of both bodies and the curvatures of their surfaces at the
@@ -60,11 +61,11 @@ def simulate(
         taken out of the law (`ContactPoint.extraction`).
     friction : float, optional
         Coulomb's coefficient, for laws without memory or tension. The contact sticks in its middle
-        and slips at its rim (Cattaneo, Mindlin). This is exact for spheres, except that for unlike
-        materials the effect of friction on the normal force (Dundurs' constant) is neglected. A law
-        without materials has the tangential stiffness of ν = 0.3. Required if `velocity` is a
-        vector; 0 is a smooth surface, for any law. Motion is assumed small: contact points are
-        fixed to each body.
+        and slips at its rim (Cattaneo, Mindlin). This model of friction is exact for spheres,
+        except that for unlike materials the effect of friction on the normal force (Dundurs'
+        constant) is neglected. A law without materials has the tangential stiffness of ν = 0.3.
+        Required if `velocity` is a vector; 0 is a smooth surface, for any law. Motion is assumed
+        small: contact points are fixed to each body.
     spin : array_like, shape (3,), optional
         Angular velocity of the projectile in the same axes, rad/s; requires `friction`. Friction
         does not resist spin about the normal of the contact.

@@ -48,9 +48,9 @@ def most_touches(run: DenseRecorder) -> int:
 def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
     """Return the largest relative difference of the quantities that a tolerance bounds.
 
-    These are each contact's peak force and impulse, the start and end of its touches, and the
-    velocities of the centres of mass after the last touch. The result is infinite if one run has
-    more touches than the other.
+    These quantities are each contact's peak force and impulse, the start and end of its touches,
+    and the velocities of the centres of mass after the last touch. The result is infinite if one
+    run has more touches than the other.
 
     Parameters
     ----------

@@ -160,7 +160,7 @@ def find_slips(
     """Return start and end of every interval of full slip within `contacts`.
 
     Full slip begins where `stuck` or, after full stick, `left` falls to zero, extrapolated linearly
-    from earlier steps. It ends at a zero of `ahead`.
+    from earlier steps. Full slip ends at a zero of `ahead`.
 
     Parameters
     ----------

@@ -40,16 +40,16 @@ _FIRST_STEPS = 50
 # Relative precision of the contacts' tangential stretches (`Contact.for_core`). _PRECISION:
 # precision with the first step; _ROUGHEST: largest value that the core accepts. The precision is
 # proportional to the square of the step, so that the error estimate includes the error of the
-# stretches, a hundredth of the rule's. With _PRECISION = 0.02 it would be a third of the rule's,
-# and springs that are left out would give back 4e-8 of the energy.
+# stretches, a hundredth of the rule's. With _PRECISION = 0.02 the error of the stretches would be a
+# third of the rule's, and springs that are left out would give back 4e-8 of the energy.
 _PRECISION, _ROUGHEST = 4e-4, 0.1
 
 # Largest number of halvings of the step. An error of second order falls by a factor of 4^16 = 4e9;
 # an error that is still too large does not converge.
 _MOST_HALVINGS = 16
 
-# Ratio of the step that finds the forces at t = 0 to the run's step. It is so short that
-# coordinates with mass do not move.
+# Ratio of the step that finds the forces at t = 0 to the run's step. The former step is so short
+# that coordinates with mass do not move.
 _INSTANT = 2.0**-10
 
 # _SHORTENED: factor on the step that finds the forces at t = 0; _MOST_SHORTENED: largest number of
@@ -305,10 +305,10 @@ def _start(plan: Scenario, rule: Newmark) -> _Start:
     """Return contact forces just after t = 0, and their rates; None if the laws determine them.
 
     The bodies' state does not determine the displacement of a massless contact point, or with a
-    damper its velocity: it follows from the balance of all forces. It is found by two very short
-    steps, of which the first contains the jump, if there is one, and the second gives the rates.
-    Since a damper's force may decay fast, both steps are shortened until the forces no longer
-    change, or change only by rounding errors.
+    damper its velocity: these follow from the balance of all forces. They are found by two very
+    short steps, of which the first contains the jump, if there is one, and the second gives the
+    rates. Since a damper's force may decay fast, both steps are shortened until the forces no
+    longer change, or change only by rounding errors.
     """
     found: _Start = None, None
     if not any(body.massless for body in plan.bodies):
@@ -347,8 +347,8 @@ def first_step(plan: Scenario) -> float:
 def rigid_contact_time(law: ContactLaw, mass: float, velocity: float) -> float:
     """Return the estimated duration of the contact of a rigid `mass`, kg, at `velocity`, m/s; in s.
 
-    It is 3 times the ratio of largest indentation to velocity; the factor is 2.94 for Hertz's law
-    (Johnson, Contact Mechanics, eq. 11.25) and π for a linear law.
+    The duration is 3 times the ratio of largest indentation to velocity; the factor is 2.94 for
+    Hertz's law (Johnson, Contact Mechanics, eq. 11.25) and π for a linear law.
     """
     try:
         return 3.0 * law.stroke(0.5 * mass * velocity * velocity) / velocity

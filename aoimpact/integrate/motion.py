@@ -82,8 +82,9 @@ class SteppedMotion(Motion):
     def _seen(self, rows: Any, times: FloatArray) -> FloatArray:
         """Return the products of `rows` with q, q̇ and q̈, shape (3, rows, times).
 
-        They are interpolated linearly between the steps. Interpolated values satisfy the linear
-        equations of motion as those at the steps do, and their error is of the order of the rule.
+        The products are interpolated linearly between the steps. Interpolated values satisfy the
+        linear equations of motion as those at the steps do, and their error is of the order of the
+        rule.
         """
         last = len(self.run.times) - 1
         place = np.clip(times / self.run.dt, 0.0, float(last))

@@ -21,11 +21,11 @@ TIGHTEST = 1e-13
 # other. The core has the same rule (step.h).
 LESSER = 0.01
 
-# Finest precision of a contact's tangential stretches, relative to the largest stretch. It takes
-# some 700 of the 2048 springs that the core has room for; a ball that has rolled for 1800 periods
-# of its tangential vibration, each of which leaves two springs, takes 1150. The relative error of
-# an impact's friction is 0.01 to 0.14 of the precision for motion along one line, and up to 0.7 of
-# it for a slide that changes its direction.
+# Finest precision of a contact's tangential stretches, relative to the largest stretch. This
+# precision takes some 700 of the 2048 springs that the core has room for; a ball that has rolled
+# for 1800 periods of its tangential vibration, each of which leaves two springs, takes 1150. The
+# relative error of an impact's friction is 0.01 to 0.14 of the precision for motion along one line,
+# and up to 0.7 of it for a slide that changes its direction.
 DRAWN = 1e-5
 
 
@@ -69,7 +69,7 @@ class Adaptive:
 
     Touches that together have less than a hundredth of the impulse of a contact's largest one do
     not count. If a wave reaches bodies at rest side by side, their contact has no definite start;
-    it is taken as the time when its force exceeds rounding errors.
+    the start is then the time at which the contact force exceeds rounding errors.
 
     Examples
     --------
@@ -107,8 +107,8 @@ class Newmark:
         True to estimate the error from two more runs, with twice and four times the step, which
         take three quarters of the run's time. The estimate is some three times the error of smooth
         forces, and at least as large as the error if touches, jumps or massless contact points
-        reduce the order. It does not include the errors of times of touch and release, which are
-        interpolated within a step.
+        reduce the order. The estimate does not include the errors of times of touch and release,
+        which are interpolated within a step.
 
     Raises
     ------

@@ -39,9 +39,9 @@ SPREAD = 10.0
 # dashpots on a massless point no step meets it at a tolerance of 1e-9.
 SEVERAL = 0.3
 
-# Relative rounding error per contact. It adds up over equal contacts, and a smaller tolerance does
-# not reduce it. The largest one found was 2.0e-15 per bounce, for 200 balls on a floor with a
-# closed form.
+# Relative rounding error per contact. The rounding error adds up over equal contacts, and a smaller
+# tolerance does not reduce it. The largest one found was 2.0e-15 per bounce, for 200 balls on a
+# floor with a closed form.
 ROUNDING = 12.0 * float(np.finfo(float).eps)
 
 # Largest tolerance of a repeated run. With a larger tolerance two runs may take the same steps
@@ -63,8 +63,8 @@ PATIENCE = 20
 FRICTION = 1e-5
 
 # Largest number of steps of a run with a user's law, enough for 200 contacts. A contact takes 10 to
-# 100 steps, and 6000 if the force scatters by 1e-3 of the tolerance. If it scatters by as much as
-# the tolerance, the contact does not end within 20 000 steps, which take five seconds.
+# 100 steps, and 6000 if the force scatters by 1e-3 of the tolerance. If the force scatters by as
+# much as the tolerance, the contact does not end within 20 000 steps, which take five seconds.
 MOST_CALLED = 20_000
 
 # Energy growth above this factor means a faulty law or run, not integration error.

@@ -168,7 +168,7 @@ def round_contact(law: ContactLaw, materials: Sequence[Material | None]) -> Roun
     law : ContactLaw
         Law between the bodies.
     materials : sequence of Material or None
-        Materials of the deformable bodies, None if unknown. If the law has no R, it follows from k
+        Materials of the deformable bodies, None if unknown. If the law has no R, R follows from k
         and these materials.
     """
     if not isinstance(law, HertzianLaw) or getattr(law, "n", law.power) != law.power:

@@ -110,17 +110,17 @@ _SIGNATURE = "double (double, double)"
 class UserLaw(ContactLaw, kind="user", by_caller=True):
     """A law F = f(δ, δ̇) given by functions of the user.
 
-    All functions take indentation, m, which is positive, and rate, m/s, and return a number. They
-    are either all Python functions, called one state at a time; or all C functions,
+    All functions take indentation, m, which is positive, and rate, m/s, and return a number. The
+    functions are either all Python functions, called one state at a time; or all C functions,
     ``double f(double indentation, double rate)``, called at full speed without Python. A C function
-    is a ``scipy.LowLevelCallable``. It is made of a ctypes function with its ``argtypes`` and
-    ``restype``, of a cffi function pointer, or of ``cfunc.ctypes`` of numba.
+    is a ``scipy.LowLevelCallable``. This object is made of a ctypes function with its ``argtypes``
+    and ``restype``, of a cffi function pointer, or of ``cfunc.ctypes`` of numba.
 
     Parameters
     ----------
     function : callable or scipy.LowLevelCallable
-        Force, N. It should be continuous, free of noise above the tolerance of the run, and 0 at
-        indentation 0 unless a jump is meant. Negative values are cut to 0, unless `pulls`.
+        Force, N. The force should be continuous, free of noise above the tolerance of the run, and
+        0 at indentation 0 unless a jump is meant. Negative values are cut to 0, unless `pulls`.
     stiffness, damping : callable or scipy.LowLevelCallable, optional
         Derivatives of the force with respect to indentation, N/m, and rate, N s/m. If not given,
         they are computed by differences, to some eight digits.

@@ -319,9 +319,9 @@ class ContactLaw:
         Parameters
         ----------
         compliance : float
-            Compliance c, m/N, the sum over both bodies, in addition to what has been removed
-            before. It is negative if a shell's model is stiffer than the shell: -c is then in
-            series with the law.
+            Compliance c, m/N, the sum over both bodies, in addition to compliances removed before.
+            c is negative if a shell's model is stiffer than the shell: -c is then in series with
+            the law.
 
         Raises
         ------
@@ -526,8 +526,8 @@ class ContactLaw:
 def restitution(law: ContactLaw, mass: Any, velocity: Any) -> float:
     """Return the restitution of a rigid pair: the ratio of separation speed to approach speed.
 
-    It is computed by closed form if there is one, by energy for laws with plastic loss, else by
-    integration to ten digits, and never by formulas fitted to a nominal restitution.
+    The restitution is computed in closed form if there is one, by energy for laws with plastic
+    loss, else by integration to ten digits, and never by formulas fitted to a nominal restitution.
 
     Parameters
     ----------

@@ -183,8 +183,8 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
 
     Loading by M. R. Brake, Int. J. Solids Struct. 49 (2012) 3129-3141: Hertz's F = k δ^(3/2) up to
     the yield force F_y at δ_y; fully plastic from δ_f on, where Hertz's mean pressure is the
-    hardness p₀, on the line F = π p₀ R (2 δ - δ_f); between them Hermite's cubic, so that force and
-    slope are continuous. With s = 2 π R p₀, δ_f = (s/(2 k))².
+    hardness p₀, on the line F = π p₀ R (2 δ - δ_f); between δ_y and δ_f Hermite's cubic, so that
+    force and slope are continuous. With s = 2 π R p₀, δ_f = (s/(2 k))².
 
     Unloading and reloading from the deepest point δ*, F* follow Hertz's law with the flattened
     radius, F = F* ((δ - δ_p) / (δ* - δ_p))^(3/2). The residual indentation is that of I. Etsion,
@@ -193,7 +193,8 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     have equal slopes, the recovery δ* - δ_p goes as √F*, like that of a flattened sphere with
     F* = π p₀ a² (K. L. Johnson, *Contact Mechanics*, section 11.5); far past yield, the restitution
     thus goes as V^(-1/4). If the hardness is less than 1.7 times the yield pressure, the
-    restitution rises by up to 0.007 just before δ_f; with Tabor's hardness it only falls.
+    restitution rises by up to 0.007 just before δ_f; with Tabor's hardness the restitution only
+    falls.
 
     The papers were not at hand: the formulas and the powers 0.28 and 0.69 are those commonly
     cited, and the transition at 1.6 δ_f is this package's. The measured spheres and Leeb's rebound
@@ -206,8 +207,8 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
     yield_force : float
         Yield force F_y, N, positive.
     hardness : float
-        Hardness p₀, Pa, at least 1.25 times Hertz's largest pressure at yield. For a Vickers number
-        HV it is 10.6 MPa HV.
+        Hardness p₀, Pa, at least 1.25 times Hertz's largest pressure at yield. A Vickers number HV
+        means a hardness of 10.6 MPa HV.
     relative_radius : float
         Relative radius of curvature R, m.
 

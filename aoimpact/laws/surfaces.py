@@ -57,9 +57,9 @@ def law_between(
     ----------
     projectile_surface, target_surface : ContactSurface
     projectile_direction, target_direction : array_like, shape (3,), optional
-        The projectile's direction of travel in the coordinates of each body. If they agree within
-        5°, both bodies are taken to be given in one frame, and the angle between their principal
-        directions is known.
+        The projectile's direction of travel in the coordinates of each body. If the two directions
+        agree within 5°, the bodies are taken to be given in one frame, and the angle between their
+        principal directions is known.
 
     Raises
     ------

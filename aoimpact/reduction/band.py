@@ -4,10 +4,10 @@ In its band a model has the receptance of its body.
 
 At the frequency iω a model leaves the forces r = b - (K + ω²M) X_r unbalanced, and its receptance
 bᵀX_r is too small by rᵀ(K + ω²M)⁻¹ r, since r is orthogonal to its shapes (Galerkin). M is positive
-semidefinite, so that this is at most rᵀK⁻¹ r at every ω. K⁻¹ r exists even for a free body, since
-the model contains the rigid motions. r has about one direction for each force, so that the bound
-takes a few static solutions. The receptance at iω is an average of that at real frequencies about
-ω, with a width of the order of ω.
+semidefinite, so that the error is at most rᵀK⁻¹ r at every ω. K⁻¹ r exists even for a free body,
+since the model contains the rigid motions. r has about one direction for each force, so that the
+bound takes a few static solutions. The receptance at iω is an average of that at real frequencies
+about ω, with a width of the order of ω.
 """
 
 from __future__ import annotations
@@ -150,8 +150,8 @@ def is_valid_for(model: BodyModel, lasted: float, port: int = 0, most: float = _
 def unbalanced(model: Body, s: float, port: int = 0) -> float:
     """Return the force that a model leaves unbalanced, relative to the force at a port.
 
-    At the frequency i s, rad/s, it is √(rᵀD⁻¹r / bᵀX) with the model's response X, the residual
-    r = b - (K + s²M) X, and the diagonal D of K + s²M.
+    At the frequency i s, rad/s, the ratio is √(rᵀD⁻¹r / bᵀX) with the model's response X, the
+    residual r = b - (K + s²M) X, and the diagonal D of K + s²M.
     """
     point, x = model.tips[port], model.deflection(s, port)
     body = point.body

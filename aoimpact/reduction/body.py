@@ -173,9 +173,10 @@ class BodyModel(ABC):
 
     @property
     def centre_known(self) -> bool:
-        """True if the centre of mass is known; it is for a body given by numbers.
+        """True if the centre of mass is known, as for a body given by numbers.
 
-        If it is not known, the mean over the static mode replaces the centre of mass.
+        If the centre of mass is not known, the mean over the static mode replaces the centre of
+        mass.
         """
         return self.numbers is not None or self.centre_of_mass[2]
 

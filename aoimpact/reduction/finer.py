@@ -1,7 +1,7 @@
 """A model of the refined body, for estimates of the errors due to mesh and reduction.
 
-It is the Ritz model of the refined body (fem/finer.py) in three sets of vectors: those of the given
-model; for each contact, the first members of the sequence (K + s²M)⁻¹ b,
+The model is the Ritz model of the refined body (fem/finer.py) in three sets of vectors: those of
+the given model; for each contact, the first members of the sequence (K + s²M)⁻¹ b,
 (K + s²M)⁻¹ M (K + s²M)⁻¹ b, … of the body as meshed; and approximate responses of the refined body
 to the forces left unbalanced by each mode and by the first member. These responses are one step of
 inverse iteration from all modes at once, with the shift of the first contact.

@@ -59,7 +59,7 @@ _MOST_IDLE = 2
 # Number of vectors for which the ratio of SHIFT_TIMES_DURATION to the contact time is the best
 # shift. For more vectors the best shift grows in proportion, up to the highest frequency of the
 # mesh at the contact. On a clamped beam of 17 000 dofs and a clamped plate of 19 000, 200 and 550
-# vectors then give the force to ten digits; with an unchanged shift, 800 give four.
+# vectors then give the force to ten digits; with an unchanged shift, 800 vectors give four digits.
 ORDER_FITTED = 5
 
 # _SHARPENED_FROM: number of vectors per contact point after which the shift is first raised.
@@ -93,9 +93,9 @@ _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 # the errors of models of a clamped plate, up to 180 vectors, are the same.
 _STATIC = 1e-4
 
-# Largest ω² of a vector, relative to the largest K_ii/M_ii. Above it a vector has practically no
-# mass, and its rounding errors spoil other vectors. The ratio is up to 3 in bodies with mass
-# everywhere; if M is singular, modes are lost with limits of 2000 and more.
+# Largest ω² of a vector, relative to the largest K_ii/M_ii. Above this limit a vector has
+# practically no mass, and its rounding errors spoil other vectors. The ratio is up to 3 in bodies
+# with mass everywhere; if M is singular, modes are lost with limits of 2000 and more.
 _WITHOUT_MASS = 300.0
 
 # Size of the elastic part of b, relative to b, below which that part is a rounding error.
@@ -105,12 +105,12 @@ _RIGID_ONLY = 1e-13
 class KrylovSpace:
     """The Krylov space of a body's models fitted to a scene, which grows with their order.
 
-    `antioscillators(tip, n, method="krylov")` and `interface` make a space and use it once. A space
-    that is kept returns models of any order; each next order costs one more solution. Symmetric
-    bodies may need up to three solutions when models are accurate to rounding errors, which then
-    add motions that no port excites. The static mode of a constrained compact body is a combination
-    of some six to ten vectors, which larger models need anyway. For slender and thin bodies, the
-    static mode takes a factorisation of K.
+    `antioscillators(tip, n, method="krylov")` and `interface` make a space for a single use. A
+    space that is kept returns models of any order; each next order costs one more solution.
+    Symmetric bodies may need up to three solutions when models are accurate to rounding errors,
+    which then add motions that no port excites. The static mode of a constrained compact body is a
+    combination of some six to ten vectors, which larger models need anyway. For slender and thin
+    bodies, the static mode takes a factorisation of K.
 
     Parameters
     ----------

@@ -6,8 +6,8 @@ acceleration Ẍ_r due to F and the model's springs:
 
     X = X_r + (K + s²M)⁻¹ r.
 
-This is exact for motions proportional to e^{st}. With s = 0 it is the standard static correction,
-with inertia relief for free bodies ("mode acceleration"; R. R. Craig and A. J. Kurdila,
+The correction is exact for motions proportional to e^{st}. With s = 0 it is the standard static
+correction, with inertia relief for free bodies ("mode acceleration"; R. R. Craig and A. J. Kurdila,
 Fundamentals of Structural Dynamics, 2nd ed., section 11.4), which is accurate if all omitted modes
 are fast. But some of the oscillators omitted for their small mass are slow, and Krylov vectors
 resolve slow modes last. Slow modes hardly respond during a contact of duration T, and K⁻¹ would
@@ -144,8 +144,8 @@ class Recovery:
 def _directions(columns: FloatArray) -> ArrayPair:
     """Return an orthonormal basis of the span of columns, (n, k), and their coordinates, (k, m).
 
-    The method is a QR factorisation with column pivoting by Gram-Schmidt. It ends when what is left
-    of all columns is negligible.
+    The method is a QR factorisation with column pivoting by Gram-Schmidt. The method ends when the
+    remainders of all columns are negligible.
     """
     directions, weights = [], []
     while (sizes := np.linalg.norm(columns, axis=0)).max(initial=0.0) > _BALANCED:

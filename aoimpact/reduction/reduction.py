@@ -119,9 +119,9 @@ def _first_oscillators(
 
     Lanczos' method is applied in the space bᵀφ = 0, started from the projection of φ_st. The masses
     of its Ritz values are Gauss quadrature weights of the masses m_i over 1/(ω_i² + s²). Between
-    two neighbouring Ritz values lies no more mass than both have (Chebyshev, Markov and Stieltjes;
-    Szegő, Orthogonal Polynomials, 3.41). For a multiple eigenvalue, only the mode with mass is
-    found.
+    two neighbouring Ritz values lies no more mass than these two have (Chebyshev, Markov and
+    Stieltjes; Szegő, Orthogonal Polynomials, 3.41). For a multiple eigenvalue, only the mode with
+    mass is found.
     """
     K, M, b = tip.body.K, tip.body.M, tip.b
     if tip.body.rigid_modes.shape[1] == 0:

@@ -41,8 +41,8 @@ from .body import AsWhole, Body, in_time, ways_of
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
 # Largest m a²/I of a body with a contact at the arm a: that of a ball on a rod of 200 times its
-# radius. Above it, the effective mass at the contact is so small that its vibration alone limits
-# the time steps.
+# radius. Above this limit, the effective mass at the contact is so small that its vibration alone
+# limits the time steps.
 _MOST_TURNING = 1e5
 
 # Share of the total participation (or mass) below which a mode (or an oscillator) is not excited.
@@ -205,7 +205,8 @@ class AOModel(Frozen):
     def frequencies(self) -> FloatArray:
         """Frequencies of the anti-oscillators √(k_i/m_i)/2π, Hz, shape (n,), in their order.
 
-        They are the antiresonances of the body at its contact coordinate (paper, section 2).
+        These frequencies are the antiresonances of the body at its contact coordinate (paper,
+        section 2).
         """
         return np.sqrt(self.k / self.m) / (2.0 * np.pi)
 
@@ -213,9 +214,9 @@ class AOModel(Frozen):
     def natural_frequencies(self) -> FloatArray:
         """Frequencies of the model's natural modes, Hz, ascending, shape (n+1,) or less.
 
-        They are roots of the secular equation, zero for the rigid motion of a free model. Their
-        number is smaller by one if the contact coordinate is massless (m0 = 0). Oscillators of
-        equal frequency count as one.
+        The frequencies are roots of the secular equation, zero for the rigid motion of a free
+        model. Their number is smaller by one if the contact coordinate is massless (m0 = 0).
+        Oscillators of equal frequency count as one.
         """
         return np.sqrt(self.to_modal()[0]) / (2.0 * np.pi)
 
@@ -237,9 +238,9 @@ class AOModel(Frozen):
     def receptance(self, omega: npt.ArrayLike) -> Any:
         """Return the receptance at the contact coordinate, the ratio of displacement to force.
 
-        It is Σ r_j²/(ω_j² - ω² + 2iσ_jω) over the natural modes, plus the compliance of a massless
-        contact. Without damping it is infinite at a resonance and, but for rounding errors, 0 at an
-        antiresonance.
+        The receptance is Σ r_j²/(ω_j² - ω² + 2iσ_jω) over the natural modes, plus the compliance of
+        a massless contact. Without damping it is infinite at a resonance and, but for rounding
+        errors, 0 at an antiresonance.
 
         Parameters
         ----------
@@ -658,8 +659,8 @@ def rigid(
         Tensor of inertia about the centre of mass, or moments about the axes, kg m². By default the
         body is guided and does not turn.
     arm : array_like, shape (3,), optional
-        Vector from the centre of mass to the contact, m; by default zero. With it an oblique impact
-        turns the body; impacts along one direction of travel ignore it.
+        Vector from the centre of mass to the contact, m; by default zero. With an arm, an oblique
+        impact turns the body; impacts along one direction of travel ignore the arm.
     name : str, optional
         Name in results, tables and plots.
 

@@ -93,8 +93,8 @@ class ErrorParts:
     def total(self) -> float:
         """Sum of the parts; NaN if a part is not known. The sum of the known parts is `least`.
 
-        It is NaN also for a number that does not exist, such as the restitution of bodies that have
-        not parted.
+        The sum is also NaN for a number that does not exist, such as the restitution of bodies that
+        have not parted.
         """
         return math.nan if self.unknown else self.least
 

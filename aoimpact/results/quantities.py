@@ -97,8 +97,8 @@ class Quantity:
     ----------
     name, unit : str
     of_contact : callable, optional
-        Number of a contact, from its `Events`. It is called for contacts that never touched, too:
-        `contacts` is then empty, and force, impulse and duration are 0. The fast path of
+        Number of a contact, from its `Events`. The function is also called for contacts that never
+        touched: `contacts` is then empty, and force, impulse and duration are 0. The fast path of
         `simulate_many` calls this function for many impacts at once, as if the bodies of each
         touched once, with an array of shape (impacts,) in place of each number. A quotient such as
         impulse / contact_duration must therefore define its value for a divisor of 0, for numbers
@@ -225,8 +225,8 @@ class Quantity:
     def contact_time(self, run: Run) -> float | None:
         """Return the duration of the first contact, s; None without contact.
 
-        In a scene it is the shortest duration of a contact around its peak force, among contacts
-        with at least a tenth of the largest force.
+        In a scene the returned time is the shortest duration of a contact around its peak force,
+        among contacts with at least a tenth of the largest force.
         """
         if not run.plan.scene:
             return run.events[0].contact_duration or None
@@ -251,8 +251,8 @@ class Quantity:
     def compared(self, run: Run) -> FloatArray:
         """Return the numbers by which runs are compared; they are cached in the run.
 
-        Unlike `values`, they use the velocities at the record's end if contact has not ended, and
-        the mean velocity over the static mode if a centre of mass is not known.
+        Unlike `values`, these numbers use the velocities at the record's end if contact has not
+        ended, and the mean velocity over the static mode if a centre of mass is not known.
         """
         if self.name not in run.compared:
             if self.of_contact is not None:
@@ -329,8 +329,8 @@ def number_errors(
     """Return relative error estimates of the force and of each number of a run, by name.
 
     The error of "peak_force" or, in a scene, "contacts.0.peak_force", is the largest difference
-    from the other runs, each multiplied by its factor. It is infinite where one of the runs has no
-    such number.
+    from the other runs, each multiplied by its factor. The error is infinite where one of the runs
+    has no such number.
 
     Parameters
     ----------
@@ -469,8 +469,8 @@ def _displacement(name: str, body: int) -> Quantity:
 def _friction_peaks(run: Run) -> FloatArray:
     """Return the largest friction force of each contact, N; 0 without friction.
 
-    It is searched again, at closely spaced times, around the maximum of the record: the force may
-    have a kink there, at the start of slip.
+    The largest force is searched again, at closely spaced times, around the maximum of the record:
+    the force may have a kink there, at the start of slip.
     """
     found, run = list[float](), replace(run, asked=None)  # read at the solver's own times
     for number, contact in enumerate(run.plan.contacts if run.plan.oblique is not None else ()):

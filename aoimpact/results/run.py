@@ -53,8 +53,8 @@ class BodyEnergy(Frozen):
     ----------
     kinetic, elastic : (n,) arrays
         Kinetic energy, and strain energy without that of the indentation, which belongs to the
-        contact law: the paper's nonlocal energy. It is slightly negative where the law's half-space
-        is more compliant than the body, such as a ball.
+        contact law: the paper's nonlocal energy. The strain energy is slightly negative where the
+        law's half-space is more compliant than the body, such as a ball.
     dissipated, work : (n,) arrays
         Energy lost in the body's damping, and work of gravity and applied forces on it, since
         t = 0.
@@ -185,7 +185,8 @@ class BodyResult(Frozen, Measured):
     def final_spin(self) -> FloatArray:
         """Angular velocity after the last contact, rad/s, shape (3,); NaN for a constrained body.
 
-        It is the spin of a rigid body with the same angular momentum as the deforming body.
+        The velocity is the spin of a rigid body with the same angular momentum as the deforming
+        body.
         """
         return self._at_end[3:]
 
@@ -208,8 +209,9 @@ class BodyResult(Frozen, Measured):
         """Errors of the histories due to mesh and model, relative to the largest value of each.
 
         ``error["velocity"]``, shape (n,), is twice the difference from the run with other elements;
-        so are those of ``displacement``, ``centre_displacement`` and ``centre_velocity``. Errors of
-        the contact law come in addition. The mapping is empty for a body given by numbers.
+        the errors of ``displacement``, ``centre_displacement`` and ``centre_velocity`` are defined
+        alike. Errors of the contact law come in addition. The mapping is empty for a body given by
+        numbers.
 
         Examples
         --------
@@ -338,9 +340,10 @@ class ContactResult(Frozen, Eventful):
         """Start and end [s] of every interval of full slip.
 
         Full slip begins with the contact, or where the last sticking point, usually the centre,
-        begins to slip. It ends with the contact, or where the first point ceases to slip: there the
-        friction force no longer changes as fast as its bound μF. An adaptive run locates both times
-        to the error of the motion; with fixed steps they are interpolated between the steps.
+        begins to slip. Full slip ends with the contact, or where the first point ceases to slip:
+        there the friction force no longer changes as fast as its bound μF. An adaptive run locates
+        both times to the error of the motion; with fixed steps they are interpolated between the
+        steps.
         """
         if self.stuck is None:
             return []
@@ -350,7 +353,7 @@ class ContactResult(Frozen, Eventful):
     def stick_intervals(self) -> Spans:
         """Start and end [s] of every interval in which at least one point of the contact sticks.
 
-        Together with `slip_intervals` they cover the intervals of contact.
+        Stick and slip intervals together cover the intervals of contact.
         """
         found: Spans = []
         for start, end in self.intervals if self.stuck is not None else ():
@@ -973,9 +976,9 @@ class Result(Eventful, Run):
     def indentation(self) -> FloatArray:
         """Indentation of the contact law [m], shape (n,): (F/k)^(2/3) for Hertz's on any mesh.
 
-        It is the projectile's minus the target's contact coordinate minus the initial gap, plus
-        c F, where c is the local compliance of the meshes, which replaces that of the half-spaces.
-        It is negative while the bodies are apart.
+        The indentation is the projectile's minus the target's contact coordinate minus the initial
+        gap, plus c F, where c is the local compliance of the meshes, which replaces that of the
+        half-spaces. It is negative while the bodies are apart.
         """
         return self.each_contact[0].indentation
 
@@ -1041,8 +1044,8 @@ class Result(Eventful, Run):
     def approach(self) -> FloatArray:
         """Approach of the centres of mass, projectile's minus target's minus the gap [m].
 
-        The force as a function of it is the paper's modified interaction law (Fig. 7): with that
-        law, two rigid masses would have the same force over time.
+        The force as a function of the approach is the paper's modified interaction law (Fig. 7):
+        with that law, two rigid masses would have the same force over time.
         """
         first, second = (body.centre_displacement for body in self.bodies)
         return first - second - self.gap
@@ -1060,7 +1063,7 @@ class Result(Eventful, Run):
     def contact_radius(self) -> float:
         """Largest radius of the contact, √(R δ) [m]; NaN for a law without a known surface.
 
-        For an elliptic contact of semi-axes a and b it is √(a b).
+        For an elliptic contact of semi-axes a and b the radius is √(a b).
         """
         found = self.plan.round_contact(self.plan.contacts[0])
         if found is None:
@@ -1108,9 +1111,9 @@ class Result(Eventful, Run):
     def restitution(self) -> float:
         """Coefficient of restitution, from velocities of centres of mass after the last contact.
 
-        It is (v_target − v_projectile) / V for a free target, −v_projectile / V for one that is
-        constrained or of infinite mass. NaN without a rebound, and where a centre of mass
-        is not known.
+        The coefficient is (v_target − v_projectile) / V for a free target, −v_projectile / V for
+        one that is constrained or of infinite mass. NaN without a rebound, and where a centre of
+        mass is not known.
         """
         return self._number("restitution")
 

@@ -1,6 +1,6 @@
 """The input of time integration: bodies, contacts, loads, and static equilibrium under load.
 
-A `Scenario` is the complete plan of a run. `impact` makes it, also from the user's `Scene`,
+A `Scenario` is the complete plan of a run. `impact` makes the plan, also from the user's `Scene`,
 `integrate` runs it, and `results` reads it.
 """
 

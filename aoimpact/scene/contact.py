@@ -95,9 +95,9 @@ class Friction(NamedTuple):
     def for_core(self, law: ContactLaw, precision: float) -> tuple[Any, ...]:
         """Return the core's tuple; the normal compliance is that of `law`.
 
-        If it differs from the normal compliance of the meshes, due to the contact's width or an
-        altered law, the difference divided by `ratio` is added to the tangential compliances. For
-        `precision` see `_PRECISION`.
+        If the compliance of `law` differs from the normal compliance of the meshes, due to the
+        contact's width or an altered law, the difference divided by `ratio` is added to the
+        tangential compliances. For `precision` see `_PRECISION`.
         """
         if self.compliance is None:
             return self.mu, self.ratio, precision, None

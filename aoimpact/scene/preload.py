@@ -211,8 +211,8 @@ class _Statics:
     def slopes(self) -> FloatArray:
         """Reference stiffness of each contact, N/m, which scales the damping of steps.
 
-        It is the stiffness under the sum of all loads or, if larger, the largest force of the
-        initial overlap.
+        The stiffness is taken under the sum of all loads or, if larger, under the largest force of
+        the initial overlap.
         """
         overlap = float(self.first.force.max(initial=0.0))
         return self.springs.stiffness_under(max(float(np.abs(self.load).sum()), overlap))
@@ -338,8 +338,8 @@ class _Statics:
     def least_moved(self, at: _Configuration) -> _Configuration:
         """Return the equilibrium after moving unloaded bodies back towards their initial places.
 
-        They move as far as other bodies leave room. This undoes a side effect of the iterations'
-        damping, which also moves bodies at open contacts.
+        The bodies move as far as other bodies leave room. Moving back undoes a side effect of the
+        iterations' damping, which also moves bodies at open contacts.
         """
         room, columns = np.maximum(-at.depth, 0.0), self.directions.tocsc()
         x = np.where(self.sprung & (self.reach.T @ at.force == 0.0), self.first.x, at.x)
