@@ -35,8 +35,8 @@ _MOST_ORDER = {True: 600, False: 80}
 # is for the models. Over 148 impacts on nine bodies of up to 6171 dofs, with tolerances of 1e-1 …
 # 1e-3, the error is at most .72 of the tolerance. A third or three times _SHARE_OF_TIME changes
 # only the number of oscillators, by .2 %. A third of _SHARE_OF_STEPS takes 18 % more time on small
-# bodies and 2 % more on bodies of 6171 dofs, due to more steps. Three times _SHARE_OF_STEPS takes 4
-# % less time on small bodies and 7 % more on bodies of 6171 dofs, due to 1.8 times as many
+# bodies and 2 % more on bodies of 6171 dofs, due to more steps. Three times _SHARE_OF_STEPS takes
+# 4 % less time on small bodies and 7 % more on bodies of 6171 dofs, due to 1.8 times as many
 # oscillators. _SHARE_WITH_FRICTION is larger since steps with friction cost more: over 40 impacts
 # on four bodies with a tolerance of 1e-3 the error was at most 2e-5 of the speed.
 _SHARE_OF_TIME, _SHARE_OF_STEPS, _SHARE_WITH_FRICTION = 0.005, 0.2, 0.05

@@ -166,8 +166,8 @@ class Search:
     def error(self) -> float:
         """Return the largest relative error of the models; infinite if they cannot be run.
 
-        Models are fitted again if the contact time differs much from the contact time that they
-        were fitted to.
+        Models are fitted again if the contact time differs much from the one that they were fitted
+        to.
         """
         while True:
             self.record.settled = False

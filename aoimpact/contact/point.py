@@ -222,8 +222,8 @@ class ContactPoint(Frozen):
     def reversed(self) -> ContactPoint:
         """The same contact point as that of a projectile instead of a target, or vice versa.
 
-        The direction of travel is reversed. On a shell or beam a direction that the caller gave
-        stays, and the opposite side is touched.
+        The direction of travel is reversed. On a shell or beam a direction given by the caller is
+        kept, and the opposite side is touched.
 
         :meta private:
         """

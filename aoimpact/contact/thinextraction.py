@@ -142,8 +142,8 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
         found -= of_layers + excess
         joints = rigid_ends(mesh.nodes, [(of.cells, of.of) for of in about])
         if whole and any(len(strips) for _, strips, _ in joints):
-            # Excess compliance of the mesh over a fine mesh at joints of plates, minus that of the
-            # skin alone.
+            # Excess compliance of the mesh over a fine mesh where plates join, minus that of the
+            # touched plate alone.
             alone = _halved(tip, numbers[level[numbers]], slow, halvings)
             yields = _halved(tip, numbers, slow, halvings) - alone
             unsure = abs(yields[-1] - yields[-2])

@@ -250,7 +250,7 @@ def _couples(
 
 
 def _bent(mesh: Mesh, number: int, shape: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return a shell element's nodes, and displacements at its points per nodal rotation."""
+    """Return the nodes of a shell element, and displacements of its points per nodal rotation."""
     block = next(of for of in mesh.blocks if number < of.numbers.stop)
     nodes = block.cells[number - block.first]
     groups = [nodes[None]]

@@ -57,8 +57,8 @@ _AT_REST = 1e-9
 
 # Ratio of the estimated error to the difference from the run with other elements. With 2, 99 % of
 # 458 histories on solids and shells had a smaller error than estimated, half of them eight times
-# smaller. With 1, 88 % had a smaller error than estimated, and 57 % on 20-node hexahedra, whose
-# error elements of the next degree reduce least if the hexahedra are long.
+# smaller. With 1, 88 % had a smaller error than estimated, and 57 % on 20-node hexahedra: if these
+# are long, elements of the next degree reduce their error least.
 _DIFFERENCES = 2.0
 
 # Largest number of evenly spaced times in a record; a smaller dt is most likely a mistake.

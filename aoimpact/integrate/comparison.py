@@ -1,9 +1,9 @@
 """Comparison of two adaptive runs of one scene, in the quantities that a tolerance bounds.
 
 Touches with at most a hundredth of the largest impulse of their contact do not count: rounding
-errors decide if bodies that move on side by side graze each other. Nor do gaps of at most a
-hundredth of the duration of the touches before and after them: rounding errors decide if a body
-leaves its support while the force swings between zero and twice the weight.
+errors decide whether bodies moving side by side graze each other. Nor do gaps of at most a
+hundredth of the duration of the touches before and after them: rounding errors decide whether a
+body leaves its support while the force swings between zero and twice the weight.
 """
 
 from __future__ import annotations

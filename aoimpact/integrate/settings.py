@@ -17,7 +17,7 @@ from ..base import boolean, checked, positive, within
 TIGHTEST = 1e-13
 
 # Errors of the peak or impulse of a contact or touch are relative to at least this share of the
-# largest peak or impulse: rounding errors decide if bodies that move on side by side graze each
+# largest peak or impulse: rounding errors decide whether bodies moving side by side graze each
 # other. The core has the same rule (step.h).
 LESSER = 0.01
 

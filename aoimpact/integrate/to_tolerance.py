@@ -35,12 +35,12 @@ SPREAD = 10.0
 # Share of the tolerance to which a scene of several contacts is run. Bodies that after other
 # contacts meet at a twentieth of their speeds multiply the errors of these contacts by twenty: with
 # a share of 1, errors of two of 6000 scenes were 11 and 17 times the tolerance. The share of 0.3
-# costs 13 % more steps over 306 such scenes. A share of 0.1 costs 22 %, and in one of 30 scenes of
-# dashpots on a massless point no step meets it at a tolerance of 1e-9.
+# costs 13 % more steps over 306 such scenes. A share of 0.1 costs 22 %, and no step meets this
+# share of a tolerance of 1e-9 in one of 30 scenes of dashpots on a massless point.
 SEVERAL = 0.3
 
 # Relative rounding error per contact. The rounding error adds up over equal contacts, and a smaller
-# tolerance does not reduce it. The largest one found was 2.0e-15 per bounce, for 200 balls on a
+# tolerance does not reduce it. The largest error found was 2.0e-15 per bounce, for 200 balls on a
 # floor with a closed form.
 ROUNDING = 12.0 * float(np.finfo(float).eps)
 

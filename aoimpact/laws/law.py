@@ -391,7 +391,7 @@ class ContactLaw:
         Returns
         -------
         float
-            Indentation, m; the law's limit if that comes first.
+            Indentation, m; the law's limit if this is smaller.
 
         Raises
         ------

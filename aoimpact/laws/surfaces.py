@@ -16,14 +16,13 @@ from .elastic import Hertz
 # 5°.
 _ONE_FRAME = math.cos(math.radians(5.0))
 
-# Largest relative change of k over all angles between the surfaces at which the angle does not
-# matter.
+# Largest relative change of k with the angle between the surfaces for which an unknown angle is
+# accepted.
 _NO_MATTER = 0.01
 
 _CURE = "give law="
 
-# Relative error of the largest curvature above which the message that there is no law names the
-# mesh as the reason.
+# Relative error of the largest curvature above which a missing law is blamed on the mesh.
 _DOUBT = 0.3
 
 

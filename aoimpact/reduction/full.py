@@ -119,7 +119,7 @@ class FullModel(Frozen, BodyModel):
         """Initial velocities of the dofs for a unit velocity of the body, shape (n_dofs,).
 
         The body translates if it can, or if it has several contact points: its models then have no
-        other motion as a whole. Otherwise it moves in the static mode.
+        other motion as a whole. Otherwise the body moves in the static mode.
 
         :meta private:
         """

@@ -191,7 +191,7 @@ def contact_name(run: Run, contact: Contact) -> str:
 
 
 def _yield(joint: _Joint) -> Limit | None:
-    """Limit of the force: that at which the weaker body begins to yield below its surface."""
+    """Limit of the force: above it, the weaker body yields below its surface."""
     surface, law, text = joint.surface, joint.law, ""
     strong = [of for of in joint.materials if of.yield_strength]
     if isinstance(law, ElasticPlastic | Thornton):
@@ -291,7 +291,7 @@ def _stretches(tip: ContactPoint) -> bool:
 
 
 def _thickness(joint: _Joint) -> Limit | None:
-    """Limit of the force, above which the contact is wider than a shell or beam's wall is thick."""
+    """Limit of the force, above which the contact is wider than the wall of a body is thick."""
     walls = [tip.thin.narrowest for _, _, tip in joint.tips if tip.thin is not None]
     if (surface := joint.surface) is None or not walls:
         return None
