@@ -243,7 +243,7 @@ def _isotropic(layers: Layers) -> bool:
 def _numbers(layers: Layers) -> tuple[float, float, float, float]:
     """Return bending and shear stiffness, mass and rotary inertia per area of an isotropic layer.
 
-    All refer to the neutral surface, where bending causes no membrane force.
+    The values refer to the neutral surface, where bending causes no membrane force.
     """
     m, first, second = layers.inertia.tolist()
     D, S = _bending(layers)[0, 0], layers.stiffness[6, 6]

@@ -253,7 +253,7 @@ class ContactPoint(Frozen):
         return replace(self, body=body, b=self._on_finer(body))
 
     def _on_finer(self, body: FEModel) -> FloatArray:
-        """Return the functional b on the body with finer elements, from their shape functions."""
+        """Return the functional b on the body with finer elements."""
         point, along, surface = self.point, self.direction, body.surface
         alike = self.body.mesh is body.mesh
         with held_warnings():  # the original point gave the same warnings
@@ -484,8 +484,8 @@ class ContactPoint(Frozen):
     def depth(self) -> float:
         """Thickness of the body under the point, m; infinite without a mesh.
 
-        For a beam, it is the height of a rectangle with the same area and bending stiffness along
-        the force.
+        For a beam, the thickness is the height of a rectangle with the same area and bending
+        stiffness along the force.
         """
         surface = self.body.surface
         if isinstance(self.thin, Beam) and self.direction is not None:

@@ -28,7 +28,8 @@ _ON_SIDE, _IN_CELL = 3, 2
 _SIDES, _CELLS, _FLOOR = 1.0, 2.4, 0.6
 _NEAR, _FINER = 3.0, 0.3
 
-# Largest number of halvings of triangles and tetrahedra; those with a corner at the point reach it.
+# Largest number of halvings of triangles and tetrahedra; those with a corner at the point reach
+# this number.
 _MOST_OF_SIDE, _MOST_OF_CELL = 14, 3
 
 # Number of quadrature points per batch, which fits into the caches.

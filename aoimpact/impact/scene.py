@@ -412,8 +412,8 @@ class Scene:
                 both = " and ".join(self._members[body].called for body, _ in contact.ports)
                 raise InputError(
                     f"contact {number}: {both} overlap by {-contact.gap:g} m at the start; change "
-                    "position or gap, or start with preload=True from the rest that gravity and "
-                    "loads press them to"
+                    "position or gap, or start with preload=True from their equilibrium under "
+                    "gravity and loads"
                 )
         return self._run(plan, duration, quantity, rtol, solver, linear_solver, began)
 

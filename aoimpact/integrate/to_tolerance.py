@@ -76,8 +76,8 @@ def solve_adaptive(plan: Scenario, rule: Adaptive) -> tuple[DenseRecorder, float
 
     Scenes of several contacts are run to a smaller tolerance: after other contacts, two bodies may
     meet at a small part of their speeds. From the second touch of a contact on, errors grow with
-    each touch. A contact that pulls may end so slowly that its end is ill-conditioned. In both
-    cases the run is repeated with smaller tolerances until it meets the tolerance.
+    each touch. A contact that pulls may end so slowly that its end is ill-conditioned. In the
+    latter two cases the run is repeated with smaller tolerances until it meets the tolerance.
 
     Raises
     ------

@@ -49,7 +49,7 @@ from .body import Body, checked_ports, of_modes, ways_of
 from .star import AOModel, excited, of_body
 
 # Largest ratio between a shift and the best shift at which both are equally good. On the paper's
-# beam, shifts from 8/T to 14/T are, with the contact time T.
+# beam, shifts from 8/T to 14/T are equally good, with the contact time T.
 _AS_GOOD = 1.3
 
 # Largest number of vectors per wanted oscillator in the search for missing oscillators.
@@ -122,10 +122,10 @@ class KrylovSpace:
         matrices without a mesh if the material is nearly incompressible.
     duration : float, optional
         Duration for which the body's motion must be accurate, s, if much longer than the contact;
-        ``math.inf`` for the lowest natural modes. Every other vector is then fitted to it, at the
-        price of a second factorisation. By default the motion is accurate for some contact times.
-        The motion of a free body as a whole, and that of a constrained body under slowly varying
-        forces, is always accurate.
+        ``math.inf`` for the lowest natural modes. Every other vector is then fitted to this
+        duration, at the price of a second factorisation. By default the motion is accurate for a
+        few contact times. The motion of a free body as a whole, and that of a constrained body
+        under slowly varying forces, is always accurate.
     sharpened : bool, optional
         True to fit vectors beyond the 48th, and again beyond the 192nd, to models of that size.
         Each of the two changes costs a further factorisation.
@@ -489,7 +489,7 @@ class KrylovSpace:
             if length > 0.0:
                 self._load = mx / length
                 self._put(self._count, x / length)
-        self.solver_name = inverse.name  # an iterative solver may have changed to factors
+        self.solver_name = inverse.name  # an iterative solver may have been replaced by factors
         light = np.flatnonzero(np.diagonal(self._stiffness)[before : self._count] > self._fastest)
         if len(light):
             self._count, self._ended = before + int(light[0]), True

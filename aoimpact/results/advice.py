@@ -588,7 +588,7 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
     if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
         warn(
             f"energy drifts by {energy:.2g} of the largest energy stored, though its error should "
-            f"be {error:.2g}: do not trust the run, unless a law's energy is not its force's work"
+            f"be {error:.2g}: distrust the run, unless a law's energy is not the work of its force"
         )
 
 
