@@ -158,7 +158,12 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
         at_once([add_stiffness, add_mass])
     n, pairs = mesh.n_nodes, (indices, indptr)
     K = sp.bsr_array((stiffness, *pairs), shape=(3 * n, 3 * n)).tocsr()
-    M = sp.kron(sp.csr_array((mass, *pairs), shape=(n, n)), sp.eye_array(3), format="csr")
+    # M has the same row for each of the three components of a node.
+    rows = np.arange(3 * n, dtype=np.int32)
+    M = sp.csr_array((mass, *pairs), shape=(n, n))[rows // 3]
+    M = sp.csr_array(
+        (M.data, 3 * M.indices + np.repeat(rows % 3, np.diff(M.indptr)), M.indptr), shape=K.shape
+    )
     return with_int32(K), with_int32(M)
 
 

@@ -4,7 +4,7 @@
 methods. This folder knows matrices and the coordinates of their rows, but no bodies.
 """
 
-from .blocks import ENTRIES_AT_ONCE
+from .blocks import ENTRIES_AT_ONCE, rows_of
 from .matrices import (
     LARGEST,
     LEAST,

@@ -2,9 +2,10 @@
 
 The model is the Ritz model of the refined body (fem/finer.py) in three sets of vectors: those of
 the given model; for each contact, the first members of the sequence (K + s²M)⁻¹ b,
-(K + s²M)⁻¹ M (K + s²M)⁻¹ b, … of the body as meshed; and approximate responses of the refined body
-to the forces left unbalanced by each mode and by the first member. These responses are one step of
-inverse iteration from all modes at once, with the shift of the first contact.
+(K + s²M)⁻¹ M (K + s²M)⁻¹ b, … of the body as meshed, unless the model has them; and approximate
+responses of the refined body to the forces left unbalanced by each mode and by the first member.
+These responses are one step of inverse iteration from all modes at once, with the shift of the
+first contact.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..contact import SHIFT_TIMES_DURATION, own_contact_time
-from ..linalg import Solver, m_orthonormal
+from ..linalg import Solver, m_orthonormal, rows_of
 from .body import Body, of_modes
 from .krylov import KrylovSpace, only_excited
 
@@ -24,6 +25,11 @@ from .krylov import KrylovSpace, only_excited
 # model of 8 vectors, and 0.8 to 5 times with 12 members, for models of 3 to 16 vectors
 # (tests/accuracy/test_finer.py).
 _TERMS = 12
+
+# Largest unbalanced part of a force on a contact, relative to the force, at the frequency i s of
+# the extraction, with which a model of at least `_TERMS` vectors per contact contains the sequence:
+# it is 1e-12 for models by factors, 1e-4 by multigrid.
+_BALANCED = 1e-3
 
 
 def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
@@ -45,14 +51,17 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
     finer = model.body.finer
     if finer is None or finer.mesh is not model.body.mesh:
         return _fitted_alike(model, linear)
-    K, M, rigid = finer.K, finer.M, finer.rigid_modes
-    modes = finer.appended(model.modes)
-    space = np.hstack([rigid, m_orthonormal(rigid, modes, M)]) if rigid.shape[1] else modes
+    n, rigid, modes = model.body.n_dofs, model.body.rigid_modes, model.modes
+    K, M = finer.K, finer.M
+    # Columns of the dofs of the given body.
+    given_K, given_M = (rows_of(of, 0, n).T for of in (K, M))
+    own_M = given_M.T[:, :n]
+    elastic = model.omega > 0.0
     tips = [own.finer or own for own in model.tips]
     pressed = []
-    members = []
+    members = [np.zeros((n, 0))]
     changes = []
-    loads = [((M @ modes) * model.omega**2 - K @ modes)[:, model.omega > 0.0]]
+    loads = [(given_M @ modes * model.omega**2 - given_K @ modes)[:, elastic]]
     each = model.ports // model.places
     for port, (own, tip) in enumerate(zip(model.tips, tips, strict=True)):
         if port % each == 0:
@@ -62,20 +71,28 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
             solver = finer.inverse(s * s, solver=linear)
             if known is not None:
                 pressed.append((port, s, known.radius, solver))
-        load = b = tip.b - M @ (rigid @ (rigid.T @ tip.b))
-        coarse = finer.given.inverse(s * s, solver=linear)
-        for _ in range(_TERMS):
-            x = coarse.solve_roughly(finer.restricted(load), solver.rough)[0]
-            members.append(finer.appended(x))
-            load = M @ members[-1]
-            load /= np.linalg.norm(load) or 1.0
-        first = members[-_TERMS]
-        loads.append((b - K @ first - s * s * (M @ first))[:, None])
+        b = tip.b - given_M @ (rigid @ (rigid.T @ tip.b[:n]))
+        first = model.deflection(s, port)
+        first = first - rigid @ (rigid.T @ (own_M @ first))
+        rest = b - given_K @ first - s * s * (given_M @ first)
+        unbalanced = np.linalg.norm(rest[:n]) > _BALANCED * np.linalg.norm(b[:n])
+        if unbalanced or np.count_nonzero(elastic) < _TERMS * model.ports:
+            coarse, load = finer.given.inverse(s * s, solver=linear), b[:n]
+            for _ in range(_TERMS):
+                x, _, load = coarse.solve_roughly(load, solver.rough)
+                members.append(x[:, None])
+                load /= np.linalg.norm(load) or 1.0
+            first = members[-_TERMS][:, 0]
+            rest = b - given_K @ first - s * s * (given_M @ first)
+        loads.append(rest[:, None])
         changes.append(solver.solve_roughly(np.hstack(loads))[0])
         loads = []
-    more = m_orthonormal(space, np.column_stack(members + changes), M)
-    space = np.hstack([space, more])
-    stiffness = space.T @ (K @ space)
+    space = np.hstack([rigid, m_orthonormal(rigid, modes, own_M)]) if rigid.shape[1] else modes
+    space = np.hstack([space, m_orthonormal(space, np.hstack(members), own_M)])
+    forces, space = given_K @ space, finer.appended(space)
+    more = m_orthonormal(space, np.hstack(changes), M)
+    forces, space = np.hstack([forces, K @ more]), np.hstack([space, more])
+    stiffness = space.T @ forces
     stiffness[: rigid.shape[1]] = stiffness[:, : rigid.shape[1]] = 0.0  # removes rounding errors
     omega2, within = np.linalg.eigh(stiffness)
     found = of_modes(
