@@ -395,6 +395,29 @@ static void find_shares(aoi_sliding *of, const finds *found)
     }
 }
 
+/* Removes springs of a path at the end of a step that the precision does not require. If the history has so many
+ * turns that more than AOI_KEPT_SPRINGS are left, a coarser precision removes further springs, which changes the
+ * force of the path. */
+static int thin_out(const aoi_sliding *of, const motion *along, aoi_slide_path *path)
+{
+    const double stays[2] = {0.0, 0.0};
+    aoi_friction_state *springs = &path->springs;
+    aoi_friction kept = of->rub.friction;
+    int status = aoi_friction_move(&kept, springs, springs->indentation, 1.0, stays);
+    springs->room = AOI_TRIED_SPRINGS;
+    while (status == AOI_OK && springs->count > AOI_KEPT_SPRINGS) {
+        aoi_oblique_solution found;
+        double place[3];
+        kept.precision *= 4.0; /* halves the number of springs of a smooth curve */
+        bodies_at(along, 1.0, place);
+        status = aoi_friction_move(&kept, springs, springs->indentation, 1.0, stays);
+        if (status == AOI_OK && (status = look(of, place, path, &found)) == AOI_OK) {
+            memcpy(path->force, found.force, sizeof path->force);
+        }
+    }
+    return status;
+}
+
 int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
 {
     const motion along = motion_of(entry);
@@ -427,10 +450,7 @@ int aoi_sliding_advance(aoi_sliding *of, const aoi_contact_step *entry)
         find_shares(of, found);
     }
     for (size_t p = 0; p < AOI_PATHS; p++) {
-        const double stays[2] = {0.0, 0.0};
-        const int status =
-            aoi_friction_move(&of->rub.friction, &of->path[p].springs, of->path[p].springs.indentation, 1.0, stays);
-        of->path[p].springs.room = AOI_TRIED_SPRINGS;
+        const int status = thin_out(of, &along, &of->path[p]);
         if (status != AOI_OK) {
             return status;
         }
