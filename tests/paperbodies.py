@@ -14,7 +14,11 @@ RADIUS, LENGTH, WIDTH = 0.01, 1.0, 0.02
 BALL_MASS = 4.0 / 3.0 * math.pi * RADIUS**3 * STEEL.rho
 SPHERES_LAW = ao.Hertz.between(STEEL, RADIUS, STEEL, RADIUS)
 LAW = ao.Hertz.between(STEEL, RADIUS, ALUMINIUM, math.inf)
-RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6  # peak, N, and s, of the two spheres
+
+# Peak force, N, and duration, s, of the impact of both spheres by resolved contact mechanics:
+# converged explicit simulation with axisymmetric finite elements (6 ... 40 µm at the contact) and
+# unilateral contact; force ± 0.5 N.
+RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
 
 
 def beam_model() -> ao.FEModel:

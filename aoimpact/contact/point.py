@@ -183,11 +183,11 @@ class ContactPoint(Frozen):
 
     body: FEModel
     b: FloatArray
-    direction: FloatArray | None = None
-    point: FloatArray | None = None
+    direction: FloatArray | Any = None
+    point: FloatArray | Any = None
     node: int | None = None
     patch: Patch | None = None
-    normal: FloatArray | None = None
+    normal: FloatArray | Any = None
     directed: bool = True
     automatic: bool = False
     contact_radius: float | None = None
@@ -316,15 +316,13 @@ class ContactPoint(Frozen):
     def _axis(self) -> FloatArray:
         """Vector between the ends of the beam element at the contact, m."""
         mesh: Any = self.body.mesh
-        point: Any = self.point
-        first, last = mesh.nodes[mesh.cells[nearest_line(mesh, point)[0], :2]]
+        first, last = mesh.nodes[mesh.cells[nearest_line(mesh, self.point)[0], :2]]
         return np.asarray(last - first)
 
     @property
     def _along_beam(self) -> float:
         """Cosine of the angle between the direction and the axis of the beam at the contact."""
-        direction: Any = self.direction
-        return abs(float(direction @ self._axis)) / float(np.linalg.norm(self._axis))
+        return abs(float(self.direction @ self._axis)) / float(np.linalg.norm(self._axis))
 
     def check_wall(self) -> None:
         """Refuse a force across a tube of beam elements, whose wall is rigid and would not bend.

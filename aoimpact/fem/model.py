@@ -144,8 +144,8 @@ class FEModel(Frozen):
     K: Any
     M: Any
     _: KW_ONLY
-    nodes: FloatArray | None = None
-    free: IntArray | None = None
+    nodes: FloatArray | Any = None
+    free: IntArray | Any = None
     damping: Damping | None = None
     name: str = ""
     labels: IntArray | None = None
@@ -401,8 +401,7 @@ class FEModel(Frozen):
     def _matrices(self) -> dict[str, Any]:
         """Return a dict of K, M and `held`, assembled from the mesh."""
         made: Any = self.shapes, self.material
-        free: Any = self.free
-        return completed(*stiffness_mass(*made), self.masses, self.springs, free)
+        return completed(*stiffness_mass(*made), self.masses, self.springs, self.free)
 
     def __copy__(self, memo: Any = None) -> FEModel:
         """Copy the body with a new identity; attributes are immutable and shared."""
@@ -561,8 +560,7 @@ class FEModel(Frozen):
             if self._soft is None:
                 return None
             return mechanism_in(self._soft, self.K, self.M, self.rigid_modes)
-        free: Any = self.free  # a body with a mesh has nodes
-        return mechanism_of(self.surface, free, self.M, self.rigid_modes, self.springs)
+        return mechanism_of(self.surface, self.free, self.M, self.rigid_modes, self.springs)
 
     @cached_property
     def node_labels(self) -> IntArray | None:

@@ -177,8 +177,6 @@ class Response:
         """See `BodyResult.field`."""
         wanted = self.within(self.peak_time if times is None else times)
         free, nodes, body = self.free, self.body.nodes, self.body.given
-        assert nodes is not None
-        assert body.nodes is not None
         own = slice(len(body.nodes))
         u, v = self.functionals(None, wanted)
         everywhere = np.zeros((2, len(wanted), 2 * nodes.size))  # zeros at constrained dofs

@@ -287,7 +287,6 @@ class TensorAt(Each[tuple[StressRows, FloatArray]]):
 
     def _make(self, body: FEModel) -> tuple[StressRows, FloatArray]:
         mesh, material = solid(body, "stress")
-        assert body.free is not None
         weights = place_rows(body, self.places, self.nodes)[:, : mesh.n_nodes]
         found = body_stress_rows(body.shapes, material, weights, self.layer, strain=self.strain)
         if not found.known.all():
@@ -636,7 +635,6 @@ def place_rows(body: FEModel, places: FloatArray, nodes: IntArray | None = None)
 
     `nodes`: numbers of the nodes, if the places are nodes.
     """
-    assert body.nodes is not None
     if nodes is not None:
         return sp.eye_array(len(body.nodes), format="csr")[nodes]
     weights = sp.lil_array((len(places), len(body.nodes)))
@@ -651,7 +649,6 @@ def place_rows(body: FEModel, places: FloatArray, nodes: IntArray | None = None)
 
 def motion_rows(body: FEModel, weights: sp.csr_array, axes: FloatArray) -> sp.csr_array:
     """Return rows (p k, n_dofs) of the motion along axes (k, 3), from nodes' weights at places."""
-    assert body.free is not None
     rows = sp.csr_array(sp.kron(weights, axes))
     if body.mesh is None or not body.mesh.thin:
         return rows[:, body.free]
@@ -736,7 +733,6 @@ class Measured:
         if (point is None) == (nodes is None):
             raise InputError("probe needs either point or nodes, and not both")
         _ = response.free
-        assert body.nodes is not None
         chosen = None
         if nodes is not None:
             sets = {} if body.mesh is None else body.mesh.node_sets
@@ -851,7 +847,6 @@ class Measured:
         """
         response, wanted, body = self._sensed(times, dt)
         held = body.grounding.nodes("nodes", nodes)
-        assert body.nodes is not None
         points = body.nodes[held]
         centre = points.mean(axis=0)
         force, moment = (Work(held, centre, ways) for ways in np.hsplit(np.eye(6), 2))

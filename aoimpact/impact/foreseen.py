@@ -184,8 +184,6 @@ def _around(plan: Scenario, names: Sequence[str]) -> list[tuple[int, ...]]:
         tip, outward = plan.bodies[body].touched_at(port), True in ways
         if tip is None or tip.point is None or not goes_against(tip, outward=outward):
             continue
-        assert tip.direction is not None
-        assert tip.normal is not None
         around[body] = (*around[body], port)
         like = len(sides[tip]) > 1  # two equal bodies share this contact point
         if tip.directed and tip.thin is None and not like:

@@ -97,7 +97,6 @@ def with_tangents(model: BodyModel, axes: FloatArray) -> BodyModel:
         return model
     tips = []
     for tip in model.tips:
-        assert tip.direction is not None  # checked by `_direction`
         tangents = plane_of(tip.direction, axes[1])
         tangents[1] *= math.copysign(1.0, tangents[1] @ axes[2])
         tips.append(replace(tip, tangents=tangents))

@@ -22,11 +22,6 @@ BALL_MASS = 4.0 / 3.0 * math.pi * RADIUS**3 * STEEL.rho
 LAW = ao.Hertz.between(STEEL, RADIUS, STEEL, RADIUS)
 BALL = ao.rigid(mass=BALL_MASS)
 
-# Peak force, N, and duration, s, of the impact of both spheres by resolved contact mechanics:
-# converged explicit simulation with axisymmetric finite elements (6 ... 40 µm at the contact) and
-# unilateral contact; force ± 0.5 N.
-RESOLVED_FORCE, RESOLVED_DURATION = 1014.7, 59.41e-6
-
 # Radius of a contact patch that the mesh supplied with the package resolves, m; the contact radius
 # is 0.32 mm.
 PATCH = 0.003
@@ -79,7 +74,6 @@ def at_one_dof(
     direction : tuple of float
         ± the unit vector of an axis.
     """
-    assert body.nodes is not None
     b = np.zeros(body.nodes.shape)
     b[np.linalg.norm(body.nodes - point, axis=1).argmin()] = direction
     return ao.ContactPoint(body, body.on_dofs(b), np.array(direction))

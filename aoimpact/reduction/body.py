@@ -884,7 +884,6 @@ def ways_of(tip: ContactPoint, push: FloatArray, rigid: FloatArray) -> FloatArra
     first = push / size
     if not tip.translates:
         return first[:, None]
-    assert tip.direction is not None  # a body that translates has a direction
     way = rigid.T @ (tip.body.M @ tip.body.translation(tip.direction))
     rest = way - (first @ way) * first
     rest -= (first @ rest) * first

@@ -52,16 +52,14 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
     if finer is None or finer.mesh is not model.body.mesh:
         return _fitted_alike(model, linear)
     n, rigid, modes = model.body.n_dofs, model.body.rigid_modes, model.modes
-    K, M = finer.K, finer.M
-    # Columns of the dofs of the given body.
-    given_K, given_M = (rows_of(of, 0, n).T for of in (K, M))
-    own_M = given_M.T[:, :n]
-    elastic = model.omega > 0.0
+    # Columns of K and M of the dofs of the given body.
+    K, M = (rows_of(of, 0, n).T for of in (finer.K, finer.M))
+    own_M, elastic = M.T[:, :n], model.omega > 0.0
     tips = [own.finer or own for own in model.tips]
     pressed = []
     members = [np.zeros((n, 0))]
     changes = []
-    loads = [(given_M @ modes * model.omega**2 - given_K @ modes)[:, elastic]]
+    loads = [(M @ modes * model.omega**2 - K @ modes)[:, elastic]]
     each = model.ports // model.places
     for port, (own, tip) in enumerate(zip(model.tips, tips, strict=True)):
         if port % each == 0:
@@ -71,27 +69,26 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
             solver = finer.inverse(s * s, solver=linear)
             if known is not None:
                 pressed.append((port, s, known.radius, solver))
-        b = tip.b - given_M @ (rigid @ (rigid.T @ tip.b[:n]))
         first = model.deflection(s, port)
-        first = first - rigid @ (rigid.T @ (own_M @ first))
-        rest = b - given_K @ first - s * s * (given_M @ first)
-        unbalanced = np.linalg.norm(rest[:n]) > _BALANCED * np.linalg.norm(b[:n])
+        left = tip.b - K @ first - s * s * (M @ first)
+        unbalanced = np.linalg.norm(left[:n]) > _BALANCED * np.linalg.norm(tip.b)
         if unbalanced or np.count_nonzero(elastic) < _TERMS * model.ports:
-            coarse, load = finer.given.inverse(s * s, solver=linear), b[:n]
+            moved = rigid @ (rigid.T @ tip.b[:n])
+            coarse, load = finer.given.inverse(s * s, solver=linear), tip.b[:n] - own_M @ moved
             for _ in range(_TERMS):
                 x, _, load = coarse.solve_roughly(load, solver.rough)
                 members.append(x[:, None])
                 load /= np.linalg.norm(load) or 1.0
-            first = members[-_TERMS][:, 0]
-            rest = b - given_K @ first - s * s * (given_M @ first)
-        loads.append(rest[:, None])
+            first = members[-_TERMS][:, 0] + moved / s**2
+            left = tip.b - K @ first - s * s * (M @ first)
+        loads.append(left[:, None])
         changes.append(solver.solve_roughly(np.hstack(loads))[0])
         loads = []
     space = np.hstack([rigid, m_orthonormal(rigid, modes, own_M)]) if rigid.shape[1] else modes
     space = np.hstack([space, m_orthonormal(space, np.hstack(members), own_M)])
-    forces, space = given_K @ space, finer.appended(space)
-    more = m_orthonormal(space, np.hstack(changes), M)
-    forces, space = np.hstack([forces, K @ more]), np.hstack([space, more])
+    forces, space = K @ space, finer.appended(space)
+    more = m_orthonormal(space, np.hstack(changes), finer.M)
+    forces, space = np.hstack([forces, finer.K @ more]), np.hstack([space, more])
     stiffness = space.T @ forces
     stiffness[: rigid.shape[1]] = stiffness[:, : rigid.shape[1]] = 0.0  # removes rounding errors
     omega2, within = np.linalg.eigh(stiffness)
@@ -122,9 +119,8 @@ def _fitted_alike(model: Body, linear: Solver) -> Body:
         if (known := model.tips[port].extraction) is not None:
             solver = tips[port].body.inverse(known.s**2, solver=linear)
             tips[port] = tips[port].at_impact(known.radius, solver)
-    time = model.contact_time
     slow = model.slow if model.contact_time else math.inf
-    times = {"contact_time": time, "duration": slow}
+    times = {"contact_time": model.contact_time, "duration": slow}
     space = KrylovSpace(tips, sharpened=True, solver=linear, **times)
     wanted = space.rigid_count + elastic + _TERMS * len(tips)
     found = space.of_all(min(wanted, space.body.n_dofs), model.kind)

@@ -136,7 +136,6 @@ class FullModel(Frozen, BodyModel):
         if not isinstance(velocity, np.ndarray):
             return velocity * self.moving if velocity else np.zeros(self.dofs)
         nodes = self.body.nodes
-        assert nodes is not None
         place = self.body.on_dofs(nodes)
         centre = [self.body.com_functional(axis) @ place for axis in np.eye(3)]
         moved: FloatArray = velocity[:3] + np.cross(velocity[3:], nodes - centre)

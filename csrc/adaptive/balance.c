@@ -86,8 +86,7 @@ static void set_equations(const aoi_adaptive *run, double time, aoi_coupled *e)
             e->compliance[i * width + k] =
                 j < e->count ? aoi_system_residual(run->system, contact->contact, run->balanced[j].contact)
                              : 0.0;
-            e->rate_compliance[i * width + k] =
-                time > 0.0 ? e->compliance[i * width + k] / time : 0.0;
+            e->rate_compliance[i * width + k] = time > 0.0 ? e->compliance[i * width + k] / time : 0.0;
         }
     }
 }

@@ -230,8 +230,7 @@ static void start_ledger(aoi_adaptive *run)
         }
     }
     for (size_t b = 0; b < system->body_count; b++) {
-        run->body[b].work =
-            -aoi_modes_bent_work(&system->body[b], run->time, force + system->first_port[b]);
+        run->body[b].work = -aoi_modes_bent_work(&system->body[b], run->time, force + system->first_port[b]);
     }
 }
 

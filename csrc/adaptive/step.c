@@ -255,8 +255,7 @@ static int ends_at_corner(aoi_adaptive *run, size_t s, aoi_attempt *attempt)
 
 void aoi_step_try(aoi_adaptive *run, double h, int level, aoi_attempt *attempt)
 {
-    const int with_rates =
-        aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
+    const int with_rates = aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
     *attempt = (aoi_attempt){.h = h, .place = 2.0};
     for (size_t i = 0; i < run->engaged.count; i++) {
         const size_t b = run->engaged.at[i], before = i > 0 ? run->engaged.at[i - 1] : b;

@@ -60,8 +60,7 @@ static void note_peak(aoi_adaptive *run, const aoi_contact_step *entry, double h
         rate = aoi_legendre_evaluate(AOI_NODES + 1, by_rate, place, &slope);
     }
     if (place < 1.0) {
-        const double indentation =
-            aoi_legendre_evaluate(AOI_NODES + 1, entry->legendre, place, &slope);
+        const double indentation = aoi_legendre_evaluate(AOI_NODES + 1, entry->legendre, place, &slope);
         aoi_law_force(law, entry->memory, entry->piece, indentation, rate, &value);
         aoi_contact_note_peak(run, entry->contact, value.force, place * h);
     }
@@ -314,8 +313,7 @@ static void apply_events(aoi_adaptive *run)
         } else if (s < run->closed_count) {
             apply_event(run, c);
         }
-        run->indentation_scale =
-            fmax(run->indentation_scale, run->contact[c].scales.indentation);
+        run->indentation_scale = fmax(run->indentation_scale, run->contact[c].scales.indentation);
         run->impulse_scale = fmax(run->impulse_scale, run->contact[c].scales.impulse);
     }
 }
@@ -336,8 +334,7 @@ static int advance_friction(aoi_adaptive *run)
 int aoi_step_accept(aoi_adaptive *run, const aoi_attempt *attempt, double *row, size_t *size)
 {
     const double h = attempt->h, later = run->origin + (run->elapsed + (h + run->left_off));
-    const int with_rates =
-        aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
+    const int with_rates = aoi_collocation_wants_rates(run->system, run->closed_count, run->entry);
     int status = aoi_system_rubs(run->system) ? advance_friction(run) : AOI_OK;
     double *of;
     if (status != AOI_OK) {

@@ -176,8 +176,7 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
     const int at_an_end = contact->closed.last_length == 0.0 || normal->indentation[AOI_NODES - 1] <= 0.0;
     const double end_share = at_an_end ? END_SHARE : 1.0;
     const int bent = aoi_contact_has_residual(run, entry->contact);
-    const double tail_share =
-        fmax(TAIL_SHARE * (bent ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
+    const double tail_share = fmax(TAIL_SHARE * (bent ? end_share : 1.0) * run->rtol, 8.0 * DBL_EPSILON);
     const double step_share = STEP_SHARE * end_share * run->rtol;
     aoi_collocation_error error;
     aoi_collocation_estimate(run->system, run->response, h, entry, &error);

@@ -400,21 +400,18 @@ static void find_shares(aoi_sliding *of, const finds *found)
  * force of the path. */
 static int thin_out(const aoi_sliding *of, const motion *along, aoi_slide_path *path)
 {
-    const double stays[2] = {0.0, 0.0};
-    aoi_friction_state *springs = &path->springs;
+    const double stays[2] = {0.0, 0.0}, indentation = path->springs.indentation;
     aoi_friction kept = of->rub.friction;
-    int status = aoi_friction_move(&kept, springs, springs->indentation, 1.0, stays);
-    springs->room = AOI_TRIED_SPRINGS;
-    while (status == AOI_OK && springs->count > AOI_KEPT_SPRINGS) {
-        aoi_oblique_solution found;
-        double place[3];
+    aoi_oblique_solution found;
+    double end[3];
+    int status = aoi_friction_move(&kept, &path->springs, indentation, 1.0, stays);
+    bodies_at(along, 1.0, end);
+    while (status == AOI_OK && path->springs.count > AOI_KEPT_SPRINGS) {
         kept.precision *= 4.0; /* halves the number of springs of a smooth curve */
-        bodies_at(along, 1.0, place);
-        status = aoi_friction_move(&kept, springs, springs->indentation, 1.0, stays);
-        if (status == AOI_OK && (status = look(of, place, path, &found)) == AOI_OK) {
-            memcpy(path->force, found.force, sizeof path->force);
-        }
+        status = aoi_friction_move(&kept, &path->springs, indentation, 1.0, stays);
+        status = status == AOI_OK ? go(of, end, path, &found) : status;
     }
+    path->springs.room = AOI_TRIED_SPRINGS;
     return status;
 }
 

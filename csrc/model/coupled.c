@@ -277,8 +277,7 @@ static double find_merit(const newton *s, iterate *at)
         const double beyond = fabs(at->off[i]) - enough; /* NaN stays NaN */
         const double rate_beyond = fabs(at->rate_off[i]) - s->rounding * rate_size;
         const double compliance = own(e, e->compliance, i);
-        const double of_rate =
-            rate_beyond <= 0.0 ? 0.0 : compliance * at->of_rate[i] * rate_beyond;
+        const double of_rate = rate_beyond <= 0.0 ? 0.0 : compliance * at->of_rate[i] * rate_beyond;
         merit += ((beyond <= 0.0 ? 0.0 : beyond * beyond) + of_rate * of_rate) / compliance;
     }
     return merit;
@@ -503,8 +502,7 @@ static int solve_single(aoi_coupled *e, const aoi_contact_state *contact)
     const aoi_contact_equation equation = {
         free_end, e->compliance[0], e->rate_free[0], e->rate_compliance[0],
         law->pulls ? last : 2.0 * last - contact->last_indentation};
-    const int status =
-        aoi_contact_solve(law, contact->memory, &equation, e->force, e->indentation);
+    const int status = aoi_contact_solve(law, contact->memory, &equation, e->force, e->indentation);
     e->rate[0] = e->rate_free[0] - e->rate_compliance[0] * e->force[0];
     return status;
 }

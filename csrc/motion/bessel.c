@@ -76,8 +76,7 @@ static void exponential_downward(complex_number y, complex_number i0, complex_nu
     complex_number above = {0.0, 0.0}, here = {1e-60, 0.0};
     const complex_number inverse = over((complex_number){1.0, 0.0}, y);
     for (size_t l = count + MARGIN; l > 0; l--) {
-        const complex_number below =
-            sum(above, scaled(times(inverse, here), 2.0 * (double)l + 1.0));
+        const complex_number below = sum(above, scaled(times(inverse, here), 2.0 * (double)l + 1.0));
         above = here;
         here = below;
         if (l - 1 < count) {

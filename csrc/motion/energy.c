@@ -159,8 +159,7 @@ void aoi_modes_free_work(const aoi_modes *body, double from, double to, const do
                            double *work, double *dissipated)
 {
     const int changing = loads_rise(body, from) || aoi_modes_next_bend(body, from) < to;
-    const double gained =
-        changing || body->decay ? energy_of(body, x1, v1) - energy_of(body, x0, v0) : 0.0;
+    const double gained = changing || body->decay ? energy_of(body, x1, v1) - energy_of(body, x0, v0) : 0.0;
     if (!changing) {
         *work = gravity_work(body, x0, x1) + loaded(body, from, x1) - loaded(body, from, x0);
     } else if (!body->decay) {

@@ -109,8 +109,7 @@ static int only_slow(double omega, double within) { return omega * within < HARD
 static bound bound_of(const aoi_free_pair *pair, int side, size_t j, double within)
 {
     const aoi_modes *body = pair->body[side];
-    const double shape =
-        (side == 0 ? 1.0 : -1.0) * body->shape[pair->port[side] * body->n + j];
+    const double shape = (side == 0 ? 1.0 : -1.0) * body->shape[pair->port[side] * body->n + j];
     const double omega = body->omega[j], decay = body->decay ? body->decay[j] : 0.0;
     const double x = pair->x[side][j], v = pair->v[side][j];
     double load, slope;

@@ -118,8 +118,7 @@ static inline void step_row(const aoi_blocks *matrix, size_t b, size_t row, cons
     const size_t i = (size_t)matrix->order[row], at = aoi_four_width(b) * i;
     aoi_single_row(matrix, matrix->values, b, row, step->d, step->r);
     for (size_t k = 0; k < b; k++) {
-        const float change =
-            step->keep * step->d[at + k] + step->add * by_inverse(matrix, b, i, k, step->r);
+        const float change = step->keep * step->d[at + k] + step->add * by_inverse(matrix, b, i, k, step->r);
         step->next[at + k] = change;
         step->x[b * i + k] += change;
     }

@@ -303,8 +303,7 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
     const int piece = (int)of[AOI_TRACK_PIECE];
     double slope;
     aoi_law_value value = {0.0, 0.0, 0.0};
-    const double indentation =
-        aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
+    const double indentation = aoi_legendre_evaluate(AOI_NODES + 1, of + AOI_TRACK_INDENTATION, place, &slope);
     if (piece != AOI_SLACK) {
         aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
         if (law->depends_on_rate && of[AOI_TRACK_EDGE] == AOI_EDGE_NONE) {

@@ -90,8 +90,7 @@ static inline part *add_ringing(plant *p, size_t n, size_t ports, double mass, d
         made->inertia[j] = 1.0;
         for (size_t q = 0; q < ports; q++) {
             const double side = uniform(seed) < 0.5 ? -1.0 : 1.0;
-            made->shape[q * n + j] =
-                (j == 0 ? 1.0 : side * (0.4 + 0.6 * uniform(seed))) / sqrt(mass);
+            made->shape[q * n + j] = (j == 0 ? 1.0 : side * (0.4 + 0.6 * uniform(seed))) / sqrt(mass);
             made->push[q * n + j] = made->shape[q * n + j];
         }
     }

@@ -339,8 +339,7 @@ def test_a_round_beam_is_curved_across() -> None:
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")  # of a coarse mesh
 def test_a_contact_wider_than_a_shell_is_thick_is_said() -> None:
     """√(Rδ) above t/2 warns, and the contact's part of the error is large but finite."""
-    ball = ao.ball(radius=0.05, material=STEEL)
-    tip = sheet(5e-4, 20, 0.1).contact(point=(0.05, 0.05, 0))
+    ball, tip = ao.ball(0.05, STEEL), sheet(5e-4, 20, 0.1).contact(point=(0.05, 0.05, 0))
     for speed in (3.0, 4.0):
         with pytest.warns(ao.AOImpactWarning, match="more than half the thickness of the shell"):
             hit = ao.simulate(ball, tip, speed, quantity="peak_force", rtol=0.05, duration=2e-4)

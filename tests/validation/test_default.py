@@ -76,21 +76,13 @@ def off(hit: ao.Result, force: float) -> tuple[float, float]:
     return abs(hit.peak_force / force - 1.0), error.total
 
 
-@pytest.mark.parametrize("size", [0.008, 0.005, 0.003])
-def test_two_spheres(size: float) -> None:
-    ball = ao.FEModel.from_mesh(ao.sphere_mesh(radius=RADIUS, size=size), material(STEEL))
-    tip = ball.contact(point=(RADIUS, 0, 0))
-    hit = ao.simulate(projectile=tip, target=tip, velocity=1.0)
-    true, said = off(hit, RESOLVED_FORCE)
-    assert true < 3e-3
-    assert true < said
-
-
-@pytest.mark.parametrize("radius", ["auto", 0.0])
-def test_the_paper_s_spheres_on_its_own_mesh(radius: Any) -> None:
-    """Over a patch, and at the paper's single node."""
-    ball = ao.FEModel.from_mesh(ao.paper_sphere_mesh(), material(STEEL))
-    tip = ball.contact(point=(RADIUS, 0, 0), radius=radius)
+@pytest.mark.parametrize(
+    ("size", "radius"), [(8e-3, "auto"), (5e-3, "auto"), (3e-3, "auto"), (None, "auto"), (None, 0)]
+)
+def test_two_spheres(size: float | None, radius: Any) -> None:
+    """Without a size, on the paper's own mesh: over a patch, and at the paper's single node."""
+    mesh = ao.sphere_mesh(radius=RADIUS, size=size) if size else ao.paper_sphere_mesh()
+    tip = ao.FEModel.from_mesh(mesh, material(STEEL)).contact(point=(RADIUS, 0, 0), radius=radius)
     hit = ao.simulate(projectile=tip, target=tip, velocity=1.0)
     true, said = off(hit, RESOLVED_FORCE)
     assert true < 3e-3
