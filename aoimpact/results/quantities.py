@@ -14,7 +14,7 @@ import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, cast
 
@@ -349,6 +349,8 @@ def number_errors(
         than the other: the true motion may touch more often than both.
     """
 
+    moved = cache(partial(_momentum_apart, run))
+
     def find(name: str) -> float:
         if name == "force":
             differences = (times * QUANTITIES[name].difference(run, of) for of, times in others)
@@ -359,7 +361,7 @@ def number_errors(
             theirs = quantity.compared(other)
             apart = np.abs(ours - theirs)
             if on_the_way and quantity.by_momentum is not None:
-                change = quantity.by_momentum(run, _momentum_apart(run, other))
+                change = quantity.by_momentum(run, moved(other))
                 apart = np.maximum(apart, change[: len(apart)])
             scales = quantity.at_least(np.abs(theirs), run.velocities_before)
             absent = math.isnan(quantity.values(other)[at])
