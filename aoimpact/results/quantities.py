@@ -379,8 +379,7 @@ def _momentum_apart(run: Run, other: Run) -> FloatArray:
     """
     first, last = run.touching or (0.0, 0.0)
     times = np.linspace(first, last, _ON_THE_WAY)
-    force = QUANTITIES["force"].history
-    assert force is not None
+    force: Any = QUANTITIES["force"].history
     apart = (force(run, times) - force(other, times))[run.plan.layout.normal]
     passed = np.cumsum(apart, axis=1) * (last - first) / _ON_THE_WAY
     alike = [touch_alike(*of) for of in zip(run.events, other.events, strict=True)]
