@@ -203,11 +203,11 @@ static double time_of_contacts(const aoi_adaptive *run, size_t count)
 /* Returns the force, with a negative value replaced by zero unless the law has adhesion (pulls). */
 static double cut(const aoi_law *law, double force) { return law->pulls ? force : fmax(force, 0.0); }
 
-/* Returns a contact's force after an implicit step of length `time`, s, as a linear function of its rate: member
- * `force` is the force at the rate with unchanged contact forces, `damping` the slope. after = 1: indentations are
- * those at the step's end, and `acts` says which contacts have a force. after = 0: indentations are those at the
- * step's start. The force of a rate-dependent law without adhesion is then zero where it would be negative, and
- * after the event at which it became zero. */
+/* Returns a contact's force after an implicit step of length `time`, s, linearised in its rate: `force` is the
+ * force at the rate that constant contact forces would give, `damping` the derivative with respect to the rate.
+ * after = 1: indentations are those at the step's end, and `acts` says which contacts have a force. after = 0:
+ * indentations are those at the step's start; the force of a rate-dependent law without adhesion is then zero
+ * where it would be negative, and where the step has located the event at which it became zero. */
 static aoi_law_value linear_force(const aoi_adaptive *run, const aoi_coupled *e, size_t i, double time, int after)
 {
     const aoi_contact_state *of = &run->balanced[i];
@@ -247,7 +247,7 @@ static void set_changes(const aoi_adaptive *run, double time, int after, const a
 }
 
 /* Makes one iteration of Newton's method: solves for the changes of the forces, and updates the rates. most: set
- * to the largest change of a rate beyond rounding, m/s. Returns the largest rate, m/s; NaN if there is no
+ * to the largest change of a rate minus its rounding error, m/s. Returns the largest rate, m/s; NaN if there is no
  * solution. */
 static double change_rates(const aoi_adaptive *run, double time, int after, const aoi_coupled *e, double *change,
                            double *most)
@@ -356,8 +356,8 @@ static double least_jump(const aoi_adaptive *run, size_t count)
     return 10.0 * run->rtol * largest;
 }
 
-/* True if a contact becomes slack at once: its law depends on the rate, has no adhesion, and gives a negative
- * force. */
+/* True if a contact becomes slack at a sudden change, because its law depends on the rate, has no adhesion, and
+ * gives a negative force. */
 static int becomes_slack(const aoi_adaptive_contact *contact, const aoi_law *law, double force, double least)
 {
     return contact->closed.piece != AOI_SLACK && !contact->closed.begins && law->depends_on_rate && !law->pulls &&
@@ -374,9 +374,9 @@ static int is_separated(const aoi_adaptive *run, const aoi_contact_state *from, 
            from->rate < -error;
 }
 
-/* Handles a change of the rate's sign at a sudden change. If the step has located the turn as an event, the rate
- * must not become positive again; if the rate has become negative only now, the contact moves to the unloading
- * piece of its law. */
+/* Handles a change of the rate's sign at a sudden change. If the step has located this change (AOI_EVENT_TURN),
+ * the rate must not become positive again; if the rate has become negative only now, the contact moves to the
+ * unloading piece of its law. */
 static void turn(const aoi_law *law, double before, aoi_adaptive_contact *contact)
 {
     if (contact->event == AOI_EVENT_TURN) {
@@ -446,8 +446,8 @@ static void meet(aoi_adaptive *run, const aoi_coupled *e)
     }
 }
 
-/* Lists the closed contacts and, after a pull-off, the step's open contacts, which the contact point may reach.
- * Returns their number. */
+/* Lists the closed contacts and, after a pull-off, the step's open contacts, which the contact point that jumps
+ * back may reach. Returns their number. */
 static size_t list_all(aoi_adaptive *run, int pull_off)
 {
     size_t count = 0;

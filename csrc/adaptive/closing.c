@@ -79,14 +79,15 @@ static double mobility_of(const aoi_free_pair *pair)
     return mobility;
 }
 
-/* Approach of two bodies without contact force: a mean rate and acceleration, and the amplitude and the velocity
- * amplitude of the modes that oscillate within the contact time. */
+/* Approach of two bodies without contact force. rate, acceleration: mean values, without the modes that oscillate
+ * within the contact time; amplitude, amplitude_rate: sums of the amplitudes of displacement and velocity of these
+ * modes, m and m/s. */
 typedef struct approach {
     double rate, acceleration, amplitude, amplitude_rate;
 } approach;
 
-/* Returns the approach over a time, from the rate and acceleration at its start. Modes that oscillate within this
- * time contribute only their amplitude. */
+/* Returns the mean approach over a time, from the rate and acceleration at its start (now). Modes that oscillate
+ * within this time contribute only their amplitudes. */
 static approach mean_approach(const aoi_free_pair *pair, approach now, double time)
 {
     for (int side = 0; side < 2; side++) {
@@ -158,8 +159,9 @@ static double time_of(const approach *by, double reach)
     return reach / (fmax(by->rate, 0.0) + sqrt(fmax(by->acceleration, 0.0) * reach));
 }
 
-/* Sets the base length of a run's steps, and refines the level for a contact that begins: its motion starts like t
- * + t^(7/2), which the first step resolves to rtol. */
+/* Sets the base length of the run's steps, if it is not set, and refines the level of the step length for a
+ * contact that begins: the first step must resolve its motion, which starts like t + t^(7/2), to rtol. time:
+ * compression time, s. */
 static void first_level(aoi_adaptive *run, size_t c, double time)
 {
     if (run->base == 0.0) {
@@ -175,8 +177,8 @@ static void first_level(aoi_adaptive *run, size_t c, double time)
     }
 }
 
-/* Returns the time for which the present rate may last, s. The rate of a massless contact point changes at the
- * next bend of a load, since the point follows a load at once. */
+/* Returns the time for which a contact's present rate of approach may last, s: up to the run's end or, at a
+ * massless contact point, up to the next bend of a load, which the point follows at once. */
 static double time_left(const aoi_adaptive *run, size_t c)
 {
     /* slightly later than now: a bend of a load within rounding of the present time counts as past */
@@ -188,10 +190,10 @@ static double time_left(const aoi_adaptive *run, size_t c)
     return end - aoi_run_now(run);
 }
 
-/* Estimates the scales of a contact that begins, from the mobility of its two ports alone. The scales are lower
- * bounds: the first steps may be too short, but not too long. A mode that oscillates within the contact time
- * contributes at most its amplitude, whatever its velocity. At a massless contact point without mobility there is
- * no estimate. */
+/* Estimates the scales of a contact that begins, from the mobility of its two ports alone. rate: rate of its
+ * indentation; alone: derivatives of the indentation without contact force. The scales are lower bounds: the first
+ * steps may be too short, but not too long. A mode that oscillates within the contact time contributes at most its
+ * amplitude, whatever its velocity. At a massless contact point without mobility there is no estimate. */
 static void estimate_scales(aoi_adaptive *run, size_t c, const aoi_free_pair *pair, double rate, const double *alone)
 {
     aoi_adaptive_contact *contact = &run->contact[c];

@@ -8,8 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Nodes closer than this to a change between sticking and slipping, as a share of the row, are left out: over so
- * short a distance, the difference between the stretches at the node and at the change is mostly their error. */
+/* Nodes closer than this to a change between sticking and slipping, as a share of the row, are left out of the
+ * interpolation of stretches: over so short a distance, the difference between the stretches at the node and at
+ * the change is mostly their error. */
 static const double BESIDE = 0.02;
 
 static const double *tangent_of(const double *of, size_t i)
@@ -17,7 +18,7 @@ static const double *tangent_of(const double *of, size_t i)
     return of + AOI_TRACK_TANGENTS + i * AOI_TRACK_TANGENT_SIZE;
 }
 
-/* Stretches of the friction springs along both tangents, m, at positions in a row (0 to 1). */
+/* Stretches as in enum aoi_row_friction along both tangents, m, at positions (place) in a row, 0 to 1. */
 typedef struct stretches {
     size_t count;
     double place[AOI_NODES + 2], stretch[2][AOI_NODES + 2];
@@ -58,8 +59,8 @@ static int stretches_about(const double *of, double place, stretches *found)
 
 /* The normal force is that of the law. Friction is the normal force times a ratio: mu where all springs slip,
  * otherwise the row's stretch divided by the indentation. The stretch has corners where slip begins or ends;
- * between these it is interpolated by Lagrange's polynomial and limited to its bound. With this ratio, the
- * compliance taken out of the law can be written as one of the normal force alone. */
+ * between these it is interpolated by Lagrange's polynomial and limited to mu times the indentation. With this
+ * ratio, the compliance taken out of the law can be written as one of the normal force alone. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent)
 {
     const double *coupled = contact->compliance;
@@ -158,9 +159,9 @@ double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double
     return stored;
 }
 
-/* Returns the value at a position, interpolated linearly between the values at the nodes, or at the points of an
- * edge, and the values `from` at `low` and `to` at `high`. from = NaN: the value is constant from `low` to the
- * next point. */
+/* Returns the value at a position, interpolated linearly between the values at the nodes, or at an edge's
+ * quadrature points, and the values `from` at `low` and `to` at `high`. from = NaN: the value is constant from
+ * `low` to the next point. */
 static double interpolated(const double *of, int first, double place, double low, double from, double high, double to)
 {
     const double *points = aoi_radau_edge_point[(enum aoi_edge)of[AOI_TRACK_EDGE]];

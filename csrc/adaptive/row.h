@@ -20,10 +20,10 @@ enum aoi_row_body { AOI_TRACK_BODY = 0, AOI_TRACK_BODY_WORK, AOI_TRACK_BODY_LOST
 /* Values of a contact in a row.
  *   CONTACT        index of the contact
  *   BEGINS, ENDS   1 if its force begins at the row's start (BEGINS) or ends at its end (ENDS), else 0
- *   EDGE           enum aoi_edge with which the step was solved
+ *   EDGE           enum aoi_edge with which the step was solved: whether its force begins or ends in it
  *   PIECE, MEMORY  piece and memory of its law
- *   WORK, LOST     work done on it before the row, energy lost at the row's end, J
- *   RATE           rate of the indentation when its force began, m/s
+ *   WORK, LOST     work of its force before the row, energy lost in a pull-off at the row's end, J
+ *   RATE           rate of the indentation at the last time when its force began, m/s
  *   START_FORCE    force at the row's start, N
  *   FORCE          forces at the nodes, N
  *   INDENTATION    Legendre coefficients of the indentation, m
@@ -48,12 +48,13 @@ enum aoi_row_contact {
 /* Further values of a contact with friction. The stretch here is the ratio of friction to the normal force, times
  * the indentation of the bodies.
  *   SLIDE_WORK  work on slides before the row, less the energy of the stretches at the run's start, J
- *   DISSIPATED  dissipated part of this work, J: at the row's start, at the nodes or the points of an edge, and at its end
+ *   DISSIPATED  dissipated part of this work, J: at the row's start, at the nodes or an edge's quadrature points, and
+ *               at the row's end
  *   STUCK       stuck share of the indentation, at the same places
  *   SLIPS       1 if all springs slip at the row's start, else 0
- *   CHANGES     places where SLIPS changes; 2: no further change
- *   TANGENTS    for each tangent: the force at the start and the nodes; the stretch there and at the
- *               changes; the Legendre coefficients of the slide */
+ *   CHANGES     positions (0 to 1) at which all springs begin or cease to slip; 2: no further change
+ *   TANGENTS    for each tangent: friction at the start and the nodes; the stretch there and at the CHANGES; the
+ *               Legendre coefficients of the slide */
 enum aoi_row_friction {
     AOI_TRACK_SLIDE_WORK = AOI_TRACK_CONTACT_SIZE,
     AOI_TRACK_DISSIPATED,
@@ -82,8 +83,8 @@ static inline size_t aoi_row_contact_size(const aoi_contact *contact)
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent);
 
 /* Sets `force` to the values, at the nodes of the part of a row up to `place`, of the polynomial of the contact
- * force (with friction, of all three forces). h: length of the row, s. At an edge the polynomial is fitted anew on
- * that part, since the row's own polynomial is a fit over the whole row. */
+ * force (with friction, of all three forces). h: length of the row, s. In a row with an edge the polynomial is
+ * fitted anew on that part, since the row's own polynomial is a fit over the whole row. */
 void aoi_row_forces(const aoi_contact *contact, const double *of, double h, double place, double force[3][AOI_NODES]);
 
 /* Return the work of friction up to a position in a row, including the work before the row, J.
@@ -94,7 +95,7 @@ double aoi_row_slide_work(const aoi_contact *contact, const double *of, double p
 double aoi_row_slide_stored(const aoi_contact *contact, const double *of, double place);
 
 /* Returns the value at a position in a row, interpolated linearly between the values at the row's start, at the
- * nodes or the points of an edge, and at the row's end. first: index of the value at the start. */
+ * nodes or an edge's quadrature points, and at the row's end. first: index of the value at the start. */
 double aoi_row_between(const double *of, int first, double place);
 
 /* Returns the stuck share of the indentation at a position in a row: 0 while all springs slip, else interpolated

@@ -40,8 +40,9 @@ static const double LEAST_SHRINKAGE = 0.06;
  * 0.13 to 1.2 no run changes. */
 static const double UNCONFIRMED = 0.5;
 
-/* Least growth that the error of a step must allow for the events in that step to be used. Below it the error is
- * too large, and the events are ignored. Measured: from 0.03 to 0.3 work changes by 0.3 %. */
+/* Least growth of the step length that the error of a step must allow for the events in that step to be used.
+ * Below it the error is too large, and the events are ignored. Measured: from 0.03 to 0.3 work changes by 0.3
+ * %. */
 static const double TRUSTED = 0.1;
 
 /* ------------------------------------------------------------------------------ work space */
@@ -129,7 +130,8 @@ static void lay_out_body(const aoi_adaptive *run, const aoi_system *system, size
     }
 }
 
-/* Number of springs reserved per contact: two arrays for each of its paths and for the trial path. */
+/* Number of springs reserved per contact with friction: two arrays for each of its paths, and two for the trial
+ * path. */
 enum { OF_SLIDING = 2 * (AOI_PATHS + 1) * AOI_SPRINGS };
 
 /* Lays out the arrays of a run behind its struct, in `block`; if block is NULL, only the bytes are counted.
@@ -211,8 +213,9 @@ static int start_closed(aoi_adaptive *run, size_t c)
     return AOI_OK;
 }
 
-/* Excludes the work that loads and closed contacts have done on residual compliances before the start from the
- * recorded work. */
+/* Starts the recorded work of each body at minus aoi_modes_bent_work, which dense output adds at every time: the
+ * work that loads have done before the start, on deflections of residual compliances under contact forces, is not
+ * recorded. */
 static void start_ledger(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
@@ -234,8 +237,8 @@ static void start_ledger(aoi_adaptive *run)
     }
 }
 
-/* Sets the time of the next halt: until then, no load has more than AOI_MOST_BENDS bends divided by the number of
- * modes. */
+/* Sets the time of the next halt, at which all bodies are advanced: until then, each load has at most
+ * AOI_MOST_BENDS bends divided by the number of modes. */
 static void set_halt(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
@@ -254,8 +257,8 @@ static void set_halt(aoi_adaptive *run)
 }
 
 /* FINEST_CURVE: smallest value of the precision of a curve of stretches, at which the curve takes 1000 springs;
- * otherwise the precision is the smaller of the contact's own and rtol. WITHIN_STEP: factor on the precision
- * within a step. NEWTON_SHARE: ratio of the tolerance of Newton's method to rtol. */
+ * otherwise the precision is the smaller of the contact's own and rtol. WITHIN_STEP: factor on this precision for
+ * the paths within a step. NEWTON_SHARE: ratio of the tolerance of Newton's method to rtol. */
 static const double FINEST_CURVE = 4e-6, WITHIN_STEP = 0.01, NEWTON_SHARE = 1e-2;
 
 static void begin_sliding(const aoi_adaptive *run, const aoi_contact *of, aoi_sliding *sliding, aoi_stretch *spring)
@@ -352,8 +355,8 @@ aoi_peak aoi_adaptive_peak(const aoi_adaptive *run, size_t contact)
  * to the run's end. */
 static int is_simple(const aoi_modes *body) { return body->n == 1 && body->omega[0] == 0.0; }
 
-/* Finds when the bodies of a watched contact touch, up to the time `limit`. The states of both bodies are copied,
- * and the copies advanced to that time. */
+/* Finds when the bodies of a watched contact touch, up to the time `limit`, and sets flight.until and
+ * flight.touches. copy: set to the states of both bodies at flight.until. */
 static int look_ahead(aoi_adaptive *run, size_t c, double limit, double *copy)
 {
     const aoi_system *system = run->system;
@@ -517,8 +520,9 @@ static void refine(aoi_adaptive *run, double h)
     run->saved = 0.0;
 }
 
-/* Takes a coarser level if the error allows it. A step at least twice as long is taken at once. A smaller increase
- * waits until the number of steps that it would have saved so far equals the cost of new tables, in steps. */
+/* Takes a coarser level, of longer steps, if the error allows the step length to grow by the factor `growth`. A
+ * step at least twice as long is taken at once. A smaller increase waits until the number of steps that it would
+ * have saved so far equals the cost of new tables, in units of a step's cost. */
 static void coarsen(aoi_adaptive *run, double growth)
 {
     const double longer = AOI_LEVELS * log2(fmin(growth, AOI_MOST_GROWTH));

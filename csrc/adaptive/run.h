@@ -19,8 +19,9 @@ enum { AOI_TABLES = 12 };
  * on it. The largest of its roles prevails. */
 enum aoi_part { AOI_FREE_MOTION = 0, AOI_WATCHED, AOI_UNDER_FORCE };
 
-/* State of a body in a run: the time at which its x and v hold, and the tables of responses for the last step
- * lengths. */
+/* State of a body in a run. time: at which its x and v hold, s; work, dissipated: work of loads and gravity, and
+ * energy dissipated by damping, up to that time, J; table, table_level, table_use: responses for the last step
+ * lengths, the levels of these lengths, and when each table was last used. */
 typedef struct aoi_adaptive_body {
     double time;
     int engaged; /* role in this step, an aoi_part */
@@ -47,8 +48,8 @@ typedef struct aoi_flight {
 typedef struct aoi_closed {
     double start, rate, force;
     double touch_rate; /* rate at the last start of its force, before a sudden change of the rate, m/s */
-    int begins, piece;
-    double low, high; /* ends of the law's piece, m */
+    int begins, piece; /* begins: 1 if the force begins at the start of the next step */
+    double low, high;  /* ends of the law's piece, m */
     /* largest length of the contact's last step, s, that the error of its first step allows; 0: not known */
     double edge;
     /* length and indentation polynomial of the last step, to guess the next */
@@ -111,7 +112,7 @@ struct aoi_adaptive {
     aoi_list closed;     /* indices of closed contacts, ascending                         */
     aoi_list watched[2]; /* open contacts in free motion: [0] no touch found so far, [1] touch found */
     aoi_list engaged, changed; /* bodies in this step; bodies changed since their last row */
-    size_t span, row_size;
+    size_t span, row_size; /* aoi_system_span and aoi_adaptive_room */
     int crowded; /* 1: contact equations are solved in terms of the bodies' modes (crowd.c) */
     /* closed_count: number of entries of closed contacts, which come first; entry_count: of all contacts in the
      * step */
@@ -121,7 +122,7 @@ struct aoi_adaptive {
     /* table_cost: cost of new tables, in units of a step's cost; saved: number of steps that a coarser level would
      * have saved */
     double table_cost, saved;
-    double base;
+    double base; /* step length of level 0, s; 0: not set */
     double indentation_scale, impulse_scale; /* largest indentation and impulse scales of the closed contacts */
     double force_scale; /* largest force of the closed contacts, so far or expected, N; 0 if only one is closed */
     double origin, elapsed; /* the time is their sum: short steps late in a run would otherwise be lost in rounding */
@@ -146,9 +147,9 @@ enum {
 };
 
 /* Relative error of the rates found after a sudden change. This is also the tolerance of Newton's method for these
- * rates, and for the last change of the forces in equilibrium: the error that remains is the square of that
- * change, since laws are nearly linear there. Measured: from 3e-9 to 3e-8 errors and work are the same. At a start
- * from rest, a jump of the force by this share of the largest force may come from this error. */
+ * rates, and for the last change of the forces in equilibrium: the error of the forces that remains is the square
+ * of that change, since laws are nearly linear there. Measured: from 3e-9 to 3e-8 errors and work are the same. At
+ * a start from rest, a jump of the force by this share of the largest force may come from this error. */
 #define AOI_RATE_ERROR 1e-8
 
 /* Largest factor by which the step length grows after an accepted step. Measured: 3 costs 0.4 % more work, 24
@@ -283,7 +284,8 @@ int aoi_step_at_start(aoi_adaptive *run, double place);
 double aoi_release_after(const aoi_adaptive *run, double within);
 
 /* Returns the length of the next step, s, at most h. If the only closed contact is about to separate, the length
- * is reduced so that the last step ends at separation and is short enough for the error at an edge. */
+ * is reduced so that the last step ends at separation and is short enough for the error of a step in which a force
+ * ends. */
 double aoi_release_step(const aoi_adaptive *run, double h);
 
 /* Closes a contact in the present state of its bodies. */

@@ -14,11 +14,11 @@
 #include <math.h>
 #include <string.h>
 
-/* A step ends at an edge if the predicted separation is closer to its end than this share of its length. Measured:
- * from 0.03 to 0.3 work changes by 0.3 %. */
+/* A step counts as ending at an edge, the end of a contact force, if the predicted separation is closer to its end
+ * than this share of its length. Measured: from 0.03 to 0.3 work changes by 0.3 %. */
 static const double EDGE_WIDTH = 0.1;
 
-/* Least value to which the change of an indentation in Newton's method is relative, as a share of the largest
+/* Least scale that changes of an indentation in Newton's method are divided by, as a share of the largest
  * indentation. Measured: from 1e-12 to 1e-3 errors and work are the same. */
 static const double NEWTON_SHARE = 1e-6;
 
@@ -66,8 +66,8 @@ static void make_response(aoi_adaptive *run, size_t b, double h, int level, int 
     run->response[b] = body->table[oldest];
 }
 
-/* Sums, on each port, the contact forces on residual compliances, which are held constant in a step. Returns
- * whether there are any. */
+/* Sums, on each port, the contact forces on residual compliances, which the homogeneous motion of a step holds
+ * constant. Returns whether any of them is not zero. */
 static int gather_constant(aoi_adaptive *run)
 {
     const aoi_system *system = run->system;
@@ -157,8 +157,8 @@ static void guess_slide(const aoi_adaptive_contact *contact, double h, double us
     entry->scale = fmax(fmax(largest, stretch * contact->scales.indentation), NEWTON_SHARE * usual);
 }
 
-/* Returns the edge of a contact in a step of length h: AOI_EDGE_START or AOI_EDGE_END if its force begins or ends
- * there. */
+/* Returns the edge of a contact in a step of length h: AOI_EDGE_START if its force begins at the start,
+ * AOI_EDGE_END if its force ends near the end, else AOI_EDGE_NONE. */
 static enum aoi_edge edge_of(const aoi_adaptive *run, size_t c, double h)
 {
     const aoi_adaptive_contact *contact = &run->contact[c];

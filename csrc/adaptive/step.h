@@ -51,8 +51,8 @@ static inline int aoi_step_may_peak(const aoi_adaptive_contact *contact, const a
 }
 
 /* Returns the force scale of a contact, N: the largest of its force so far, the force expected at its touch,
- * `largest`, and LESSER_SHARE times the largest force of the closed contacts. The last matters where a wave or a
- * load has just reached the contact: its force starts like a power of time, and an error relative to this force
+ * `largest`, and LESSER_SHARE times the largest force of the closed contacts. LESSER_SHARE matters where a wave or
+ * a load has just reached the contact: its force starts like a power of time, and an error relative to this force
  * alone would not decrease with the step length. */
 static inline double aoi_step_force_scale(const aoi_adaptive *run, const aoi_contact_step *entry, double largest)
 {
@@ -81,8 +81,9 @@ static inline int aoi_body_has_ledger(const aoi_modes *body)
     return body->gravity || body->decay || body->load.count > 0;
 }
 
-/* Returns the factor by which the error of this contact would allow the step to be longer. Sets the entry's
- * Legendre series and, at an edge, the length that its error allows the last step. */
+/* Returns the factor by which the errors of this contact would allow the step to be longer. Sets the entry's
+ * Legendre series and, in a step with an edge, closed.edge, the length that its error allows the contact's last
+ * step. */
 double aoi_step_growth(aoi_adaptive *run, aoi_contact_step *entry, double h);
 
 /* Finds the events of a closed contact in the step, and notes the first one. */

@@ -15,8 +15,8 @@
 
 /* Returns the position of the largest maximum of the force in the step (0 to 1); 1 if there is none inside. For an
  * elastic law it is the position of the largest indentation, for a rate-dependent law that of the maximum of the
- * polynomial through the forces at the nodes. At an edge the step's own force polynomial, a least-squares fit, is
- * not used: it may differ from the forces at the nodes by 1 %. */
+ * polynomial through the forces at the nodes. In a step with an edge, its own force polynomial, a least-squares
+ * fit, is not used: it may differ from the forces at the nodes by 1 %. */
 static double top_of(const aoi_law *law, const aoi_contact_step *entry)
 {
     double place, value, by_force[AOI_NODES];
@@ -100,8 +100,8 @@ static void move_bodies(aoi_adaptive *run, double h, double later)
     }
 }
 
-/* Returns the largest indentation at the start and the nodes, m; if the law has a limit, also that between the
- * nodes. */
+/* Returns the largest indentation at the start and the nodes, m; if the law has a limit, also the largest between
+ * the nodes. */
 static double deepest(const aoi_law *law, const aoi_contact_step *entry)
 {
     const double at_nodes = aoi_step_indentation(entry);
@@ -122,8 +122,8 @@ static int stands(const aoi_law *law, const aoi_contact_step *entry)
     return all;
 }
 
-/* Returns the force of a contact at the end of a step, N. At an edge it is the law's, since the force's polynomial
- * is a least-squares fit. */
+/* Returns the force of a contact at the end of a step, N. In a step with an edge it is the law's force, since the
+ * force polynomial is a least-squares fit. */
 static double force_at_end(const aoi_law *law, const aoi_contact_step *entry)
 {
     aoi_law_value value;
@@ -197,7 +197,7 @@ static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double
     return AOI_OK;
 }
 
-/* Sets the piece of its law on which a closed contact continues, and its force on that piece. */
+/* Sets the piece of the law on which a closed contact continues, and the contact's force on that piece. */
 static void take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising)
 {
     aoi_law_value value;

@@ -1,11 +1,12 @@
 /* The errors of a step relative to their tolerances, and the length of the next step.
  *
  * Two errors are kept below rtol in each step. The last coefficients of the indentation's Legendre series measure
- * how well the polynomial follows the motion within the step, hence the peak. The integrated defect of the force
- * between the nodes measures the error at the end of the step, hence impulse, velocities and later times. With
- * Radau nodes the second error is far smaller than the first, except at the beginning and end of a contact, where
- * the force is like d^(3/2). Both errors are found at a few points, and miss modes that oscillate many times
- * within the step. The effect of these modes on the force is bounded in step_ring.c, and kept below rtol as well. */
+ * how well the polynomial follows the motion within the step, hence the peak. The difference between the law's
+ * force and the force polynomial, integrated over the step, measures the error at its end, hence impulse,
+ * velocities and later times. With Radau nodes the second error is far smaller than the first, except at the
+ * beginning and end of a contact, where the force is like d^(3/2). Both errors are found at a few points, and miss
+ * modes that oscillate many times within the step. The effect of these modes on the force is bounded in
+ * step_ring.c, and kept below rtol as well. */
 #include "adaptive/run.h"
 #include "adaptive/step.h"
 #include "linear/vector.h"
@@ -21,19 +22,21 @@
 #include <math.h>
 
 /* TAIL_SHARE, STEP_SHARE: shares of rtol for the error within a step (last coefficients of the polynomial) and for
- * the error at the end of one step. Errors at the ends add up over some twenty steps of a contact, and grow from
- * one contact to the next. See the table in ../README.md. */
+ * the error at the end of one step. Errors at the ends of steps add up over some twenty steps of a contact, and
+ * grow from one contact to the next. See the table in ../README.md. */
 static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 
 /* Factor on STEP_SHARE, and at a residual compliance also on TAIL_SHARE, in the first and last step of a contact.
- * There the force is not a smooth function of time, and the quadrature of its defect misses part of the error. */
+ * There the force is not a smooth function of time, and the quadrature of its difference from the polynomial
+ * misses part of the error. */
 static const double END_SHARE = 0.03;
 
 /* Largest length of a trial step, as a share of the length that the error allows: see ../README.md. */
 static const double CAUTION = 0.9;
 
-/* Largest growth of the step length after a step whose error does not predict that of the next: a step with an
- * edge, or of a slack contact, whose bodies overlap although the law's force is cut at zero. See ../README.md. */
+/* Largest growth of the step length after a step whose error does not predict that of the next: a step in which a
+ * force begins or ends (an edge), or of a slack contact, whose bodies overlap although the law's force is cut at
+ * zero. See ../README.md. */
 static const double BLIND_GROWTH = 2.0;
 
 /* Upper limit of the length that the error allows the last step of a contact, in units of the length of its first
@@ -60,10 +63,10 @@ static double steepness_of(const aoi_adaptive *run, const aoi_contact_step *entr
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
 
-/* Returns the size of the last coefficients of the force's polynomial, N. Under a rate-dependent law, the motion
- * of light contact masses and stiff oscillators shows in the force long before it shows in the indentation. At a
- * massless contact point the force may change faster than the indentation, within the relaxation time of law and
- * residual compliance. */
+/* Returns the size of the last Legendre coefficients of the force's polynomial, N, an estimate of its error. Under
+ * a rate-dependent law, the motion of light contact masses and stiff oscillators shows in the force long before it
+ * shows in the indentation. At a massless contact point the force may change faster than the indentation, within
+ * the relaxation time of law and residual compliance. */
 static double force_tail(const aoi_contact_step *entry)
 {
     double c[4];
@@ -79,8 +82,8 @@ static double force_scale(const aoi_adaptive *run, const aoi_contact_step *entry
     return aoi_step_force_scale(run, entry, aoi_step_force(entry));
 }
 
-/* Returns the size of the last coefficients of the rate's polynomial, m/s. It is fitted to the nodes without the
- * start, since the rate of a massless contact point jumps where a force begins or ends. */
+/* Returns the size of the last Legendre coefficients of the rate's polynomial, m/s. The polynomial is fitted to
+ * the nodes without the start, since the rate of a massless contact point jumps where a force begins or ends. */
 static double rate_tail(const aoi_contact_step *entry)
 {
     return fabs(aoi_vector_dot(AOI_NODES, aoi_radau_to_legendre[AOI_NODES - 1], entry->rate)) +
@@ -88,8 +91,9 @@ static double rate_tail(const aoi_contact_step *entry)
 }
 
 /* Returns an estimate of the error of a rate-dependent force whose maximum lies inside a step with an edge, N; 0
- * if it does not lie inside. The force's polynomial gives no estimate there. The rate's Legendre coefficients
- * decay slowly, like a power of the degree, so that the sum of those left out exceeds the last ones. */
+ * if the maximum does not lie inside. In such a step the force's polynomial gives no estimate. The rate's Legendre
+ * coefficients decay slowly, like a power of the degree: those left out add up to more than the last ones. tail:
+ * error of the indentation, m. */
 static double edge_force_error(const aoi_law *law, const aoi_contact_step *entry, double tail)
 {
     double largest = 0.0;
@@ -116,9 +120,10 @@ static int load_bent(const aoi_adaptive *run, const aoi_contact_step *entry)
            aoi_modes_next_bend(&run->system->body[of->body[1]], now - slack) <= now + slack;
 }
 
-/* Returns the jump of the step's force polynomial from the force at the step's start, N, where the force should be
- * continuous: the nodes do not resolve a kink of a load there. At a massless contact point the force may jump,
- * except at the start of a run from rest. Where a jump is allowed, 0 is returned. */
+/* Returns the difference between the step's force polynomial at the start and the force at the start, N, where the
+ * force is continuous and the nodes may not resolve it: a load has a kink there, in a step without an edge, or, at
+ * a massless contact point, a run starts from rest. Returns 0 in all other cases; at a massless contact point the
+ * force may then jump. */
 static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     const int bent = aoi_contact_has_residual(run, entry->contact);
@@ -127,20 +132,22 @@ static double force_jump(const aoi_adaptive *run, const aoi_contact_step *entry)
     return goes_on ? fabs(aoi_nodes_at_start(entry->force) - entry->start_force) : 0.0;
 }
 
-/* True if the contact's largest force may lie inside the step. Otherwise the error of the force is measured by its
- * impulse in the step: at a massless contact point a force may begin like t^(1/4), and its relative error then
- * does not decrease with the step length. */
+/* True if the contact's largest force may lie inside the step; wrong: error of the force, N. Otherwise this error
+ * is compared with the impulse scale divided by the step length: at a massless contact point a force may begin
+ * like t^(1/4), and its relative error then does not decrease with the step length. */
 static int may_top(const aoi_adaptive_contact *contact, const aoi_contact_step *entry, double wrong)
 {
     const double largest = aoi_step_force(entry);
     return largest > entry->force[AOI_NODES - 1] && largest + wrong > contact->ledger.peak.force;
 }
 
-/* Errors of a step relative to their tolerances: within the step (within) and at its end (handed_on). ripple:
- * tolerance of force oscillations that the nodes do not resolve, N. */
+/* Errors of a step, each divided by its tolerance (above 1: the step is too long). within: of indentation and
+ * force within the step; handed_on: of impulse and indentation at its end; drift: of friction, whose springs
+ * follow the slide along straight parts. ripple is no error, but the tolerance of force oscillations that the
+ * nodes do not resolve, N. */
 typedef struct errors {
     double within, handed_on, ripple;
-    double drift; /* error of friction due to the straight parts of its paths, relative to its tolerance */
+    double drift;
 } errors;
 
 /* Least friction, as a share of Coulomb's bound, that errors of friction are compared with: smaller friction is
@@ -160,7 +167,7 @@ static double friction_share(const aoi_adaptive *run, const aoi_contact_step *no
     return fmin(fmax(share, LEAST_FRICTION * sliding->rub.friction.mu), sliding->rub.friction.mu);
 }
 
-/* Finds the errors of a step relative to their tolerances, none of which is below a few roundings. */
+/* Finds the errors of a step, each divided by its tolerance, which is at least a few rounding errors. */
 static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double h, errors *of)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];
@@ -214,9 +221,9 @@ static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
     return scale;
 }
 
-/* Returns the admissible growth of the step while a contact is slack. Its motion is then exact, but the rate must
- * be resolved well enough to find where the force rises above zero again. Rounding errors of the rate are
- * subtracted, since they are larger in shorter steps. */
+/* Returns the admissible growth of the step length while a contact is slack. The contact's motion is then exact,
+ * but the rate must be resolved well enough to find where the force rises above zero again. Rounding errors of the
+ * rate are subtracted, since they are larger in shorter steps. */
 static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entry, double h, double within)
 {
     const double scale = aoi_step_scale(run, entry, aoi_step_indentation(entry));
@@ -229,9 +236,10 @@ static double slack_growth(const aoi_adaptive *run, const aoi_contact_step *entr
     return unresolved > 1.0 ? fmin(growth, CAUTION) : fmin(fmax(growth, 1.0), BLIND_GROWTH);
 }
 
-/* Returns the growth that friction allows in a step where slip may begin or end. The drift and the error of the
- * impulse are of about the order in the step length that a kink of the rate gives. The error of the impulse counts
- * only if it is too large. */
+/* Returns the factor by which the step length may grow in view of the errors of friction. Where slip begins or
+ * ends within a step, the rate of friction has a kink; both the drift and the error at the step's end (handed_on)
+ * are then proportional to about the power KINK_ORDER of the step length. handed_on counts only above 1, its
+ * tolerance. */
 static double sliding_growth(const errors *of)
 {
     const double worst = fmax(of->drift, of->handed_on > 1.0 ? of->handed_on : 0.0);
@@ -239,14 +247,15 @@ static double sliding_growth(const errors *of)
     return worst > 1.0 ? growth : fmax(growth, 1.0);
 }
 
-/* Returns the growth of the step length that the errors allow. At an edge, errors grow like the powers of time
- * that a polynomial cannot represent: a force like d^(3/2) gives t^(7/2) in the motion and t^(5/2) in the impulse. */
+/* Returns the growth of the step length that the errors allow. In a step with an edge, errors grow like the powers
+ * of time that a polynomial cannot represent: a force like d^(3/2) gives t^(7/2) in the motion and t^(5/2) in the
+ * impulse. */
 static double growth_of(aoi_adaptive_contact *contact, const aoi_contact_step *entry, double h, const errors *of)
 {
     const int at_edge = entry->edge != AOI_EDGE_NONE;
     const double by_tail = at_edge ? 3.5 : AOI_NODES + 1, by_impulse = at_edge ? 2.5 : 2 * AOI_NODES;
     double growth = CAUTION * pow(of->within, -1.0 / by_tail);
-    /* otherwise the error within the step allows the smaller growth */
+    /* otherwise `within` allows the smaller growth */
     if (of->within > 1.0 || of->handed_on > of->within * of->within) {
         growth = fmin(growth, CAUTION * pow(of->handed_on, -1.0 / by_impulse));
     }

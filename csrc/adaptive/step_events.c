@@ -121,8 +121,8 @@ static void force_events(aoi_adaptive *run, const aoi_contact_step *entry, aoi_a
     leaves(values, tolerance, kind, contact, attempt);
 }
 
-/* Moves the turn of an indentation to the start of a step if the indentation would grow by less than the tolerance
- * before it: in shorter steps, rates are dominated by rounding. */
+/* Moves the event AOI_EVENT_TURN to the start of a step if the indentation would grow by less than the tolerance
+ * before that event: in shorter steps, rates are dominated by rounding. */
 static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adaptive_contact *contact,
                      aoi_attempt *attempt)
 {
@@ -132,8 +132,8 @@ static void turn_now(const aoi_contact_step *entry, double tolerance, aoi_adapti
     }
 }
 
-/* True if a contact at a massless contact point has separated within rounding: a step as short as the rest of the
- * contact would have rates dominated by rounding. */
+/* True if a contact at a massless contact point has separated within rounding: in a step as short as the time left
+ * to separation, rates are dominated by rounding. */
 static int is_over(const aoi_adaptive *run, const aoi_contact_step *entry, double rest, double tolerance)
 {
     const aoi_adaptive_contact *contact = &run->contact[entry->contact];

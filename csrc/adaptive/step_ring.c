@@ -71,8 +71,8 @@ static double amplitude_of(const aoi_adaptive *run, size_t b, size_t port, size_
 }
 
 /* Terms of the response of a contact's force to a small oscillation of its indentation. stiffness, damping: slopes
- * of the law at the deepest node; compliance: that of the fast modes of both bodies, which reduces the response,
- * m/N. */
+ * of the law at the deepest node; compliance: residual compliance plus that of the fast modes of both bodies, m/N,
+ * which reduces the response. */
 typedef struct reaction {
     double stiffness, damping, compliance;
 } reaction;

@@ -109,7 +109,7 @@ typedef struct equations {
     double *right;         /* right-hand side, then solution           */
 } equations;
 
-/* Lays out the equations in the work space, behind the influences. */
+/* Lays out the arrays of the equations from `work` on, the part of the work space after the couplings. */
 static equations lay_out(size_t count, size_t span, double *work)
 {
     const size_t n = count * AOI_NODES, half = AOI_NODES * (span + 1) - 1;

@@ -102,7 +102,8 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
     p->size = 0.0;
     for (int i = 0; i < 3; i++) {
         double sum = 0.0, all = fabs(p->place[i]) + fabs(e->free[i]);
-        /* the state's indentation is a term as well, since free[0] may be 0 at the end of a contact */
+        /* all: scale of the rounding error of the residual. The indentation of the friction state counts too: at
+         * the end of a contact free[0] may be 0, and the scale would be too small. */
         all += i == 0 ? fmax(state->indentation, 0.0) : 0.0;
         for (int j = 0; j < 3; j++) {
             const double c = e->compliance[i][j];

@@ -116,8 +116,8 @@ static void plastic_force(const aoi_law *law, const double *memory, int piece, d
         load(law, piece, indentation, value);
         return;
     }
-    /* d - d_p is computed from the distance to the deepest point: after an impact far beyond yield it is a small
-     * difference. */
+    /* d - d_p is computed as (d* - d_p) - (d* - d), from the stored d* - d_p: far beyond yield d_p is almost as
+     * large as d, and subtracting it would lose digits. */
     const double reach = memory[REACH];
     const double past = reach - (memory[DEEPEST] - (indentation > 0.0 ? indentation : 0.0));
     const double share = past > 0.0 ? past / reach : 0.0, root = sqrt(share);

@@ -33,7 +33,8 @@ typedef struct aoi_contact_state {
     /* for Newmark's rule: indices of the ports of both bodies, among the ports of all bodies */
     size_t port[2];
     size_t contact;                  /* in adaptive/balance.c: index of the contact            */
-    /* in adaptive/balance.c: 1 if the contact has a force while indentations are found */
+    /* in adaptive/balance.c: 1 if the contact may have a force in the equilibrium after an event; the forces of
+     * the others are set to zero */
     int acts;
     double force, indentation, rate; /* at the end of the last step                            */
     double last_indentation;         /* the indentation one step before                        */
