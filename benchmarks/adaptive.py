@@ -191,7 +191,7 @@ def ratio_text(ratio: float) -> str:
 
 
 def print_fixed_cost() -> None:
-    """Print the time of a call for two rigid bodies minus that of its integration."""
+    """Print the time of a call for two rigid bodies minus the time of its integration."""
     scene, solver = rigid_pair(), ao.Adaptive(rtol=1e-6)
     plan = plan_of(scene)
     whole = best_time(lambda: ao.simulate(**scene, solver=solver).peak_force)

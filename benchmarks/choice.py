@@ -9,8 +9,9 @@ the returned models. The true error, printed in multiples of the tolerance, is t
 models of 150 oscillators or more. Bodies have 10 000 to 180 000 dofs at --size 1 (elements half as
 large at .5); six of them are meshed by gmsh. Times are processor times with one thread, of the
 first call of each: nothing is kept from one call to the other. --full also times Newmark's rule on
-the full model, with the largest step whose error is not larger. The quantity of --quantity stress
-is von Mises' equivalent stress 20 mm from the contact, and times include its history.
+the full model, with the largest step for which its error is not above that of the returned models.
+The quantity of --quantity stress is von Mises' equivalent stress 20 mm from the contact, and times
+include its history.
 """
 
 from __future__ import annotations
@@ -49,8 +50,7 @@ REFERENCE, TIMES_AS_MANY = 150, 3
 # FROM_CONTACT: distance from the contact at which stress is computed, m. TIMES: number of times.
 FROM_CONTACT, TIMES = 0.02, 400
 
-# A linear solver is timed if its estimated time is at most this multiple of that of the quickest
-# solver.
+# A linear solver is timed if its estimated time is at most this multiple of the quickest solver's.
 SLOWER = 2.0
 
 

@@ -34,7 +34,7 @@ typedef struct star {
 typedef struct scene {
     double velocity, gap, duration, length, k, exponent;
     star body[2];
-    int first[2], coordinates; /* y: all displacements, then all velocities */
+    int first[2], coordinates; /* contact's index in u of each body; size of u; y = (u, v) */
     double deadline;
 } scene;
 

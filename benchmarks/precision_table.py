@@ -38,7 +38,7 @@ class Measurement:
     seconds : float
         Shortest wall time of several calls, s.
     peak_force, contact_duration, rebound_velocity : float
-        Relative errors; that of the velocity is relative to the initial velocity.
+        Relative errors of these results; the velocity's is relative to the initial velocity.
     failure : str
         Reason if the run failed and the numbers are NaN; else empty.
     """
@@ -68,8 +68,8 @@ class Reference:
     source : str
         Method that gave the reference.
     uncertainty : float or None
-        Largest relative uncertainty of the three: the change from ten times the tolerance, or the
-        difference from an independent method if that is larger.
+        Largest relative uncertainty of the three: the change from a run with ten times the
+        tolerance, or the difference from an independent method if that is larger.
     independent : float or None
         Difference from the independent method, if one was run.
     """

@@ -82,7 +82,9 @@ class OdeScene:
 
     Attributes
     ----------
-    matrix, push, depth, centre, start : ndarrays
+    matrix, push, depth : ndarrays
+        Coefficients of the equations above.
+    centre, start : ndarrays
         `centre` y is the velocity of the projectile's centre of mass, `start` is y at t = 0.
     compliance, gap : float
         c, the compliance of massless contacts minus that of the patches, m/N, and the gap, m.

@@ -243,7 +243,7 @@ def _given(reference: Result | Reference) -> Reference:
 def _with_independent(
     reference: Reference, ode: OdeScene, projectile: AOModel, velocity: float
 ) -> Reference:
-    """Return the reference with its difference from a run by SciPy; unchanged if this fails."""
+    """Return the reference with its difference from a SciPy run; unchanged if the run fails."""
     try:
         second = _scipy_run(ode, projectile, velocity, *_INDEPENDENT).run()
     except AOImpactError:

@@ -44,7 +44,7 @@ int main(void)
     void *links = malloc(aoi_system_size(&system));
     check(aoi_system_link(&system, links), "system");
 
-    double v[16] = {1.0, 0.3, 0.0, 0.0, 0.0, -20.0}; /* of the ball: towards the rod, along it, m/s; spin, rad/s */
+    double v[16] = {1.0, 0.3, 0.0, 0.0, 0.0, -20.0}; /* ball's velocity towards the rod and along it, m/s; spin, rad/s */
     const aoi_start start = {.v = v};
     const double end = 3e-4;
     aoi_adaptive *run = malloc(aoi_adaptive_size(&system));
@@ -69,7 +69,7 @@ int main(void)
     const double *after = aoi_adaptive_progress(run).x ? aoi_adaptive_progress(run).v : v;
     printf("  rebound %.4f m/s, along %.4f m/s, spin %.2f rad/s\n", after[0], after[1], after[5]);
 
-    /* All forces act at the point of contact: the angular momentum of the ball about it is conserved. */
+    /* All forces act at the point of contact: the ball's angular momentum about that point is conserved. */
     const double before = moment * v[5] - mass * radius * v[1], kept = moment * after[5] - mass * radius * after[1];
     check(fabs(kept - before) <= 1e-9 * fabs(before) ? AOI_OK : AOI_ERROR_TOLERANCE, "angular momentum");
     free(memory), free(links), free(run), free(track.values), free(track.row), free(sampler), free(column);

@@ -48,8 +48,8 @@ static void make_beam(double *omega, double *shape, double *centre, aoi_modes *b
     *beam = (aoi_modes){.n = MODES, .ports = 1, .omega = omega, .shape = shape, .push = shape, .centre = centre};
 }
 
-/* Runs to a tolerance, and prints the motion at some times. peak: force, N; duration: of the
- * contact, s; rebound: ratio of the ball's velocity away from the body to SPEED. */
+/* Runs to a tolerance, and prints the motion at some times. Sets the peak force, N, the duration of
+ * the contact, s, and the rebound: ratio of the ball's velocity away from the body to SPEED. */
 static void run_adaptive(const aoi_system *system, const aoi_start *start, double end, double *peak,
                          double *duration, double *rebound)
 {

@@ -386,7 +386,8 @@ def inertia_tensor(name: str, value: Any, *, most: float) -> FloatArray:
         raise InputError(f"{name} must be symmetric, got {given.tolist()}")
     low, middle, high = np.linalg.eigvalsh(tensor).tolist()
     if low < -PRINTED * largest or high > (1.0 + PRINTED) * (low + middle):
-        raise InputError(f"{name}: no body has the moments {low:g}, {middle:g}, {high:g} kg m²")
+        got = f"principal moments {low:g}, {middle:g}, {high:g} kg m² are impossible"
+        raise InputError(f"{name}: {got}: none may be negative, or exceed the sum of the other two")
     return tensor
 
 
@@ -488,8 +489,8 @@ def record(made: type[T]) -> type[T]:
 class Frozen:
     """Base class that makes the arrays of a dataclass, and of its tuples and mappings, read-only.
 
-    NumPy makes unpickled and copied arrays writeable, so they are made read-only again. A class
-    with its own `__post_init__` calls that of this class at its end.
+    NumPy makes unpickled and copied arrays writeable, so they are made read-only again. A derived
+    class with its own `__post_init__` must call this class's method at the end.
     """
 
     def __post_init__(self) -> None:

@@ -203,14 +203,14 @@ _CORE: dict[int, tuple[type[AOImpactError], str]] = {
     9: (ConvergenceError, "the contact law gave no finite number"),
     10: (
         ConvergenceError,
-        "less the compliance of its patches, the contact law has no force, since it jumps down; "
-        "make the law continuous, or the contact points without a radius",
+        "no force satisfies the contact law less its patches' compliance: the law jumps down; make "
+        "it continuous, or the contact points without a radius",
     ),
     11: (ConvergenceError, "it was stopped"),
     12: (
         InputError,
-        "friction needs a contact law that neither remembers nor pulls, and with damping fixed "
-        "steps: give law=ao.Hertz(...), or solver=Newmark(dt=...)",
+        "friction needs a contact law without memory and adhesion, and with damping fixed steps: "
+        "give law=ao.Hertz(...), or solver=Newmark(dt=...)",
     ),
     13: (
         ConvergenceError,
@@ -256,7 +256,6 @@ def core_error(
 def law_result_error(returned: object, indentation: float, rate: float) -> InputTypeError:
     """Return the exception for a user's law in Python that does not return a number."""
     return InputTypeError(
-        f"the contact law's function must return a real number, but at indentation = "
-        f"{indentation:.6g} m and rate = {rate:.6g} m/s it returned {reprlib.repr(returned)} of "
-        f"type {type(returned).__name__}"
+        f"the contact law must return a real number, but returned {reprlib.repr(returned)} of type "
+        f"{type(returned).__name__} at indentation = {indentation:.6g} m and rate = {rate:.6g} m/s"
     )

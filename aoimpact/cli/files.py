@@ -60,7 +60,7 @@ def numbers(result: Run, quantities: Sequence[str]) -> dict[str, Any]:
     kept: Any = keeper(quantities) if quantities else lambda _: {}
 
     def intervals(name: str) -> Any:
-        """Return (start, end) of each touch, or slip; for a scene, a list of them per contact."""
+        """Return (start, end) of each touch, or slip; for a scene, one list per contact."""
         found = [getattr(of, name) for of in result.each_contact]
         return found[0] if isinstance(result, Result) else found
 

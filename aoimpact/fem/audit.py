@@ -76,8 +76,8 @@ class Audit:
         translation t along an axis, median over the three axes. Exact for a free uniform body;
         supports raise the value, added masses lower it.
     rigid_residual : tuple of float
-        ‖K r‖ / ‖abs(K) abs(r)‖ for the translations along x, y, z and, with coordinates, the
-        rotations about them. Below 1e-6 the motion r meets no elastic force.
+        Relative elastic force ‖K r‖ / ‖abs(K) abs(r)‖ of the translations r along x, y, z and, with
+        coordinates, of the rotations about these axes. Below 1e-6 the body is free to move so.
     frequencies : ndarray
         Lowest natural frequencies, Hz.
     doubts : tuple of str
@@ -189,7 +189,7 @@ def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
         said.append("M couples rows that K does not: are the rows of both in the same order?")
     free = np.array(residuals) < _FREE
     if _missing_neighbours(body) > _MOST_MISSING:
-        said.append("K does not couple nodes that lie side by side: are nodes in its rows' order?")
+        said.append("K does not couple neighbouring nodes: are the nodes in the order of its rows?")
     elif len(free) == 6 and free[:3].all() and max(residuals[3:]) > _RESISTED:
         said.append(
             "the body is free to move along all axes, and not to turn: are the coordinates those "
@@ -198,8 +198,8 @@ def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
     elif free.sum() > body.rigid_modes.shape[1]:
         said.append(
             f"{free.sum()} rigid motions meet next to no elastic force, and "
-            f"{body.rigid_modes.shape[1]} none at all: K has few digits, which hold the body as "
-            "soft springs would; write it in full"
+            f"{body.rigid_modes.shape[1]} none at all: the rounding of K to few digits holds the "
+            "body like soft springs; write K with all its digits"
         )
     return said
 

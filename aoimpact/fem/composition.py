@@ -42,7 +42,7 @@ class Materials(Frozen):
     Attributes
     ----------
     groups : mapping of str to Material, Orthotropic, Shell, Laminate or Beam
-        Material of each named group of elements, as given.
+        Material of each named group of elements, as the user gave it.
     materials : tuple of Material, Orthotropic, Shell, Laminate or Beam
         Distinct materials.
     index : ndarray of int, shape (n_cells,)
@@ -81,7 +81,7 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
 
 def _of_elements(mesh: Mesh, given: Any) -> AnyMaterial:
     if isinstance(given, Materials) and len(given.index) != mesh.n_cells:
-        raise InputError(f"material: {len(given.index)} elements, the mesh has {mesh.n_cells}")
+        raise InputError(f"material is of {len(given.index)} elements, the mesh of {mesh.n_cells}")
     if isinstance(given, AnyMaterial):
         return given
     if not isinstance(given, Mapping):
@@ -238,7 +238,7 @@ class Layout:
     cells: IntArray
 
     def of(self, piece: Piece) -> IntArray:
-        """Return the pairs at the nodes of a piece's elements; added shape functions have none."""
+        """Return indices of the pairs at a piece's nodes; added shape functions have no pairs."""
         return self.cells[piece.numbers, : piece.element.own.n_nodes]
 
 

@@ -81,9 +81,9 @@ def warn_of_curved_offsets(mesh: Mesh, material: AnyMaterial) -> None:
         true += float(part.of.inertia[0] * middle.sum())
     if abs(true - mass) > _CURVED * mass:
         warn(
-            f"the shells' offset is on a curved or folded surface: their mass is {mass:.4g} kg by "
-            f"the area at the nodes, and {true:.4g} kg by that of the middle surface, which "
-            "stiffness misses as well; put the nodes on the middle surface"
+            f"the shells' offset is on a curved or folded surface: by the area at the nodes, which "
+            f"is used, their mass is {mass:.4g} kg, by the area of the middle surface {true:.4g} "
+            "kg; their stiffness errs likewise; put the nodes on the middle surface"
         )
 
 

@@ -67,8 +67,8 @@ class FinerBody(_Finer):
         self, s2: float = 0.0, *, solver: Solver = "auto", solutions: int = FEW_SOLUTIONS
     ) -> LinearSolver:
         if (found := self._living.get((s2, solver))) is None:
-            # One solution takes about 8 solutions of `given`: 5 to 20 iterations, each for several
-            # loads together.
+            # One solution takes the time of about 8 solutions of `given`: 5 to 20 iterations, each
+            # for several loads together.
             coarse = self.given.inverse(s2, solver=solver, solutions=8 * solutions)
             found = self._living[s2, solver] = two_level(self._pencil.at(s2), coarse)
         return found

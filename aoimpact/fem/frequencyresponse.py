@@ -151,7 +151,7 @@ def frequency_response(
         values, error = _by_modes(body, modes, b, c, omega)
     if not np.isfinite(values).all():
         at = hertz[~np.isfinite(values)][0]
-        raise InputError(f"frequencies: {at:g} Hz is a natural one without damping; take others")
+        raise InputError(f"frequencies: {at:g} Hz is an undamped natural frequency; take others")
     factor = (1j * omega) ** list(KINDS).index(of)  # index in KINDS: number of time derivatives
     taken = 0 if modes is None else len(modes[0])
     return FrequencyResponse(hertz, factor * values, np.abs(factor) * error, of, taken)
@@ -226,7 +226,7 @@ def _by_modes(
     moved = body.M @ shapes
 
     def static(load: FloatArray) -> FloatArray:
-        """Return K⁻¹ times a load, minus the computed modes' share of this, shape (n_dofs,)."""
+        """Return K⁻¹ times a load, minus the contribution of the computed modes, (n_dofs,)."""
         rest = load - moved @ (shapes.T @ load)
         if not np.abs(rest).max(initial=0.0) > 1e-12 * np.abs(load).max(initial=0.0):
             return np.zeros_like(load)

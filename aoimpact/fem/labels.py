@@ -124,7 +124,7 @@ def node_numbers(nodes: FloatArray, which: IntArray, of_mesh: FloatArray, size: 
             f"mesh: node {worst} of the body, {far}: are both in metres, of one model?"
         )
     if len(np.unique(found)) < len(np.unique(which)):
-        raise InputError("mesh: two nodes of the body lie where the mesh has one")
+        raise InputError("mesh: each node of the body needs its own, but two lie at the same one")
     return np.asarray(found, dtype=np.int64)
 
 

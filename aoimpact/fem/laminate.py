@@ -67,7 +67,7 @@ class Ply:
         checked(self, thickness=_thickness, material=(Material, Orthotropic), angle_deg=real)
         if isinstance(self.material, Orthotropic) and self.material.axes != _AXES:
             raise InputError(
-                f"material of a ply has the axes {self.material.axes}; turn it by angle_deg instead"
+                f"a ply's material must have default axes, got {self.material.axes}; give angle_deg"
             )
 
     @cached_property

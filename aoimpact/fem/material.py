@@ -119,7 +119,7 @@ class Material:
         checks = {name: partial(positive, unit=_SOLIDS[name][0]) for name in given}
         checked(self, **checks, nu=real)
         if not -1.0 < self.nu < 0.5:
-            raise InputError(f"nu must lie between -1 and 0.5, got {self.nu:g}; 0.499 is the most")
+            raise InputError(f"nu must lie between -1 and 0.5, got {self.nu:g}; take at most 0.499")
         for name in given:
             warn_of_units(name, getattr(self, name))
 
@@ -262,12 +262,12 @@ class Orthotropic:
         with np.errstate(over="ignore", invalid="ignore"):  # overflow is refused below
             relative = self._compliance[:3, :3] * max(self.E)
         if not np.isfinite(relative).all():
-            raise InputError(f"E={self.E} Pa, nu={self.nu}: their ratios overflow")
+            raise InputError(f"E={self.E} Pa, nu={self.nu}: ratios of these moduli overflow")
         energies = np.linalg.eigvalsh(relative)
         if not energies.min() > _ROUNDED * energies.max():
             e1, e2, e3 = self.E
             most = ", ".join(f"{x**0.5:.3g}" for x in (e1 / e2, e1 / e3, e2 / e3))
-            why = f"a strain has no positive energy; |nu| must be below ({most}), together less"
+            why = f"a strain has no positive energy; |nu| must be below ({most}), if combined less"
             raise InputError(f"nu={self.nu}: {why} (νij belongs to a stress along i: is it νji?)")
         for name in ("E", "G"):
             for i, value in enumerate(getattr(self, name)):

@@ -59,7 +59,7 @@ class Mechanism:
         most, sizes = apart.argmax(), np.bincount(part)
         node, small = joint[most], min((side[most] for side in sides), key=sizes.__getitem__)
         which = f"{sizes[small]} of {len(part)} elements, the first is {(part == small).argmax()}"
-        return f"{which}, share no side with others, but nodes as near {plain(places[node])} m"
+        return f"{which}, share nodes with others near {plain(places[node])} m, but no face"
 
 
 def mechanism_of(

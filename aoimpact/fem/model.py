@@ -351,7 +351,7 @@ class FEModel(Frozen):
         FEModel(132 dofs, 44 nodes, 10 hexahedron, 0.078 kg, free)
         """
         if self.nodes is None or self.free is None:
-            raise InputError("with_mesh: this body has no nodes; give FEModel(nodes=)")
+            raise InputError("with_mesh needs the body's nodes: give FEModel(nodes=)")
         from ..io import read_for  # here, as `io` imports this folder
 
         solid = read_for(mesh, ())
@@ -605,6 +605,7 @@ class FEModel(Frozen):
 
     @cached_property
     def _living(self) -> WeakValueDictionary[Any, LinearSolver]:
+        """Solvers that are still in use elsewhere, by shift s² and argument `solver`."""
         return WeakValueDictionary()
 
     @cached_property
@@ -719,7 +720,7 @@ class FEModel(Frozen):
         :meta private:
         """
         if (made_of := self.material) is None or self.free is None:
-            raise InputError("the rows of supports are not known of a body without a mesh")
+            raise InputError("only a mesh gives the rows of supports: use FEModel.from_mesh")
         return grounded(*stiffness_mass(self.shapes, made_of), self.free)
 
     # The following methods import modules when called, because those modules import this one.

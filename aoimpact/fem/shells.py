@@ -36,8 +36,8 @@ _DRILLING = 1e-4
 # Smallest cosine between normals of elements of one surface; below it (35°) they meet at a fold.
 FOLD = 0.82
 
-# Largest rigid share of an element next to a junction: elements shorter than the width of the
-# junction keep an elastic part.
+# Largest rigid part of an element next to a junction of plates, relative to the element's length:
+# elements shorter than the width of the junction keep an elastic part.
 _ENDS = 0.8
 
 # Weights of the rigid link at the four corners of a strip between an element's edge and the line of

@@ -98,8 +98,8 @@ def _by_grounding(body: FEModel, b: FloatArray, solver: LinearSolver) -> FloatAr
     """Return K⁻¹ b, shape (n_dofs,), of a body with rigid modes, after grounding it by springs.
 
     There is one spring per rigid mode. Under a load that does not excite rigid modes, such springs
-    carry no force and determine only the rigid part of x. The linear solver is of the same method
-    as `solver`, that of K + s²M.
+    carry no force and determine only the rigid part of x. The method is that of `solver`, which
+    solves K + s²M.
     """
     K, M, rigid = body.K, body.M, body.rigid_modes
     places = scipy.linalg.qr(rigid.T, mode="r", pivoting=True)[1][: rigid.shape[1]]
@@ -145,7 +145,7 @@ class VirtualMotion:
     ground : ndarray, shape (held, m)
         Displacements of the constrained dofs.
     springs : ndarray, shape (n_dofs, m)
-        Spring stiffness, N/m, times the displacement of the ground under the spring.
+        Forces, N: spring stiffness times the displacement of the ground under the spring.
     phi, inertia : ndarrays, shape (n_dofs, m)
         φ and M φ on the free dofs.
     weight : ndarray, shape (m, 3)

@@ -274,8 +274,8 @@ def body_stress_rows(
     thin = [part.of for part in pieces(mesh, material, Layers | Beam)]
     if thin and (layer.ply or layer.of_beams) and not any(map(wanted.has, thin)):
         raise InputError(
-            f"{layer}: no shell or beam of the body has it. Plies count from 0 at the bottom; "
-            "sides and places are of beams with an orientation, within the section"
+            f"{layer}: no shell or beam of the body has this layer. Plies count from 0 at the "
+            "bottom; sides and points need beams with an orientation, points lie in the section"
         )
     known = wanted.chosen >= 0
     (cell, place), rows, sections = wanted.held, [_averaged(wanted)], list[_Sections]()

@@ -133,8 +133,8 @@ def nodes_of_mesh(name: str, selector: Any, mesh: Mesh) -> IntArray:
     ids = selected_nodes(name, selector, mesh.nodes, mesh.node_sets, mesh.node_labels)
     if not (isinstance(selector, str) or callable(selector)) and (count := open_edges(mesh, ids)):
         warn(
-            f"{name}: the numbers are those of corners, without the midside nodes of {count} edges "
-            "between them. Name a set of nodes, or give a function of the coordinates"
+            f"{name}: the nodes given lack the midside nodes of {count} edges between them. Name a "
+            "set of nodes, or give a function of the coordinates"
         )
     return ids
 
@@ -229,7 +229,7 @@ class RigidMass:
     Raises
     ------
     InputError, InputTypeError
-        If the mass is not positive, or the inertia is that of no rigid body.
+        If the mass is not positive, or no rigid body can have the inertia.
 
     Examples
     --------
@@ -285,8 +285,8 @@ def added_mass(mesh: Mesh, masses: Sequence[Mounted] | None, free: IntArray) -> 
         held = len(on) - np.count_nonzero(np.isin(on, free // 3))
         if held:
             warn(
-                f"{name}: {held} of the {len(on)} nodes that carry it are constrained by "
-                "fixed, and their shares do not move; take other nodes, or release these"
+                f"{name}: {held} of the {len(on)} nodes that carry the mass are constrained by "
+                "fixed, and their part does not move; take other nodes, or release these"
             )
         added = one if added is None else added + one
     return added
@@ -300,7 +300,7 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     """
     ids, nodes = nodes_of_mesh(name, mount.nodes, mesh), mesh.nodes
     if len(ids) > _MOST_NODES:
-        raise InputError(f"{name}: it is on {len(ids)} nodes; take {_MOST_NODES} of them at most")
+        raise InputError(f"{name} must be on at most {_MOST_NODES} nodes, got {len(ids)}")
     middle = nodes[ids].mean(axis=0)
     centre = middle if mount.centre is None else np.asarray(mount.centre)
     inertia = np.zeros((3, 3)) if mount.inertia is None else np.asarray(mount.inertia)
@@ -327,8 +327,8 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     off = float(np.linalg.norm(centre - nodes.mean(axis=0)))
     if max(off, radius) > _FAR * body > 0.0:
         warn(
-            f"{name}: its centre is {off:.3g} m off, and its radius of gyration is {radius:.3g} m, "
-            f"on a body of {body:.3g} m: centre is in m, inertia in kg m² (1 kg mm² is 1e-6)"
+            f"{name}: the centre of mass is {off:.3g} m from the middle of a body of {body:.3g} m, "
+            f"the radius of gyration {radius:.3g} m: give m and kg m² (1 kg mm² is 1e-6)"
         )
     block = fit.T @ weights @ fit
     dofs = (3 * ids[:, None] + np.arange(3)).reshape(-1)

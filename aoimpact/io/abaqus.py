@@ -83,7 +83,7 @@ _KINDS = {
         "|(CAP|CASTIRON|CLAY|CONCRETEDAMAGED|CONNECTOR|POROUSMETAL)PLASTICITY|BRITTLECRACKING"
         "|NOCOMPRESSION|NOTENSION|USERMATERIAL"
     ),
-    # Keywords that add to a section: that of the ELSET which they name, else the preceding one.
+    # Keywords that add to the section of the ELSET that they name, or else to the section before.
     "addition": (
         "NONSTRUCTURALMASS|TRANSVERSESHEAR(STIFFNESS)?|SECTIONSTIFFNESS|REBAR(LAYER)?|CENTROID"
         "|SHEARCENTER|BEAM(ADDED|FLUID)INERTIA|BEAMSECTIONOFFSET"
@@ -220,7 +220,7 @@ class AbaqusDeck:
                 own = found.setdefault(key(card.options.get("NAME", "")), {})
             kind = _kind(card.name)
             if kind == "material" and card.name in own:
-                raise card.error("the material has it twice")
+                raise card.error("the material has this keyword twice")
             if kind in ("material", "inelastic"):  # only inelastic keywords may repeat
                 own[card.name] = card
         return found
@@ -229,7 +229,7 @@ class AbaqusDeck:
         """Return the sections by group, except sections of elements that no body can have."""
         groups = {key(name): name for name in source.raw.cell_sets}
         dims = np.repeat([block.dim for block in self.blocks], np.diff(source.raw.first))
-        bare = dims.copy()  # dimension of each element without a section; 0 with one
+        bare = dims.copy()  # dimension of each element without a section; 0 for others
         found: dict[str, OneMaterial] = {}
         elset = ""
         for card in self.cards:
@@ -251,7 +251,7 @@ class AbaqusDeck:
                     continue  # a section of trusses, membranes etc., which are no part of a body
                 given = source.instead(name, dim)
                 if read is None and given is None:
-                    raise card.error(f"it is not read; take it into {of} by read_sections(given=)")
+                    raise card.error(f"it is not read; include it in {of} by read_sections(given=)")
                 if read is None:
                     continue
                 if name in found:
@@ -268,11 +268,11 @@ class AbaqusDeck:
             why = f"{count} elements have no section, the first is {label}"
             if dim == dims.max():
                 keyword = self.blocks[int(source.raw.block_of(first))].keyword
-                raise keyword.error(f"{why}; write one, or give from_mesh materials")
+                raise keyword.error(f"{why}; write sections, or give from_mesh materials")
             source.left_out.append(why)
         beams = any(isinstance(each, Beam) for each in found.values())
         if self.normals and not all(isinstance(each, Solid | Beam) for each in found.values()):
-            source.left_out.append("normals at nodes are left out: shells have those of elements")
+            source.left_out.append("normals at nodes are left out: shells use elements' normals")
         for card in self.cards:
             if card.name == "RELEASE" and beams:
                 raise card.error("hinges are not supported; delete it if the joints are rigid")
@@ -301,7 +301,7 @@ def _sorted(keywords: list[Keyword]) -> Scope:
             within.append((name, whole))
         elif name in ("PART", "INSTANCE"):
             if within[-1][0] in ("PART", "INSTANCE"):
-                raise keyword.error(f"it stands within *{within[-1][0]}")
+                raise keyword.error(f"it must not stand within *{within[-1][0]}")
             among = parts if name == "PART" else whole.inner
             keyword.check_options("NAME", *(["PART"] if name == "INSTANCE" else []))
             called, of = (keyword.options.get(option, "") for option in ("NAME", "PART"))
@@ -313,7 +313,7 @@ def _sorted(keywords: list[Keyword]) -> Scope:
             within.append((name, among[key(called)]))
         elif name in ("ENDPART", "ENDASSEMBLY", "ENDINSTANCE"):
             if (len(within) > 1 or name != "ENDASSEMBLY") and within.pop()[0] != name[3:]:
-                raise keyword.error(f"it ends no *{name[3:]}")
+                raise keyword.error(f"there is no open *{name[3:]} that it could end")
         elif _kind(name) == "unsupported":
             raise keyword.error("it is not supported; write the mesh out without it")
         elif not _kind(name) and (name not in ("", "END") or keyword.data):
@@ -366,7 +366,7 @@ def _joined(file: Path, cards: list[Keyword]) -> raw.RawMesh:
 
 
 def _named(whole: Scope) -> tuple[dict[str, IntArray], dict[str, IntArray]]:
-    """Return all node sets and element sets by name, with numbers through the whole deck."""
+    """Return all node sets and element sets by name; members are numbered through the deck."""
     sets: dict[tuple[Which, str], list[tuple[str, IntArray]]] = {}
     for name, scope in {"": whole, **whole.inner}.items():
         for (which, inner), pieces in scope.sets.items():
@@ -644,7 +644,7 @@ class Scope:
             )
         found = self._found[at]
         if found is None:
-            raise self.sets[at][0].error(f"the set {name} is a part of itself")
+            raise self.sets[at][0].error(f"the set {name} must not contain itself")
         return found
 
     def _resolved(self, which: Which, card: Keyword) -> IntArray:
@@ -698,7 +698,7 @@ class Scope:
         if at in self.sets:
             orders = [one.line.order for one in self.sets[at]]
             if min(orders) < card.line.order < max(orders):
-                raise card.error(f"the set {name} grows afterwards; define it before")
+                raise card.error(f"the set {name} gets more members below; define it before")
             return self.members(*at)
         outer, _, rest = name.partition(".")
         scope = self.inner.get(key(outer))
@@ -739,7 +739,7 @@ def _constants(card: Keyword, count: int) -> list[float]:
     if len(rows) > -(-(count + 1) // 8) or len(numbers) > count + 1:
         raise card.error(_ONE_TEMPERATURE)
     if len(numbers) < count:
-        raise card.error(f"it has {len(numbers)} of its {count} constants")
+        raise card.error(f"it must have {count} constants, got {len(numbers)}")
     return numbers[:count]
 
 
@@ -843,7 +843,7 @@ class _Section:
         axes, near = self.axes(name)
         if np.abs(normals @ axes[near - 1]).min() < _ALONG:
             why = f"axis {near} of the orientation {name} lies in some elements"
-            raise self.card.error(f"{why}; name the one along the normal in its second line")
+            raise self.card.error(f"{why}; name the axis along the normal in its second line")
         if near != 3:
             of = f"*ORIENTATION {name}: axis {near} is along the normals: taken"
             self.differs(of, "CalculiX projects axis 1 on them", _CURE)
@@ -855,7 +855,7 @@ class _Section:
         first, own = (across(v, normals) for v in (reference, self.along(name)))
         angles = np.arctan2(dot(np.cross(first, own), normals), dot(first, own))
         if np.abs(np.exp(1j * angles) - np.exp(1j * angles[0])).max() > _ANGLE:
-            raise self.card.error(f"the orientation {name} is at several angles to the first ply")
+            raise self.card.error(f"{name} must be at one angle to the first ply in all elements")
         return float(np.degrees(angles[0]))
 
     def solid(self) -> OneMaterial:
@@ -906,7 +906,7 @@ class _Section:
                 int(rows[0][0]) if rows and rows[0] and rows[0][0] in range(len(rows) + 1) else 0
             )
             if not walls:
-                raise card.error("its first number must be that of its walls, with a line for each")
+                raise card.error("its first number must be the number of walls; one line per wall")
             count, rows = 3 + 3 * walls, [[x for row in rows[:walls] for x in row], *rows[walls:]]
         if "MATERIAL" in options:
             material: Any = self.material(options["MATERIAL"])
@@ -919,7 +919,7 @@ class _Section:
                 raise card.error(_ONE_TEMPERATURE)
             material = source.isotropic(E, 0.5 * E / G - 1.0, rho)
         if [len(row) for row in rows[:2]] not in ([count], [count, 3]):
-            raise card.error(f"give {count} numbers of the section, then all three of axis 1")
+            raise card.error(f"give {count} numbers of the section, and axis 1: x, y and z")
         if make is None:
             area, I11, I12, I22, J = rows[0]
             section: Any = source.numbers(area, (I22, I12, I11), J, np.eye(2), np.zeros((1, 2)))
@@ -928,7 +928,7 @@ class _Section:
         if isinstance(section, TubularSection):
             return Beam(section, material)
         if any(block.towards for block in self.blocks):
-            raise card.error("nodes of its elements say how it is turned; write axis 1 instead")
+            raise card.error("an extra node of its elements gives axis 1; write axis 1 instead")
         if normals := self.deck.normals:
             raise normals.error(
                 f"it would turn the beams of {options['ELSET']}; write their axis 1"

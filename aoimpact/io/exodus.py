@@ -150,7 +150,7 @@ def _on_sides(
         faces = {frozenset(f.nodes[: f.n_corners]): f.nodes for f in reference_faces(block.kind)}
         for number in np.unique(sides[own]).tolist():
             if not 1 <= number <= len(corners):
-                raise ValueError(f"the set of sides {name!r} has a side that {block.kind} has not")
+                raise ValueError(f"the set of sides {name!r} has side {number} of a {block.kind}")
             on = faces[frozenset(map(int, corners[number - 1]))]
             rows = elements[own & (sides == number)] - 1 - start
             members.append(block.cells[rows][:, on].reshape(-1))

@@ -316,7 +316,7 @@ def _mesh(
         first += len(cells)
     for name, count in Counter(names.values()).items():
         if count > 1:
-            why = f"{count} physical groups are called {name!r}: its nodes are those of all"
+            why = f"{count} physical groups are called {name!r}, and are merged into one"
             warn(f"{why}. Give groups of different dimensions different names")
     sets = raw.grouped(groups)
     if missing := [repr(name) for name in names.values() if name not in sets]:

@@ -319,7 +319,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
     """Return K and M with the same order of rows; refuse equal or exchanged matrices."""
     K, M = stiffness.matrix, inertia.matrix
     if (stiffness.labels is None) != (inertia.labels is None):
-        raise InputError("only one of them lists which dofs its rows are")
+        raise InputError("only one of K and M names the dofs of its rows; both or none must")
     if stiffness.labels is not None and inertia.labels is not None:
         labels = stiffness.labels
         rows = rows_of(codes(labels), codes(inertia.labels))
@@ -341,7 +341,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
         raise InputError("K and M have the same entries; give M its own file")
     largest, heaviest = (float(abs(one.diagonal()).max(initial=0.0)) for one in (K, M))
     if 0.0 < largest < heaviest:  # else, all frequencies are below 1 rad/s
-        raise InputError(f"K up to {largest:.3g}, M up to {heaviest:.3g}: are they exchanged?")
+        raise InputError(f"K is up to {largest:.3g}, M up to {heaviest:.3g}: are they exchanged?")
     return K, M, labels
 
 
@@ -457,7 +457,7 @@ def read_dofs(dofs: Any) -> IntArray:
     if not equations.any():
         return found
     for wrong in np.flatnonzero(np.sort(equations) != np.arange(1, len(rows) + 1))[:1]:
-        raise spoilt(file, f"equation {wrong + 1} is not there once: is it cut short?")
+        raise spoilt(file, f"equation {wrong + 1} must be there once: is it cut short?")
     return found[np.argsort(equations)]
 
 
@@ -500,16 +500,16 @@ def read_places(nodes: Any) -> Places:
 def _labelled(where: str, table: FloatArray) -> Places:
     labels, order = table[:, 0].astype(np.int64), np.argsort(table[:, 0], kind="stable")
     if (labels != table[:, 0]).any():
-        raise InputError("nodes: the first of four columns must be labels, integers")
+        raise InputError("nodes: the first of four columns must be integer labels")
     for twice in labels[repeats(labels)][:1]:
         raise InputError(f"{where}: node {twice} is there twice; give one part")
     return labels[order], table[order, 1:]
 
 
 def _lines(file: Path) -> FloatArray | None:
-    """Return label, x, y, z from a file of lines that begin with them; None for other files.
+    """Return the node numbers and coordinates x, y, z, shape (n_nodes, 4), from a file.
 
-    Ansys' NWRITE writes such lines.
+    Every line begins with these four values, as Ansys' NWRITE writes it; None for other files.
     """
     text = file.read_text(encoding="latin-1")
     rows = [line.replace(",", " ").split()[:4] for line in text.splitlines() if line.strip()]

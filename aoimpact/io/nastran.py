@@ -341,7 +341,7 @@ class Grids:
         if label in self._known:
             return self._known[label]
         if label not in self.definitions:
-            raise error(f"coordinate system {label} is not defined (CORD1x, CORD2x), or by itself")
+            raise error(f"coordinate system {label} has no CORD1x or CORD2x, or refers to itself")
         (kind, of, given), own_error = self.definitions.pop(label)
         if given:
             points = self.axes(of[0], own_error).basic(np.reshape(given, (3, 3)))
@@ -368,7 +368,7 @@ def _definitions(bulk: BulkData) -> dict[int, _Definition]:
         for row, (label, *of) in enumerate(numbers):
             one, error = (kind, tuple(of), tuple(points[row])), partial(table.refused, row)
             if label < 1 or found.setdefault(label, (one, error))[0] != one:
-                raise error(f"coordinate system {label} is there twice, or not > 0")
+                raise error(f"coordinate system {label} must be > 0, and defined once")
     return found
 
 
@@ -545,7 +545,7 @@ class NastranDeck:
             with refusing(card.error):
                 found[name] = read(self, card, own)
         for entry in self.bulk.names.keys() & {"NSM", "NSM1", "NSML", "NSML1", "NSMADD"}:
-            why = "its mass is not supported; delete it, and take the mass into densities (given=)"
+            why = "its mass is not supported; delete it, and include it in densities (given=)"
             raise self.bulk.names[entry][0][0].line.refused(entry, why)
         return found
 

@@ -272,7 +272,7 @@ def read_bulk_data(lines: list[Line]) -> BulkData:
         if parent < 0:
             raise line.refused("continuation", "there is no entry before it")
         if child.setdefault(parent, k) != k:
-            raise line.refused("continuation", "the line that it continues has another one")
+            raise line.refused("continuation", "the line before it has another continuation")
     names: dict[str, list[list[Piece]]] = {}
     for start in starts:
         own, half, at = [pieces[start]], b"*" in pieces[start].head, child.pop(start, None)
@@ -372,7 +372,7 @@ class BulkData:
         for name, default in _DEFAULTS.items():
             if name in widths and {name, default} <= self.names.keys():
                 given = self.table(**{default: 8})
-                given.refuse_first(np.arange(len(given)) > 0, "another one is there")
+                given.refuse_first(np.arange(len(given)) > 0, "only one entry of this name may be")
                 blank = table.blank & (table.names == name)[:, None]
                 blank[:, 8:] = False
                 if name != "GRID":  # an integer instead of X1 is node G0; then X2, X3 are unused

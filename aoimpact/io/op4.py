@@ -55,7 +55,7 @@ def read_op4(file: Path) -> list[RawMatrix]:
     except InputError:
         raise
     except (ValueError, OverflowError):
-        raise source.wrong("a count or row in it is no integer, or beyond any") from None
+        raise source.wrong("a count or row number is no integer, or too large") from None
     return found
 
 
@@ -79,7 +79,7 @@ def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
     while True:
         col, row, words = source.column()
         if not 1 <= col <= n_cols + 1 or words < 0:
-            raise source.wrong(f"{name}: a column of number {col}, of {n_cols}, of {words} words")
+            raise source.wrong(f"{name}: column {col}, of {words} words; there are {n_cols}")
         if col == n_cols + 1:
             break
         while row > 0 or words > 0:
@@ -93,7 +93,7 @@ def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
                 words -= length + int(big)
             last = row - 1 + count // (2 if kind > 2 else 1)
             if last > n_rows:
-                raise source.wrong(f"{name}: a column goes to row {last}, of {n_rows}")
+                raise source.wrong(f"{name}: a column has row {last}, the matrix {n_rows} rows")
             strings.append((row - 1, col - 1, source.take(count)))
             row = 0
     source.end()
@@ -151,7 +151,7 @@ class _Binary:
         end = self._record()
         col, row, words = self.integers(3)
         if self._next + words * self._word > end:
-            raise self.wrong(f"a column of number {col} of {words} words, longer than its record")
+            raise self.wrong(f"column {col} has {words} words, more than its record holds")
         return col, row, words
 
     def integers(self, count: int) -> tuple[int, ...]:

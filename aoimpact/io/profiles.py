@@ -34,8 +34,9 @@ _COARSER, _LEVELS, _FAR = 4.0, 7, 4.0
 
 @record
 class Profile:
-    """Properties of a cross-section in the axes h and v of its figure.
+    """Properties of a cross-section.
 
+    Axes: h to the right and v upwards in the section's figure in the manual of Abaqus or Nastran.
     Attributes
     ----------
     area, J : float
@@ -43,7 +44,7 @@ class Profile:
     second : ndarray, shape (2, 2)
         Second moments of area ∫r rᵀ dA about the centroid, m⁴.
     compliance : ndarray, shape (2, 2)
-        Inverse of the shear factors; 0 in directions that are rigid in shear.
+        Inverse of the matrix of shear factors; 0 in directions that are rigid in shear.
     points : ndarray, shape (n, 2)
         Points at which stress is evaluated, relative to the centroid, m.
     centre : ndarray, shape (2,)

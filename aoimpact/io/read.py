@@ -304,7 +304,7 @@ def _warn_of_rest(raw: RawMesh, body: list[Solids], named: bool) -> None:
             count = int(np.count_nonzero(~inside))
         left.append((block.name or block.kind, count))
     if others := listed(left):
-        why = "were left out, as no solids, nor in groups named as shells or beams"
+        why = "that are neither solids nor in groups named as shells or beams were left out"
         warn(f"elements of the deck {why}: {others}")
 
 

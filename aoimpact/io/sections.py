@@ -62,7 +62,7 @@ class Source:
     taken : set of str
         Names in `given` whose sections or materials have been used.
     wanted : dict of str to types
-        Types that the deck requires for those names in `given` that have a wrong type.
+        For each name in `given` with an object of a wrong type: the types that the deck requires.
     """
 
     raw: RawMesh
@@ -113,7 +113,7 @@ class Source:
         if not 4.0 * G23 * (E1 - nu**2 * E2) > E1 * E2:
             factor, nu13, nu23 = 2.0 * (1.0 + _NU_ACROSS), _NU_ACROSS, _NU_ACROSS
             E3, rule = factor * min(G13, G23), f"{factor:g} times G13 or G23, as of a fabric"
-        self.left_out.append(f"plies of LAMINA or MAT8 have no E3: that of contact is {rule}")
+        self.left_out.append(f"plies of LAMINA or MAT8 have no E3: contacts take {rule}")
         return self.orthotropic(E1, E2, E3, nu, nu13, nu23, G12, G13, G23, rho)
 
     def numbers(self, area: float, second: Any, J: float, *more: FloatArray) -> Profile:
@@ -135,9 +135,9 @@ class Source:
         x, centre = self.directions(members), np.zeros(2)
         if isinstance(of, Profile):
             if of.skewed:
-                self.left_out.append("L, T and the like carry shear at the centroid, not beside it")
+                self.left_out.append("the shear centre of L, T and the like is put at the centroid")
             (yy, yz), (_, zz) = axes @ of.second @ axes.T
-            if abs(yz) > _ROUND * (yy + zz):  # these are no principal axes
+            if abs(yz) > _ROUND * (yy + zz):  # y and z are no principal axes
                 angle = 0.5 * math.atan2(math.copysign(2.0, yy - zz) * yz, abs(yy - zz))
                 c, s, z = math.cos(angle), math.sin(angle), across(z, x)
                 z, axes = c * z - s * np.cross(z, x), np.array([[c, s], [-s, c]]) @ axes
@@ -155,7 +155,7 @@ class Source:
         z = across(np.array(orientation), x)
         places = np.sum(np.array([x, np.cross(z, x), z]) * to, axis=-1).T
         if np.abs(places - [0.0, *places[0, 1:]]).max() > _SAME * np.abs(to).max():
-            raise InputError("its offsets are along its elements, or differ between elements")
+            raise InputError("its offsets must be across its elements, and the same for all")
         return Beam(of, material, orientation, (centre + places[0, 1:]).round(12).tolist())
 
     def directions(self, members: IntArray, *, edges: bool = False) -> FloatArray:
@@ -231,7 +231,7 @@ def triad(
     """
     z = np.cross(x, beside)
     if not np.linalg.norm(z) > least * np.linalg.norm(x) * np.linalg.norm(beside):
-        raise error("its points are on one line")
+        raise error("its points must not be on one line")
     return unit(np.array([x, np.cross(z, x), z]))
 
 
@@ -255,7 +255,7 @@ def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...]:
     """
     wanted = across(vectors, directions)
     if not wanted.any(axis=1).all():
-        raise InputError("its axis is along some of its elements, or their normals")
+        raise InputError("its axis must not be along any of its elements, or their normals")
     for one in (vectors[0], wanted.mean(axis=0)):
         if np.abs(across(one, directions) - wanted).max() < _SAME:
             return tuple(np.round(one, 12).tolist())

@@ -100,7 +100,7 @@ def read(file: Path) -> RawMesh:
         tag = int(marker) if marker.isdecimal() else tag + 1  # as meshio numbers markers
         marker = f"tag {tag}" if marker.isdecimal() else marker
         if mesh.field_data.setdefault(f"{name}:tag {tag}", marker) != marker:
-            raise ValueError(f"{marker!r} is a marker that meshio takes for another; name all")
+            raise ValueError(f"meshio takes marker {marker!r} for another; give all of them names")
     if words := " ".join(_RENUMBERED.sub("", " ".join(said.getvalue().split())).split()):
         warn(f"mesh file {file.name!r}: meshio says: {words}")
     if np.ndim(mesh.points) != 2:

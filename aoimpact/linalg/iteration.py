@@ -103,9 +103,9 @@ def conjugate_gradients(
             p = z + (rz_next - _inner(before, z)) / rz * p
             rz = rz_next
     raise ConvergenceError(
-        f"solver {name!r} of {what} ({len(rhs)} dofs) reached {left.max():.2g} of the right-hand "
-        f"side in {limit} iterations, {tolerance:g} was asked for: the matrix is nearly singular "
-        "(a mechanism, missing supports, ν near .5) or its elements are flat. Take another solver"
+        f"solver {name!r} of {what} ({len(rhs)} dofs) left a residual of {left.max():.2g} of the "
+        f"right-hand side in {limit} iterations, instead of {tolerance:g}: nearly singular matrix "
+        "(a mechanism, missing supports, ν near .5) or flat elements. Take another solver"
     )
 
 

@@ -157,9 +157,9 @@ def check_mass(M: sp.csr_array, K: sp.csr_array) -> None:
     least = int(np.argmin(np.where(diagonal > 0.0, diagonal, np.inf)))
     if diagonal[most] > _APART * diagonal[least]:
         raise InputError(
-            f"M has masses too far apart to be computed with: M[{least}, {least}] = "
-            f"{diagonal[least]:g} kg beside M[{most}, {most}] = {diagonal[most]:g} kg; hold what "
-            "is too heavy to move, and give no mass to dofs with hardly any"
+            f"M must have masses within a factor of {_APART:g}, got M[{least}, {least}] = "
+            f"{diagonal[least]:g} kg and M[{most}, {most}] = {diagonal[most]:g} kg; constrain dofs "
+            "that are too heavy to move, and give no mass to dofs with hardly any"
         )
     massless = np.flatnonzero(diagonal == 0.0)  # their rows are zero, by _check_minors
     bare = massless[K.diagonal()[massless] == 0.0]
@@ -197,7 +197,7 @@ def _is_definite(matrix: sp.csr_array) -> bool:
 
 
 def _check_minors(name: str, matrix: sp.csr_array) -> None:
-    """Refuse A_ii < 0 and A_ij² > A_ii A_jj, which make xᵀA x < 0 for an x of two entries."""
+    """Refuse A_ii < 0 and A_ij² > A_ii A_jj: then xᵀA x < 0 for an x with entries i and j only."""
     diagonal = matrix.diagonal()
     if (diagonal < 0.0).any():
         worst = int(np.argmin(diagonal))

@@ -12,8 +12,8 @@ from .pencil import Pencil
 Solve = Callable[[FloatArray], FloatArray]
 Iterate = Callable[[FloatArray, float, float], tuple[FloatArray, int]]
 
-# Tolerance of ‖f - A x‖ / ‖f‖ of rough solutions. It suffices for the vectors of a subspace, since
-# the projected model's error is the square of the vectors' error: the receptance at a node of a
+# Default ‖f - A x‖ / ‖f‖ of `solve_roughly`. It suffices for the vectors of a subspace, since the
+# projected model's error is the square of the vectors' error: the receptance at a node of a
 # plate is off by 1e-8 with any number of vectors (by 2e-7 with a tolerance of 1e-2). Rough
 # solutions take 0.4 of the iterations of full ones. The vectors of a constrained body must be
 # orthogonal to its static mode: otherwise the errors of displacements and stresses away from the
@@ -77,9 +77,9 @@ class Method(NamedTuple):
     name : str
         Name of the method in `solver=`.
     set_up : callable
-        Pencil ↦ Inverse. Raises SingularError.
+        Function that sets up the method: Pencil ↦ Inverse. Raises SingularError.
     cost : callable
-        Pencil ↦ Cost.
+        Function that estimates the cost: Pencil ↦ Cost.
     is_installed : callable
         Returns whether its package is installed.
     """

@@ -40,8 +40,8 @@ Single = npt.NDArray[np.float32]
 _BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
 
 # Maximum entries of the coarsest level's factor L: the larger of _FEWEST_ENTRIES and
-# _COARSEST_SHARE of the entries of K. For slender bodies, whose bending aggregates represent
-# poorly, _SHARE_OF_FEW of the entries of K, but at most _FEW_ENTRIES. A body is slender if the
+# _COARSEST_SHARE of the entries of K. Aggregates represent bending poorly: for slender bodies the
+# maximum is _SHARE_OF_FEW of the entries of K, but at most _FEW_ENTRIES. A body is slender if the
 # factor L of K has fewer than _SLENDER n^(4/3) entries: balls, cubes and plates of 6:6:1 have 26 to
 # 56 n^(4/3), sheets and bars 11 to 15 n^(4/3). A level of at most _DENSE dofs is the coarsest in
 # any case.
@@ -119,11 +119,11 @@ class Multigrid:
 
     @property
     def inverse(self) -> Inverse:
-        """(K + s²M)⁻¹ in the form that `LinearSolver` takes."""
+        """(K + s²M)⁻¹ as the `Inverse` that `LinearSolver` takes."""
         return Inverse(None, self.iterate, by_columns(self.precondition), self._at)
 
     def _coarsen(self, A: Any, motions: FloatArray, places: Any, progress: Any) -> None:
-        """Build the levels, from that of the matrix A to the coarsest."""
+        """Build the levels, from the level of the matrix A to the coarsest."""
         pencil, affordable = self.pencil, _most_in_coarsest(self.pencil)
         while True:
             first = not self._levels
@@ -233,7 +233,7 @@ class Multigrid:
 
 
 def _cost(pencil: Pencil) -> Cost:
-    """Return the estimated cost, proportional to the entries of K."""
+    """Return the estimated cost of multigrid; times are proportional to the entries of K."""
     stored, quadratic = float(pencil.K.nnz), pencil.mesh is not None and pencil.mesh.quadratic
     aspect = 1.0 if pencil.mesh is None else _aspect(pencil.mesh)
     each = _WITHOUT_NODES if pencil.nodes is None else _ITERATIONS + _PER_ASPECT * aspect**2

@@ -26,7 +26,7 @@ _BLOCKS, _ALIKE = 36, 80
 # nodes of a rigid mass, overwrite PARDISO's stack and crash the interpreter.
 _LARGEST = 100
 
-# Costs for `of_factors`. PARDISO stores L by supernodes, and a copy of K.
+# Times, s, and bytes for `of_factors`. PARDISO stores L by supernodes, and a copy of K.
 _COST = of_factors((1e-11, 3e-8, 0.9e-9), 12.0, 30.0)
 
 

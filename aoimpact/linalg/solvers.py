@@ -61,8 +61,9 @@ FEW_SOLUTIONS = 10
 class LinearSolver:
     """(K + s²M)⁻¹ by any method, with the residual of every solution checked.
 
-    If "auto" chose iterations, factors replace them for good once all solutions together have taken
-    the estimated time of a factorisation: the total time is at most twice the latter.
+    If "auto" chose an iterative method, a factorisation replaces it for good as soon as the
+    iterations of all solutions have taken the estimated time of a factorisation. Iterations and
+    factorisation together then take at most about twice that time.
 
     Attributes
     ----------
@@ -71,9 +72,9 @@ class LinearSolver:
     pencil : Pencil
     inverse : Inverse
     most : float
-        Iterations left before factors take over; infinite if they never do.
+        Iterations left before a factorisation replaces them; infinite if none does.
     rough : float
-        Tolerance of ‖f - A x‖ / ‖f‖ of rough solutions.
+        Relative residual ‖f - (K + s²M) x‖ / ‖f‖ that `solve_roughly` allows by default.
     """
 
     name: str
@@ -124,7 +125,7 @@ class LinearSolver:
         return self._solve(rhs, _TOLERANCE if self.inverse.iterate is None else tolerance)
 
     def factorise(self) -> None:
-        """Replace iterations by factors for good; ConvergenceError if none fit into memory."""
+        """Replace iterations by a factorisation for good; ConvergenceError if none fits memory."""
         method = _direct(self.pencil)
         if method is None:
             raise ConvergenceError(
@@ -177,7 +178,7 @@ class LinearSolver:
         return x.astype(np.float64, copy=False)  # refinement makes up for single precision
 
     def _iterated(self, rhs: FloatArray, tolerance: float) -> FloatArray:
-        """Solve by iterations while there are any left, and by factors from then on."""
+        """Solve by iterations while `most` leaves any, and by a factorisation from then on."""
         if self.inverse.solve is not None:
             return self.inverse.solve(rhs)
         assert self.inverse.iterate is not None

@@ -4,8 +4,8 @@ Davidson's method adds a block of preconditioned residuals to its basis at each 
 as preconditioner it is a block Lanczos method, which finds every member of a multiple eigenvalue.
 With V-cycles it is quicker than Lanczos' method with multigrid solutions: 16 modes of balls of 20
 000 and 45 000 dofs take 1.2 and 3.0 s of processor time instead of 6.8 and 17.5 s, those of a plate
-of 55 000 dofs 10.7 s instead of 30 s. With PARDISO's factors they take 3.8, 11.8 and 7.2 s. SciPy's
-`lobpcg` with the same V-cycles takes 1.2 to 2.2 times as long.
+of 55 000 dofs 10.7 s instead of 30 s. With PARDISO's factors these three cases take 3.8, 11.8 and
+7.2 s. SciPy's `lobpcg` with the same V-cycles takes 1.2 to 2.2 times as long.
 """
 
 from __future__ import annotations
@@ -73,8 +73,9 @@ _TOLERANCE, _EPSILON = 1e-14, float(np.finfo(float).eps)
 # Relative change above which a converged ω² counts as not converged: a lower ω² has appeared.
 _MOVED = 1e-9
 
-# Extra vectors in a block: `_SPARE`, or _SPARE_SHARE of the modes wanted if that is more. They
-# speed up the last of the modes, and each random vector finds one member of a multiple eigenvalue.
+# Extra vectors in a block: `_SPARE`, or _SPARE_SHARE times the number of modes if that is more.
+# They speed up the convergence of the last modes, and each random vector finds one member of a
+# multiple eigenvalue.
 _SPARE, _SPARE_SHARE = 4, 0.25
 
 # Maximum size of the basis, in blocks, before a restart with a basis of two blocks.

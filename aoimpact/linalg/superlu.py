@@ -22,9 +22,10 @@ _UNLUCKY = 100.0
 # Dofs up to which the signs of the pivots are checked: SciPy copies all factors for access to them.
 CHECKED_DOFS = 10_000
 
-# Costs for `of_factors`, including four solutions that check the factors, and both L and U with
-# their indices. Estimates are 0.8 to 1.4 times the time and memory measured on 18 balls, blocks,
-# plates, sheets and bars of 10 000 to 213 000 dofs (benchmarks/linear.py --direct).
+# Times, s, and bytes for `of_factors`: the times include four solutions that check the factors, the
+# bytes both L and U with their indices. Estimates are 0.8 to 1.4 times the time and memory measured
+# on 18 balls, blocks, plates, sheets and bars of 10 000 to 213 000 dofs (benchmarks/linear.py
+# --direct).
 _COST = of_factors((9.5e-11, 3.5e-8, 1.5e-9), 30.0, 0.0)
 
 
@@ -39,7 +40,7 @@ class Factorization:
     matrix : scipy.sparse.csc_matrix, shape (n, n)
         The matrix that was factorised.
     order : ndarray of int, shape (n,), or None
-        Order in which SuperLU got its rows and columns; None if they were not reordered.
+        Order of the rows and columns of `matrix` in the factors; None: unchanged.
     """
 
     matrix: Any

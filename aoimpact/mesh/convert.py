@@ -31,7 +31,7 @@ def of_second_order(mesh: Mesh) -> Mesh:
         If the mesh has elements of both orders, shells or beams.
     """
     if any(block.element.thin for block in mesh.blocks):
-        raise MeshError(f"order: shells and beams are of first order, got {mesh.contents}")
+        raise MeshError(f"order=2 is for solids, not shells and beams, got {mesh.contents}")
     linear = [not block.element.quadratic for block in mesh.blocks]
     if not any(linear):
         return mesh

@@ -30,7 +30,7 @@ class Cell:
         The kind of element whose nodes are the corners alone.
     corners : ndarray, shape (n_corners, 3)
     normals : ndarray, shape (n_sides, 3)
-        Outward normals of the sides, of any length; for a surface cell those of its edges.
+        Outward normals of the sides, of any length; for a surface cell, normals of its edges.
     of_brick : ndarray, shape (n_cells, n_corners, 3)
         Corners of the cells of this shape that together fill the unit brick.
     """

@@ -362,7 +362,7 @@ def checked_cells(cells: Any, element: ReferenceElement, n_nodes: int) -> IntArr
     if len(outside):
         nodes = array[outside[0]].tolist()
         which = f"{len(outside)} elements, the first {outside[0]}: {nodes}"
-        raise MeshError(f"cells: nodes run from 0 to {n_nodes - 1}, unlike those of {which}")
+        raise MeshError(f"cells: nodes must be from 0 to {n_nodes - 1}, unlike in {which}")
     return np.ascontiguousarray(array)
 
 

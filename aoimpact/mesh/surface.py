@@ -397,7 +397,7 @@ def boundary(mesh: Mesh) -> Surface:
 
 
 def _check_fit(surface: Surface, corners: IntArray, one: IntArray, other: IntArray) -> None:
-    """Refuse elements that meet in sides of unequal nodes, where displacements would gape."""
+    """Refuse elements that meet in sides with unequal nodes: displacements would have gaps."""
     apart = surface._counts[one] != surface._counts[other]
     if apart.any():
         cells = surface.joined[np.flatnonzero(apart)[0]].tolist()

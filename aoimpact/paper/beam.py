@@ -22,7 +22,7 @@ LENGTH, WIDTH = 1.0, 0.02
 BEAM_MASS = ALUMINIUM.rho * LENGTH * WIDTH**2
 LAW = ao.Hertz.between(STEEL, RADIUS, ALUMINIUM, math.inf)
 
-COUNT = 28  # anti-oscillators of the beam
+COUNT = 28  # number of anti-oscillators of the beam
 STEP = 2e-6  # Newmark's step in the paper, s
 SHORT, LONG = 200e-6, 20e-3  # length of the records of Figs. 9 and 10, and of Fig. 11, s
 

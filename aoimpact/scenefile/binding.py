@@ -22,7 +22,7 @@ from .lines import Place
 
 
 class Numbers:
-    """Annotation that replaces those of arrays: a number, or nested lists of numbers."""
+    """Annotation that replaces annotations of arrays: a number, or nested lists of numbers."""
 
 
 # Objects for the names in annotations, including names that are imported only for type checkers.
@@ -34,7 +34,7 @@ _STAND_INS = vars(fem) | vars(contact) | vars(_ARRAYS) | {"npt": _ARRAYS}
 class Call:
     """A call to be made: a function and its arguments, which may be calls themselves.
 
-    `keep`: whether the returned object is kept for calls with the same text in a sweep's next runs.
+    `keep`: True if the returned object is reused for equal calls in the next runs of a sweep.
     """
 
     function: Callable[..., Any]
@@ -92,7 +92,7 @@ class Table:
     ----------
     function : callable
     keys : dict of str to str
-        For each key in the file that differs from its parameter's name: that name.
+        Parameter's name for each key in the file that differs from it.
     hints : dict
         Annotations, by parameter, that replace the function's own.
     owner : callable, optional

@@ -165,7 +165,7 @@ class SceneFile:
 
     @property
     def reported(self) -> tuple[str, ...]:
-        """Names of the numbers that the file reports; by default those of each contact."""
+        """Names of the numbers that the file reports; default: results of each contact."""
         reported = self.data[self.kind].get("report")
         if reported is not None:
             return tuple(reported)
@@ -202,7 +202,10 @@ class SceneFile:
             raise SceneFileError("\n".join(lines))
 
     def _sweep_problems(self) -> Iterator[Any]:
-        """Yield the problems of [sweep], and those that its values cause elsewhere in the file."""
+        """Yield the problems of [sweep], and problems that its values cause elsewhere in the file.
+
+        Items: pairs of place and message, or `SceneFileError`.
+        """
         before: dict[str, Any] = {}
         try:
             grid = self.grid
@@ -402,7 +405,7 @@ class SceneFile:
         instance("result", result, Run)
         if len(result.bodies) != len(self.members):
             raise InputError(
-                f"result has {len(result.bodies)} bodies, and the file {len(self.members)}"
+                f"result must have the file's {len(self.members)} bodies, got {len(result.bodies)}"
             )
         probes = self._bound.bound[self.kind].arguments.get("probes") or {}
         found = {}
@@ -428,7 +431,7 @@ class SceneFile:
 
     @contextmanager
     def _located(self, *place: str | int) -> Iterator[None]:
-        """Add the line to errors; those of bad input become `SceneFileError`."""
+        """Add the line in the file to errors; errors of input become `SceneFileError`."""
         try:
             yield
         except SceneFileError:

@@ -57,7 +57,7 @@ _MATERIALS = (
 
 
 def _named(which: str) -> Reader:
-    """Return the `Reader` of a name of a material or body; it returns the material or body."""
+    """Return the `Reader` that takes a name in the table `which`, and returns what is called so."""
     return Reader(f"a name from [{which}]", (str,), lambda binder, *at: binder.entry(which, *at))
 
 
@@ -99,7 +99,7 @@ def _where(
     y: float | None = None,
     z: float | None = None,
 ) -> Any:
-    """Return `nodes` or, without these, the function that selects the nodes on all given planes."""
+    """Return `nodes` or, if None, the function that selects the nodes on all given planes."""
     planes = np.array([x, y, z], dtype=float)
     free = np.isnan(planes)
     if (nodes is None) == free.all():
@@ -219,7 +219,7 @@ def _read_law(binder: Binder, value: Any, place: Place) -> Any:
     k, at, follows = given.get("k"), (*place, "k"), dict[str, Any]()
     if isinstance(k, dict):
         if not issubclass(law, laws.HertzianLaw) or given.pop("n", law.power) != law.power:
-            return binder.say(at, "of two surfaces belongs to Hertz's F = k δ^1.5; give a number")
+            return binder.say(at, "of two surfaces is only for laws F = k δ^1.5; give a number")
         hertz = binder.bind(_of_surfaces(laws.Hertz.between), given.pop("k"), at)
         for name in ("k", "relative_radius"):
             part = partial(lambda name, law: getattr(law, name), name)
@@ -239,7 +239,7 @@ _LAWS = {name: law for name, law in LAWS.items() if law is not laws.UserLaw}
 def _finite(name: str, body: Any) -> fem.FEModel:
     """Return the finite-element model of a body."""
     if not body.tips:
-        raise InputError(f"body: {name!r} has no finite elements, so no places")
+        raise InputError(f"body must have finite elements, which {name!r} has not")
     model: fem.FEModel = body.tips[0].body
     return model
 
@@ -532,7 +532,7 @@ class SceneBinder(Binder):
             self._found[at] = _UNFINISHED
             self._found[at] = _ENTRIES[which](self, given, at)
         if self._found.get(at) is _UNFINISHED:
-            return self.say(place, f"{name!r} is made of itself")
+            return self.say(place, f"{name!r} must not refer to itself")
         return self._found.get(at)
 
 

@@ -365,8 +365,8 @@ def _warn_of_doubts(test: DropWeight, cfc: float | None) -> None:
     if cfc is not None and 0.0 < acts < 0.5 / cfc:
         warn(
             f"the force lasts {with_unit(acts, 's')}, half a period of {0.5 / acts:.3g} Hz, "
-            f"which class {cfc:g} takes out: its peak is {with_unit(test.peak.force, 'N')} instead "
-            f"of {with_unit(largest, 'N')}"
+            f"which class {cfc:g} filters out: the peak is {with_unit(test.peak.force, 'N')} "
+            f"instead of {with_unit(largest, 'N')}"
         )
     if test.simulated:
         return
@@ -374,7 +374,7 @@ def _warn_of_doubts(test: DropWeight, cfc: float | None) -> None:
     if raw.values[-1] > RISEN * largest:
         warn(
             f"the record ends at a force of {with_unit(float(raw.values[-1]), 'N')}: rebound and "
-            "absorbed energy are those so far"
+            "absorbed energy are those at its end, not after the contact"
         )
     elif taken < -_TAKEN * test.impact_energy:
         warn(

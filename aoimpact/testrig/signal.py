@@ -283,7 +283,7 @@ class Signal(Frozen):
         if not least * (1.0 - 1e-9) <= self.rate <= most:
             raise InputError(
                 f"{channel} needs {with_unit(least, 'Hz')} of samples or more (SAE J211), and at "
-                f"most {with_unit(most, 'Hz')}; it has {with_unit(self.rate, 'Hz')}"
+                f"most {with_unit(most, 'Hz')}; the signal has {with_unit(self.rate, 'Hz')}"
             )
         smooth = zero_phase(self.values, channel, self.rate)
         return replace(self, values=smooth, raw=self)

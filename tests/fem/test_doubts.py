@@ -71,7 +71,7 @@ def test_offsets_of_curved_shells(offset: float) -> None:
         for of in said
         if (
             numbers := re.search(
-                r"curved or folded surface.* ([\d.]+) kg by that of the mid", str(of.message)
+                r"curved or folded surface.* middle surface ([\d.]+) kg", str(of.message)
             )
         )
     ]

@@ -76,7 +76,7 @@ S, E
 
 # Words of the warnings that the decks may cause.
 _CALLED_FOR = (
-    *("belong to no element", "no solids", "share no nodes", "at the same place"),
+    *("belong to no element", "neither solids", "share no nodes", "at the same place"),
     "connections between nodes",
 )
 
