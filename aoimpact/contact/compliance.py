@@ -16,8 +16,8 @@ SPAN = 3.0
 class Compliance:
     """Compliances of a model of a body at a contact point under a unit force.
 
-    Shell and beam elements replace an elastic layer; their compliances hardly depend on the radius
-    of the contact.
+    For shells, R is the compliance of their elastic layers. For shells and beams, c hardly depends
+    on the contact radius.
 
     Attributes
     ----------
@@ -37,9 +37,9 @@ class Compliance:
     by_width : float
         dR/d(log a), m/N; 0 for flat contacts and for shells and beams.
     beyond : float
-        Compliance R of solids at the frequency s, m/N.
+        Compliance R of a solid at the frequency s, m/N; NaN for shells and beams.
     splitting : Splitting or None
-        Split of the displacement of solids, u = χ u_B + w.
+        Split u = χ u_B + w of a solid's displacement into a half-space's and a correction.
     mesh_field : ndarray, shape (1 or 2, n_nodes, 3), or None
         The model's approximation of u_B, m/N: its displacement under the nodal forces minus w. For
         bodies with shells or beams, followed by the rotations, 1/N.

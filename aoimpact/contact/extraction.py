@@ -63,16 +63,17 @@ _FLAT = 1e-7
 # _BEHIND to _FAR_BEHIND. The wall of a hemispherical cup has cosines up to 0.71 from its pole.
 _BEHIND, _FAR_BEHIND = 0.35, 0.8
 
-# Elements whose ratio of size to distance from the contact is at most this interpolate u_B for its
-# inertia: _INTERPOLATED[False] if linear, [True] if quadratic. R changes by less than 1e-4 of its
-# value.
+# Largest ratio of an element's size to its distance from the contact for which the inertia terms
+# use u_B interpolated between the element's nodes; keys: whether the mesh is quadratic. R changes
+# by less than 1e-4 of its value.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
 # Relative residual of the equations at which their solution w is accepted. R lacks the energy of
 # the error of w: 0.007/(E* a) for a residual of 3e-2, on elements 27 times as long as wide.
 _SOLVED = 1e-3
 
-# Step of central differences relative to the distance from the contact; relative errors are 1e-8.
+# Step of the central differences for the rotation of χ u_B, relative to the distance from the
+# contact; relative errors of the rotation are 1e-8.
 _DIFFERENCE = 1e-4
 
 
@@ -404,7 +405,7 @@ class Splitting:
             np.add.at(all_nodes, nodes, added)
 
     def _add_all(self, own: int | None) -> ArrayPair:
-        """Add all integrals; return the result of `add_sides`, and χ u_B at the nodes."""
+        """Add all integrals of L; return the result of `add_sides`, and χ u_B at the nodes."""
         n, rows = len(self.spaces), 2 if self.mesh.thin else 1
         self.forces = np.zeros((2, n, rows, self.body.shapes.n_nodes, 3))
         self.self_term, self.curved = np.zeros((2, n, n)), False
@@ -415,7 +416,7 @@ class Splitting:
         return bent, moved_by
 
     def add_sides(self) -> FloatArray:
-        """Add ∫ (p - χ σ_B n)·v dA over the surface; return ∫ p·u_B minus its value for a plane."""
+        """Add ∫ (p - χ σ_B n)·v dA over the surface; return ∫ p·u_B less its value on a plane."""
         surface, nodes, a = self.body.surface, self.mesh.nodes, self.space.radius
         shapes, inward = self.body.shapes, self.frame[2]
         along = np.array([frame[space.axis] for space, frame in self.spaces])

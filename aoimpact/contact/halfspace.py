@@ -23,7 +23,8 @@ import numpy as np
 from ..base import ArrayPair, FloatArray
 from ..fem import PLACES, Material, hooke
 
-# Smallest distance from the disc's rim, relative to its radius a; its square is the field's error.
+# Distance from the disc's rim, relative to the disc's radius a, below which points count as at this
+# distance; the error of the field is the square of this ratio.
 _ON_RIM = 1e-9
 
 # Number of angles in the integral of an anisotropic half-space. The integrand is periodic and,
@@ -116,7 +117,8 @@ class IsotropicHalfSpace(HalfSpace):
         Radius a of the disc under pressure, m.
     """
 
-    # Smallest ratio of the distance from the axis to √(a² + z²); its square is the field's error.
+    # Ratio of the distance from the axis to √(a² + z²) below which points count as at this ratio;
+    # the error of the field is the square of this ratio.
     on_axis: ClassVar[float] = 1e-4
 
     def __init__(self, material: Material, radius: float) -> None:

@@ -36,8 +36,8 @@ _WAVES, _LONG, _SHORT = 3000, 1e-3, 40.0
 # For the plate of a laminate, only every eighth of the wave numbers is used.
 _SKIPPED = 8
 
-# Radius of the mesh about the contact: _EDGES element edges or, if that is less, _LENGTHS bending
-# lengths λ.
+# Radius of the mesh about the contact: the smaller of _EDGES element edges and _LENGTHS bending
+# lengths λ, but at least 3 edges.
 _EDGES, _LENGTHS = 6.0, 8.0
 
 # Product k a below which the transform of Hertz's pressure is a series, to avoid cancellation.

@@ -58,8 +58,9 @@ from .touch import Patch, Touch, edge_length, element_at, thickness, to_nodes, t
 _ALONG = math.sqrt(0.5)
 
 
-# Ratio of a patch's radius r to the contact radius a. For two similar bodies c dF/dδ = 1.2 a/r, so
-# that nothing is left of Hertz's law at r = 1.2 a. The excess above 1.2 is a margin.
+# Ratio of a patch's radius r to the contact radius a. For two similar bodies, the compliance
+# removed from Hertz's law is 1.2 a/r of the law's own compliance dδ/dF, thus all of it at
+# r = 1.2 a. The excess above 1.2 is a margin.
 PATCH_OVER_CONTACT = 1.4
 
 # Largest ratio of a patch's radius r to the body's thickness h if the contact radius is unknown.
@@ -70,8 +71,9 @@ _OF_DEPTH = 0.25
 # Factor by which a patch is widened if the contact proves stiffer than the mesh under the patch.
 _WIDER = 2.0
 
-# Assumed ratio of the contact radius to the element's edge while the radius is unknown. R hardly
-# depends on this ratio: 0.1 or 4 times the true radius changes a force by 0.2 %. On a curved body,
+# Assumed ratio of the contact radius to the element's edge while the radius is unknown. The
+# compliance R of the body beyond the half-space hardly depends on this ratio: assuming 0.1 or 4
+# times the true radius changes the contact force by 0.2 %. On a curved body,
 # R depends on log a only while a is small compared with the surface's radius of curvature, which
 # does not hold for wide patches.
 _WITHIN_EDGE = 0.15
@@ -220,7 +222,7 @@ class ContactPoint(Frozen):
 
     @cached_property
     def reversed(self) -> ContactPoint:
-        """The same contact point as that of a projectile instead of a target, or vice versa.
+        """The contact point if its body is the projectile instead of the target, or vice versa.
 
         The direction of travel is reversed. On a shell or beam a direction given by the caller is
         kept, and the opposite side is touched.
@@ -258,8 +260,8 @@ class ContactPoint(Frozen):
         alike = self.body.mesh is body.mesh
         with held_warnings():  # the original point gave the same warnings
             if alike and self.patch is None and self.on_surface:
-                # The force acts on a patch: a point force would cause unbounded deflection of the
-                # added functions.
+                # A patch replaces the point, as the deflection of the added shape functions under
+                # a point force is unbounded.
                 return body.functional(self.body.contact(point=point).along(np.array(along)))
             if alike or point is None or along is None or self.node is not None:
                 return body.functional(self.b)
@@ -784,9 +786,9 @@ def _on_beam(body: FEModel, point: FloatArray, along: FloatArray | None) -> Touc
     inner = not at_node or len(members) > 1
     if inner and (np.abs(axes @ along) > _ALONG * np.linalg.norm(axes, axis=1)).all():
         warn(
-            f"direction {plain(along)} is along the beam, which has only its side at point "
-            f"{plain(x)} m, and the contact law is that of this side; give a direction across the "
-            "beam, or a point at its end"
+            f"direction {plain(along)} is along the beam, but point {plain(x)} m is on the beam's "
+            "side, whose surface the contact law uses; give a direction across the beam, or a "
+            "point at its end"
         )
     return Touch(x, along, forces, -along)
 

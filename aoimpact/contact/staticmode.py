@@ -134,7 +134,7 @@ def refuse_mechanism(tips: Sequence[ContactPoint]) -> None:
 def fitted_shifts(
     tips: Sequence[ContactPoint], contact_time: float | None, duration: float | None
 ) -> list[float]:
-    """Return the shifts, rad/s, for the contact time and, if longer, for the duration of a run.
+    """Return the shifts s of K + s²M, rad/s, for the contact time and for a longer duration.
 
     Without a contact time, the shortest of the contact points' estimates (`own_contact_time`) is
     taken.
@@ -161,7 +161,7 @@ def fitted_shifts(
 
 
 def slow_shift(tip: ContactPoint, duration: float) -> float:
-    """Return the shift, rad/s, for motion that lasts `duration`, s; nearly 0 if infinite."""
+    """Return the shift, rad/s, for motion over `duration`, s; nearly 0 if that is infinite."""
     wanted = SHIFT_TIMES_DURATION / positive("duration", duration, unit="s", infinite=True)
     return max(wanted, math.sqrt(near_static(tip.body)))
 

@@ -22,9 +22,9 @@ from ..mesh import Block, ReferenceElement, cofactors
 _ON_SIDE, _IN_CELL = 3, 2
 
 # `_SIDES`, `_CELLS`: largest ratio of the size of triangles and tetrahedra to their distance from
-# the point, or to _FLOOR radii a if that is larger. Triangles closer than _NEAR radii are finer by
-# the factor _FINER, as the pressure itself is integrated there. If cells are halved, R changes by
-# less than 2e-4/(E* a), and a force by 0.02 %.
+# the point, or to _FLOOR contact radii a if that is larger. Within _NEAR radii the limit for
+# triangles is multiplied by _FINER, as the pressure itself is integrated there. If cells are
+# halved, the body's compliance R changes by less than 2e-4/(E* a), and a contact force by 0.02 %.
 _SIDES, _CELLS, _FLOOR = 1.0, 2.4, 0.6
 _NEAR, _FINER = 3.0, 0.3
 
@@ -131,7 +131,7 @@ def _towards(
 
 
 def _evaluated(element: ReferenceElement, vertices: FloatArray, shares: FloatArray) -> ArrayPair:
-    """Return shape functions and gradients at barycentric points; equal simplices share them."""
+    """Return shape functions and gradients at barycentric points, once for equal simplices."""
     flat, place = np.unique(vertices.reshape(len(vertices), -1), axis=0, return_inverse=True)
     different = flat.reshape(-1, *vertices.shape[1:])
     shape, gradient = element.evaluate((shares @ different).reshape(-1, 3))

@@ -38,8 +38,9 @@ from .touch import touched
 # about three times sooner.
 _SLOW = 0.087
 
-# Largest c E* √A of full sections of area A. At the axis, √A/2 deep, the field of a half-space
-# gives (1 + ν)(3 - 2ν)/(π (1 - ν²)) = 1.1 (K. L. Johnson, Contact Mechanics, 1985, eq. 3.17). For
+# Largest c E* √A of full sections of area A, where c is the compliance between contact and axis,
+# which beam elements leave out. At the axis, √A/2 deep, the field of a half-space gives
+# (1 + ν)(3 - 2ν)/(π (1 - ν²)) = 1.1 (K. L. Johnson, Contact Mechanics, 1985, eq. 3.17). For
 # infinite square prisms the value is 1.3 to 1.5. Forces of balls of 5 and 10 mm on solids of 10 x
 # 10, 20 x 6 and 6 x 20 mm agree with those on beams for values of 0.9 to 2.0.
 _OF_SECTION = 2.0
@@ -150,8 +151,8 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
             found += yields[0] - yields[-1]
     over_webs = np.unique(ends[np.bincount(number)[number] > 2])
     known = 0.5 if at_edge else 1.0 - 0.5 * float(shares[over_webs].sum())
-    # At an edge or over a web the excess compliance is between 0 and that of an interior point:
-    # half of the latter, with as much uncertainty.
+    # For the share of the force at an edge or over a web, the excess compliance is between 0 and
+    # `excess`, its value inside a plate: `excess`/2 is taken, with the uncertainty `excess`/2.
     found += known * excess
     unsure += (1.0 - known) * abs(excess)
     if len(layers.plies) == 1:

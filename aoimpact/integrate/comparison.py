@@ -134,7 +134,7 @@ def _touches(of: Events, least: float) -> _Touches:
 
 
 def _times_apart(ones: _Touches, others: _Touches) -> float:
-    """Return the largest difference of the touches' starts, ends or gaps, relative to their end."""
+    """Return the largest difference in a touch's start, end or gaps, relative to its end."""
     if not ones.start.size:
         return 0.0
     latest = np.maximum(ones.end, others.end)

@@ -52,7 +52,7 @@ class DenseRecorder:
         Record of the core.
     events : tuple of Events
         Events of each contact. An interval that the record cuts off ends with the record; an
-        interval that would begin at its end is left out.
+        interval that would begin at the record's end is left out.
     steps, rejected : int
         Number of accepted and of rejected steps in contact.
     seconds : float
@@ -94,7 +94,7 @@ class DenseRecorder:
 
     @property
     def times(self) -> FloatArray:
-        """Times for smooth curves, s, which include those of peaks and of ends of contacts."""
+        """Times for smooth curves, s; include the times of peaks and of the ends of contacts."""
         start, length, contacts = self._steps
         pressed, most = contacts > 0.0, _most_times(self.plan.layout.rows)
         per_step = min(_PER_STEP, max(1, most // max(1, int(pressed.sum()))))

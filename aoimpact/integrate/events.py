@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from ..base import ROUNDING, ArrayPair, FloatArray
 
-# A parabola is fitted to a peak if the ratio of the curvature at either neighbouring sample to that
-# at the peak is at least this. If the ratios at both neighbours are smaller, the force jumps or is
-# not resolved. A jump changes the curvature only at the samples next to it. Half a sine of N steps
-# has the ratio cos(π/N), so that four steps suffice.
+# A parabola is fitted to a peak if the curvature at a neighbouring sample, relative to that at the
+# peak, is at least this. If both ratios are smaller, the force jumps or is not resolved. A jump
+# changes the curvature only at the samples next to the jump. Half a sine of N steps has the ratio
+# cos(π/N), so that four steps suffice.
 _LEAST_CURVATURE = 0.5
 
 
@@ -135,9 +135,11 @@ def find_contacts(
 def _zeros(
     t: FloatArray, indentation: FloatArray, rate: FloatArray, steps: NDArray[np.intp]
 ) -> FloatArray:
-    """Return the time of zero indentation in each step [t_i, t_(i+1)]; t_i if there is none.
+    """Return the time in each step [t_i, t_(i+1)] at which the indentation crosses zero, or t_i.
 
-    There is no zero if bodies touch from the start, or if the law gives no force at first.
+    It does not cross zero if it is zero at t_i, as for bodies that touch from the start, or if the
+    force begins or ends at a positive indentation, as under a law that gives no force at small
+    indentations.
     """
     before, after = indentation[steps], indentation[steps + 1]
     found = t[steps].copy()
@@ -169,7 +171,7 @@ def find_slips(
     contacts : tuple of (float, float)
         Start and end of each contact [s].
     stuck : (n,) array
-        Size of the stick zone relative to the contact, from 0 to 1.
+        Area of the stick zone relative to the area of the contact, from 0 to 1.
     left : (n,) array
         Bound of the friction force minus its magnitude [N].
     ahead : (n,) array

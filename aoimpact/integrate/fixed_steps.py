@@ -37,19 +37,20 @@ _MOST_BYTES = 4 * GIB
 # Number of steps within a contact in the first attempt, if no dt is given.
 _FIRST_STEPS = 50
 
-# Relative precision of the contacts' tangential stretches (`Contact.for_core`). _PRECISION:
-# precision with the first step; _ROUGHEST: largest value that the core accepts. The precision is
-# proportional to the square of the step, so that the error estimate includes the error of the
-# stretches, a hundredth of the rule's. With _PRECISION = 0.02 the error of the stretches would be a
-# third of the rule's, and springs that are left out would give back 4e-8 of the energy.
+# Relative tolerance of the stretches of the springs that represent friction (see DRAWN).
+# _PRECISION: tolerance with the first step; _ROUGHEST: largest value that the core accepts. The
+# tolerance is proportional to the square of the step, so that the error estimate includes the error
+# of the stretches, a hundredth of the rule's error. With _PRECISION = 0.02 the error of the
+# stretches would be a third of the rule's error, and springs that are left out would give back 4e-8
+# of the energy.
 _PRECISION, _ROUGHEST = 4e-4, 0.1
 
 # Largest number of halvings of the step. An error of second order falls by a factor of 4^16 = 4e9;
 # an error that is still too large does not converge.
 _MOST_HALVINGS = 16
 
-# Ratio of the step that finds the forces at t = 0 to the run's step. The former step is so short
-# that coordinates with mass do not move.
+# Step that finds the forces at t = 0, relative to the run's step: so short that coordinates with
+# mass do not move.
 _INSTANT = 2.0**-10
 
 # _SHORTENED: factor on the step that finds the forces at t = 0; _MOST_SHORTENED: largest number of
@@ -186,7 +187,7 @@ def solve_newmark(plan: Scenario, rule: Newmark) -> tuple[SteppedRecorder, float
 def _to_tolerance(
     step: Callable[..., SteppedRecorder], first: float, rtol: float, plan: Scenario
 ) -> tuple[SteppedRecorder, StepError]:
-    """Return the run, with halved steps, that agrees with the last two runs, and its error."""
+    """Halve the step until a run agrees with the last two; return this run and its error."""
     before = [_trial(step, 0.5 * first), _trial(step, first)]
     for halving in range(2, _MOST_HALVINGS + 2):
         dt = first / 2**halving

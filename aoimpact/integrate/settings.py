@@ -21,11 +21,11 @@ TIGHTEST = 1e-13
 # other. The core has the same rule (step.h).
 LESSER = 0.01
 
-# Finest precision of a contact's tangential stretches, relative to the largest stretch. This
-# precision takes some 700 of the 2048 springs that the core has room for; a ball that has rolled
-# for 1800 periods of its tangential vibration, each of which leaves two springs, takes 1150. The
-# relative error of an impact's friction is 0.01 to 0.14 of the precision for motion along one line,
-# and up to 0.7 of it for a slide that changes its direction.
+# Relative tolerance, in the limit of small steps, of the stretches of the springs that represent
+# friction (docs/theory/contact.md): error of a stretch divided by the largest stretch. It needs
+# some 700 springs, or 1150 in a ball that has rolled for 1800 periods of its tangential vibration;
+# the core has room for 2048. The relative error of an impact's friction is 0.01 to 0.14 times this
+# tolerance for motion along one line, and up to 0.7 times for a slide that changes its direction.
 DRAWN = 1e-5
 
 

@@ -114,7 +114,10 @@ def _scales(sizes: FloatArray) -> FloatArray:
 
 
 def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
-    """Return the largest relative change with twice the step; None if the runs are too short."""
+    """Return the largest relative change of peaks and impulses with twice the step.
+
+    None if the runs have too few steps.
+    """
     shared = min(len(theirs.times), (len(ours.times) + 1) // 2)
     if shared < 3:
         return None
@@ -134,7 +137,7 @@ def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
 
 
 def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Return change and size of peak, then of impulse, of a force of shape (axes, times)."""
+    """Return (change, size) of a force's peak and of its impulse; forces: shape (axes, times)."""
     every, rubs = t[::2], len(ours) > 1
     size, other = (np.linalg.norm(of, axis=0) if rubs else of[0] for of in (ours, theirs))
     # Friction has a kink at the start of full slip, where a parabola through samples misses the
@@ -219,7 +222,8 @@ def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray
     """Return bounds of each contact's force between steps minus its largest force at a step, N.
 
     Between steps the indentation follows the parabola through three steps. Its error is at most the
-    difference of the indentations with steps dt and 2 dt. A load f displaces a mode by r f / ω².
+    difference of the indentations with steps dt and 2 dt. A load f displaces a mode by r f / ω²,
+    where r is the mode's participation factor.
     The amplitude of the vibration caused by the load is at most r / ω² times the sum of changes of
     f, and at most r / ω³ times the sum of changes of its slope. Steps longer than the mode's period
     show only the displacement.
@@ -237,7 +241,7 @@ def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray
 
 
 def _highest_crest(free: BoolArray, ours: FloatArray, coarse: FloatArray) -> float:
-    """Return the largest indentation, m, at which an open contact turns back or the record ends.
+    """Return the largest indentation, m, from which an open contact recedes or the record ends.
 
     `free` is True at steps without force; `ours` and `coarse` are the indentations with the steps
     dt and 2 dt.

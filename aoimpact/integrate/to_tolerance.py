@@ -18,7 +18,7 @@ from .settings import TIGHTEST, Adaptive
 # the error of a run with TIGHTEST.
 FLOOR = 0.01 * TIGHTEST
 
-# Largest difference of two adaptive runs for which errors are assumed proportional to their causes;
+# Largest relative difference of two runs up to which errors are assumed proportional to tolerances;
 # above it the error is set to 1. A third of this value costs 1.3 % more steps. With seven times
 # this value, a scene of 784 touches fails although a further run confirms its result. Three times
 # this value still detects chaos; with a value of 1, the estimate is 0.07 where two runs differ by
@@ -26,7 +26,8 @@ FLOOR = 0.01 * TIGHTEST
 LINEAR = 0.03
 
 # Safety factor of the comparison of two adaptive runs: errors are proportional to the tolerance,
-# but those of single contacts may deviate by this factor. A second run, whose tolerance is smaller
+# except that errors of single contacts may be larger by this factor. A second run, whose tolerance
+# is smaller
 # by this factor times the number of touches, meets the tolerance unless errors multiply. Over 61
 # scenes of 2 to 58 touches and five tolerances the largest true error is 0.19 of the tolerance;
 # with a factor of 3 it is 1.7; a factor of 30 costs 8 % more steps.
@@ -56,8 +57,9 @@ OTHER_STEPS = 1e-7
 # agreement.
 PATIENCE = 20
 
-# Least error of friction at any tolerance, relative to its bound, if directions change: the core's
-# precision of a contact's stretches is 4e-6. In 40 impacts on four bodies, velocities of runs with
+# Smallest error of friction that is reported, relative to its bound μ F, at any tolerance: the core
+# computes the stretches of friction's springs to 4e-6 if the direction of friction changes. In 40
+# impacts on four bodies, velocities of runs with
 # tolerances of 1e-6 and 1e-8 differ by at most 3e-7 of the speed, and by 7e-6 for a ball that slips
 # from the touch on.
 FRICTION = 1e-5
@@ -76,8 +78,8 @@ def solve_adaptive(plan: Scenario, rule: Adaptive) -> tuple[DenseRecorder, float
 
     Scenes of several contacts are run to a smaller tolerance: after other contacts, two bodies may
     meet at a small part of their speeds. From the second touch of a contact on, errors grow with
-    each touch. A contact that pulls may end so slowly that its end is ill-conditioned. In the
-    latter two cases the run is repeated with smaller tolerances until it meets the tolerance.
+    each touch. A contact that pulls may end so slowly that its end is ill-conditioned. With several
+    touches or such a contact, the run is repeated with smaller tolerances until it meets `rtol`.
 
     Raises
     ------

@@ -47,7 +47,8 @@ class CoreLaw(NamedTuple):
     compliance, limit : float
         Compliance removed from the law, m/N, and largest indentation of the resulting law, m.
     note : ndarray, shape (3,)
-        Output of the core: indentation and rate at which the law gave no force, and the reason.
+        Output of the core: indentation and rate at which the law's force was NaN or jumped, and
+        the error code.
     data : object
         Table or functions of a law given by the caller, else None.
     """
@@ -75,7 +76,7 @@ class Dent(NamedTuple):
     diameter: float
 
 
-# Largest ratio of residual to deepest indentation at which the residual one is a rounding error.
+# Ratio of residual to deepest indentation below which the residual one is a rounding error.
 _NO_DENT = 1e-12
 
 # Largest c dF/dδ at which the compliance c is removed from a law, as in csrc/law/law.c. At this
@@ -504,7 +505,10 @@ class ContactLaw:
         return min(delivered, 1.0)
 
     def _closed_form(self, mass: float, velocity: float) -> tuple[Callable[[float], float], float]:
-        """Return e as a function of a damping number, and that number's ratio to `damped_by`."""
+        """Return the restitution as a function of a damping number, and the number per `damped_by`.
+
+        `damped_by` names the parameter of the law that the damping number is proportional to.
+        """
         raise NotImplementedError
 
     def _delivering(
@@ -514,7 +518,7 @@ class ContactLaw:
         velocity: float,
         number: Callable[[float], float] | None = None,
     ) -> Self:
-        """Return the law with restitution e; `number`: published damping number for a given e."""
+        """Return the law with restitution e; `number`: published formula for its damping number."""
         e = within("restitution", restitution, _LEAST_RESTITUTION, 1.0)
         m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
         closed_form, scale = self._closed_form(m, v)

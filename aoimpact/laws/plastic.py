@@ -74,7 +74,7 @@ class _Yielding(HertzianLaw, has_memory=True):
 
     @property
     def yield_indentation(self) -> float:
-        """δ_y = (F_y/k)^(2/3), m."""
+        """Indentation at which yield begins, δ_y = (F_y/k)^(2/3), m."""
         return float(math.cbrt(self.yield_force / self.k) ** 2)
 
     @property
@@ -300,7 +300,7 @@ class ElasticPlastic(_Yielding, kind="elastic_plastic"):
 
     @property
     def _slope(self) -> float:
-        """Slope of the plastic line, N/m."""
+        """Slope of the force in the fully plastic range, N/m."""
         return 2.0 * math.pi * self.relative_radius * self.hardness
 
     @cached_property

@@ -28,7 +28,7 @@ _DOUBT = 0.3
 
 @dataclass(frozen=True)
 class LawFromSurfaces:
-    """Hertz's law of two surfaces, with its error.
+    """Hertz's law of two surfaces, with the error of its stiffness.
 
     Attributes
     ----------

@@ -2,12 +2,12 @@
 
 In its band a model has the receptance of its body.
 
-At the frequency iω a model leaves the forces r = b - (K + ω²M) X_r unbalanced, and its receptance
-bᵀX_r is too small by rᵀ(K + ω²M)⁻¹ r, since r is orthogonal to its shapes (Galerkin). M is positive
-semidefinite, so that the error is at most rᵀK⁻¹ r at every ω. K⁻¹ r exists even for a free body,
-since the model contains the rigid motions. r has about one direction for each force, so that the
-bound takes a few static solutions. The receptance at iω is an average of that at real frequencies
-about ω, with a width of the order of ω.
+At the imaginary frequency iω a model leaves the forces r = b - (K + ω²M) X_r unbalanced, and its
+receptance bᵀX_r is too small by rᵀ(K + ω²M)⁻¹ r, since r is orthogonal to the model's shapes
+(Galerkin). M is positive semidefinite, so that the error is at most rᵀK⁻¹ r at every ω. K⁻¹ r
+exists even for a free body, since the model contains the rigid motions. r has about one direction
+for each force, so that the bound takes a few static solutions. The receptance at iω is an average
+of the receptance at real frequencies about ω, with a width of the order of ω.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ _SHORTER = 3.0
 # eight oscillators are accurate for three times the duration.
 _LONGER = 1.15
 
-# Largest relative unbalanced force at which the force of a contact is as accurate as with a fitted
-# model. In the twelve impacts of _SHORTER the relative error of the force was .02 to .9 for
-# unbalanced forces above .01, and for unbalanced forces below .005 hardly larger than with a fitted
-# model.
+# Largest relative unbalanced force (`unbalanced`) at which the force of a contact is as accurate as
+# with a model fitted to its duration. In the twelve impacts of _SHORTER the relative error of the
+# force was .02 to .9 for unbalanced forces above .01, and for unbalanced forces below .005 hardly
+# larger than with a fitted model.
 _BALANCED = 5e-3
 
 

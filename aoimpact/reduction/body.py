@@ -42,7 +42,7 @@ from .band import Band, band_of
 if TYPE_CHECKING:
     from .star import AOModel
 
-# Function that returns the fields of the core's `aoi_modes`, in its order, from a mapping.
+# Function that takes the fields of the core's struct `aoi_modes` from a mapping, in their order.
 _PARTS = itemgetter(*_core.MODES.split())
 
 # Relative difference, due to rounding errors of the mesh, below which a translation and the rigid
@@ -215,7 +215,7 @@ class BodyModel(ABC):
         return self.constrained and not self.wall and not (self.tips and self.centre_known)
 
     def weight(self, gravity: Pull) -> FloatArray:
-        """Return the forces of gravity, m/s², on the dofs, N.
+        """Return the forces on the dofs, N, due to gravity, m/s².
 
         :meta private:
         """
@@ -235,7 +235,9 @@ class BodyModel(ABC):
 
     @abstractmethod
     def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
-        """Return Σ |r_p| |r_q| / ω² over modes above `slowest`, rad/s, or an upper bound of it.
+        """Return the compliance of the modes above `slowest`, rad/s, or an upper bound of it.
+
+        The compliance is Σ |r_p| |r_q| / ω², with the participation factors r_p at the ports.
 
         Returns
         -------
@@ -342,14 +344,16 @@ class Body(Frozen, BodyModel):
     coordinates : ndarray, shape (r, n)
         Coefficients of the modes on these vectors; None if the vectors are the modes.
     follow : ndarray, shape (r, p), or None
-        Coefficients on the vectors of the displacement that follows forces on the ports at once.
+        Coefficients on the vectors of the displacement, m/N, that follows forces on massless ports
+        without delay.
     linear_solver : str
         Name of the linear solver that the model was made with; empty if none was needed.
     contact_time : float or None
         Duration of the contact that the model was fitted to, s; None if the model fits any
         duration.
     slow : float or None
-        Duration of the slower motion that every second vector was fitted to, s; None if none was.
+        Duration of the slower motion that every second vector was fitted to, s; None if all
+        vectors were fitted to the contact.
     numbers : AOModel or None
         Anti-oscillator model of a body given by numbers.
     oscillators : AOModel or None
@@ -791,7 +795,7 @@ class Body(Frozen, BodyModel):
         return found[port]
 
     def fast_compliance(self, slowest: float, *, weighed: bool) -> ArrayPair:
-        """Return Σ |r_p| |r_q| / ω² over modes above `slowest`, rad/s.
+        """Return the compliance Σ |r_p| |r_q| / ω² of the modes above `slowest`, rad/s.
 
         :meta private:
         """

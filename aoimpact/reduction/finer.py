@@ -26,9 +26,9 @@ from .krylov import KrylovSpace, only_excited
 # (tests/accuracy/test_finer.py).
 _TERMS = 12
 
-# Largest unbalanced part of a force on a contact, relative to the force, at the frequency i s of
-# the extraction, with which a model of at least `_TERMS` vectors per contact contains the sequence:
-# it is 1e-12 for models by factors, 1e-4 by multigrid.
+# Largest unbalanced part of a contact force, relative to the force, at the frequency i s of the
+# extraction, up to which a model of at least `_TERMS` vectors per contact counts as containing the
+# sequence. Models made with factors leave 1e-12 unbalanced, models made with multigrid 1e-4.
 _BALANCED = 1e-3
 
 

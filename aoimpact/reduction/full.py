@@ -142,7 +142,7 @@ class FullModel(Frozen, BodyModel):
         return self.body.on_dofs(moved)
 
     def weight(self, gravity: Pull) -> FloatArray:
-        """Return the forces of gravity, m/s², on the dofs, N.
+        """Return the forces on the dofs, N, due to gravity, m/s².
 
         :meta private:
         """

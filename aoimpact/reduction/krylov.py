@@ -84,16 +84,17 @@ _NO_CANCELLATION = 0.5
 # For the search of a compact body's static mode in the span of Krylov vectors: _FIRST: first number
 # of vectors per contact point; _PROMISING: largest relative residual at which one more vector per
 # point is tried; _LAST: largest number of such trials; _REACHED: relative residual at which the
-# search succeeds. The error of bᵀx is of the order of the residual squared, but not the error of
-# the part of x that is orthogonal to the other vectors. Success spares a factorisation of K: models
-# of 8 oscillators of blocks of 9 400 and 42 000 dofs are made 1.7 and 2.1 times as fast.
+# search succeeds. For the static mode x, the error of bᵀx is of the order of the residual squared,
+# but not the error of the part of x orthogonal to the other vectors. Success spares a factorisation
+# of K: models of 8 oscillators of blocks of 9 400 and 42 000 dofs are made 1.7 and 2.1 times as
+# fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
 # Relative residual ‖b - K x‖ / ‖b‖ to which an iterative method solves for a static mode. With 1e-6
 # the errors of models of a clamped plate, up to 180 vectors, are the same.
 _STATIC = 1e-4
 
-# Largest ω² of a vector, relative to the largest K_ii/M_ii. Above this limit a vector has
+# Largest ω² = xᵀKx/xᵀMx of a vector x, relative to the largest K_ii/M_ii. Above this limit x has
 # practically no mass, and its rounding errors spoil other vectors. The ratio is up to 3 in bodies
 # with mass everywhere; if M is singular, modes are lost with limits of 2000 and more.
 _WITHOUT_MASS = 300.0
@@ -352,7 +353,7 @@ class KrylovSpace:
             self._ordered.append(rest / length)
 
     def _static_modes(self, wanted: int) -> list[FloatArray]:
-        """Return the coordinates of the static modes; `wanted` vectors will follow.
+        """Return coordinates of the static modes, for `wanted` vectors besides rigid motions.
 
         With an iterative solver, static modes come before all other vectors, which are made
         orthogonal to them. In the reverse order, errors of the approximate solutions would displace

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from .body import Body
 
 # Product s T of the frequency s and the contact duration T. On beams struck at midspan and at the
-# end, supported and free, errors hardly change for products between 3 and 20; below 3, they grow if
-# slow modes are left out.
+# end, supported and free, errors of the corrected motion hardly change for products between 3 and
+# 20; below 3, these errors grow if the model leaves slow modes out.
 PACE = 10.0
 
 # Relative residual ‖f - A x‖ / ‖f‖ to which an iterative solver computes a correction. Relative
@@ -39,11 +39,11 @@ PACE = 10.0
 # most 4e-8 (2e-7 with a residual of 1e-4).
 SOLVED = 1e-6
 
-# Largest unbalanced force, relative to its parts, that is left uncorrected. Approximate solutions
-# leave that much for each vector, in a separate direction; exact solutions leave one direction for
-# each force, and rounding errors of 1e-12. The neglect makes a probe five times as fast. It causes
-# relative errors of at most 9e-5 (3e-5 with a third of this limit) in stresses of the bodies named
-# at SOLVED and of a beam, for models of 9 … 67 oscillators.
+# Largest unbalanced force, relative to its parts, that is left uncorrected. Vectors found by
+# approximate solutions leave such a force each, all in different directions; exact solutions leave
+# one direction for each load, and rounding errors of 1e-12. Without a correction of such forces a
+# probe is five times as fast. This causes relative errors of at most 9e-5 (3e-5 with a third of
+# this limit) in stresses of the bodies named at SOLVED and of a beam, for 9 … 67 oscillators.
 _BALANCED = ROUGH
 
 

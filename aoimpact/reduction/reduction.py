@@ -43,8 +43,8 @@ from .star import AOModel, excited, with_shapes
 # more dofs it would take several minutes and gigabytes.
 _DENSE_MOST = 6000
 
-# Largest number of Lanczos steps: _MOST_STEPS, or _SOME + _SHARE_OF_DOFS times the number of dofs
-# if that is less. A failed attempt takes a tenth of LAPACK's time for 2000 dofs or more.
+# Largest number of Lanczos steps: the smaller of _MOST_STEPS and _SOME + _SHARE_OF_DOFS times the
+# number of dofs. A failed attempt takes a tenth of LAPACK's time for 2000 dofs or more.
 # _CONVERGED: largest residual of a converged mode, relative to the eigenvalue.
 _MOST_STEPS, _SOME, _SHARE_OF_DOFS, _CONVERGED = 600, 60, 1 / 12, 1e-10
 

@@ -17,7 +17,7 @@ from .rows import ContactRows
 
 
 def extraction_of(law: ContactLaw, model: BodyModel, port: int) -> Compliance | None:
-    """Return a body's compliances at a contact; None if none is taken out of the law.
+    """Return a body's compliances at a contact; None if the law keeps its compliance.
 
     A law that is not like Hertz's, such as that of a spring or buffer, does not contain the
     indentation of a solid at a node, so that no compliance is taken out. Shells and beams have a
@@ -50,8 +50,8 @@ class Port(NamedTuple):
     port: int
 
 
-# Precision of the tangential stretches of a contact's springs, relative to the largest stretch. The
-# relative error of the friction force is a tenth of this precision.
+# Relative tolerance of the stretches of the springs that represent friction: error of a stretch
+# divided by the largest stretch. The relative error of the friction force is a tenth of this.
 _PRECISION = 1e-4
 
 # Poisson's ratio for G*/E* if both materials are unknown; both are then assumed to be equal.

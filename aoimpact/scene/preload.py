@@ -31,7 +31,8 @@ _EPSILON = float(np.finfo(np.float64).eps)
 # Largest number of steps. Towers of a thousand balls take up to 400.
 _MOST_STEPS = 1000
 
-# _TIGHTER: factor on the damping after a full step; _LOOSER: factor after a shortened step. Values
+# _TIGHTER: factor on the damping of Newton steps after a full step; _LOOSER: factor after a
+# shortened step. Values
 # of _TIGHTER from 0.02 to 0.2 and of _LOOSER from 1 to 10 change the number of steps by up to a
 # third. _LEAST_DAMPING: smallest damping.
 _TIGHTER, _LEAST_DAMPING, _LOOSER = 0.1, 1e-12, 2.0
@@ -235,8 +236,7 @@ class _Statics:
     def settled(self, at: _Configuration) -> bool:
         """True if the reactions balance the loads to the rounding errors of the largest force.
 
-        The largest force is the reference since a contact that touches without force has none of
-        its own.
+        Imbalances are compared with the largest force, as a contact that only touches has no force.
         """
         holds = np.minimum(at.present - np.abs(self.load), _SETTLED * self.size(at))
         rounding = _BALANCED * at.present + self.reach.T @ at.rounding
@@ -263,7 +263,10 @@ class _Statics:
 
     @cached_property
     def _constant(self) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array, FloatArray]:
-        """Constants of steps: D with and without stiffness, D K⁻¹ Dᵀ, ground stiffnesses, N/m."""
+        """Matrices of all steps: D for coordinates with and without stiffness, D K⁻¹ Dᵀ, ground.
+
+        The last is the stiffness of springs to the ground at coordinates without stiffness, N/m.
+        """
         own, free = self.directions[:, self.sprung], self.directions[:, self.free]
         between = own @ sp.diags_array(1.0 / self.stiffness[self.sprung]) @ own.T
         ground = (free**2).T @ self.slopes
@@ -272,9 +275,9 @@ class _Statics:
     def step(self, at: _Configuration, damping: float) -> FloatArray:
         """Return a Newton step s, damped by raised stiffnesses of contacts and bodies.
 
-        K s + Dᵀ S D s = balance is solved for the forces S D s and the coordinates without
-        stiffness; the other coordinates follow one by one. The cost depends on the number of
-        contacts, and a soft spring loses no digits next to a stiff one.
+        With the contact stiffnesses S, K s + Dᵀ S D s = balance is solved for the forces S D s and
+        the coordinates without stiffness; the other coordinates follow one by one. The cost depends
+        on the number of contacts, and a soft spring loses no digits next to a stiff one.
         """
         own, free, between, ground = self._constant
         contacts = sp.diags_array(1.0 / (at.slope + damping * self.slopes))
