@@ -173,9 +173,9 @@ def choose_models(
             if (reached := in_steps if rule.rtol <= in_time else least) + error > tolerance:
                 cure = f"give rtol={EASED * (reached + error):.1e} or more"
         raise ConvergenceError(
-            f"rtol={tolerance:g} is not kept with solver={rule!r}: its error, about "
-            f"{in_steps:.2g} of the peak force or the impulse, and that of the models, "
-            f"{error:.2g}, are more; {cure}"
+            f"rtol={tolerance:g} is not kept with solver={rule!r}: the solver's error, about "
+            f"{in_steps:.2g} of the peak force or the impulse, plus the models' error, "
+            f"{error:.2g}, exceeds it; {cure}"
         )
     if absent := [of.name for of in wanted if not of.is_history and not of.names(run)]:
         raise InputError(
@@ -194,15 +194,15 @@ def _warn_of_the_best(search: Search, error: float, tolerance: float) -> None:
     assert search.run is not None
     count = max((len(events.contacts) for events in search.run.events), default=0)
     why = (
-        f"of its {count} contacts each begins from the motion that those before have left, so that "
-        "errors grow from one to the next; give the duration= of the first ones"
+        f"each of its {count} contacts begins from the motion that earlier contacts have left, so "
+        "that errors grow from contact to contact; give the duration= of the first contacts"
         if count > 1
-        else "the waves of a short contact take more of them; choose a shorter duration="
+        else "the waves of a short contact take more vectors; choose a shorter duration="
     )
     names = " and ".join(of.name for of in search.wanted)
     warn(
-        f"{names}: its error from the models is {error:.2g}, and not the "
-        f"{tolerance:.2g} that is aimed at, with up to {max(search.orders)} vectors: {why}, "
+        f"{names}: its error from the models is {error:.2g}, above the tolerance of "
+        f"{tolerance:.2g}, with up to {max(search.orders)} vectors: {why}, "
         "a quantity= that sums up (peak_force, impulse), or rtol= as large as you allow"
     )
 

@@ -51,7 +51,8 @@ def errors_left_out(
     ----------
     run : Run
     interest : callable
-        Returns new quantities of interest, whose cached responses are freed after the comparison.
+        Creates the quantities of interest anew, so that the responses that they cache are freed
+        when this function returns.
     solver : Adaptive or Newmark, optional
         Solver of the run.
     """
@@ -91,7 +92,7 @@ def errors_left_out(
 def _changes(
     wanted: Sequence[Quantity], run: Run, others: Sequence[Run | float]
 ) -> Mapping[str, float]:
-    """Return by name, for quantities and numbers, the sums of relative differences from runs."""
+    """Return by name the sum of each quantity's or number's relative differences from `others`."""
     runs = [of for of in others if isinstance(of, Run)]
     if len(runs) < len(others):
         return Found(lambda: run.numbers, lambda _: math.inf)
@@ -140,7 +141,7 @@ def _with_models(run: Run) -> Run:
 
 
 def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
-    """Return the contacts with laws altered by their uncertainty; None if that is not known.
+    """Return the contacts with laws altered by their uncertainty; None if one is not known.
 
     The law is altered by the compliance that varies with the width of the contact, or by a
     compliance that was left in the law although it may belong to the mesh.
@@ -158,7 +159,7 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
             if known is None:
                 return None  # uncertainty unknown: a rigid model or a sharp edge
             if known.removed and not isinstance(contact.law, PatchLaw):
-                left += known.removed  # runs with and without it bound the true motion
+                left += known.removed  # runs with and without this removal bound the motion
             else:
                 varying += known.varying
         most = min(left, removable(law, run.deepest(number))) if left else -varying
@@ -264,7 +265,7 @@ def _tried(
 
 
 def _finer(model: BodyModel, make: Callable[[Any], BodyModel]) -> BodyModel:
-    """Return a model's finer model, cached also for the same model with reversed directions."""
+    """Return the model of the refined body, made once for all directions of travel."""
     of, ports = model.kept.get("turned", (model, ()))
     if "finer" not in of.kept:
         of.kept["finer"] = make(of)

@@ -29,8 +29,9 @@ from .field import LOOKS, Field
 # share factorisations.
 _SHIFTS = 4
 
-# Smallest ratio of the contact radius in closed forms to the patch radius. Closed forms lose digits
-# in proportion to the squared ratio of distance to contact radius.
+# Smallest contact radius in closed forms, relative to `Compliance.radius`, which belongs to the
+# largest force. Closed forms lose digits in proportion to the squared ratio of distance to contact
+# radius.
 _NARROWEST = 1e-2
 
 # Largest product of the numbers of places and times evaluated together: some 100 MB.
@@ -147,10 +148,11 @@ class Response:
         return [of for of in found if of is not None] if all(found) else []
 
     def work(self, times: FloatArray, of: VirtualMotion) -> FloatArray:
-        """Return the ground's virtual work along the m motions in `of`, N or N m, (times, m).
+        """Return the ground's virtual work per unit of the k motions in `of`, (n_times, k).
 
-        See `fem.Grounding`. If `motion` is that of the dofs, the forces of the ground are
-        K X + C Ẋ + M Ẍ at constrained dofs.
+        The work is in N for a translation and in N m for a rotation; see `fem.Grounding`. If
+        `motion` is that of the dofs, the forces of the ground are K X + C Ẋ + M Ẍ at constrained
+        dofs.
         """
         motion, known = self.motion, self.body.grounding
         alpha, beta = 0.0, 0.0
@@ -237,9 +239,10 @@ class Response:
         return found
 
     def _parts(self, times: FloatArray) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
-        """Return shapes of the body's motion, (n_dofs, k), their amounts and rates, (k, times).
+        """Return shapes of the motion, (n_dofs, k), their coefficients and the rates, (k, times).
 
-        The motion of a full model's own dofs is not included.
+        The rates are those of the coefficients. The motion of a full model's own dofs is not
+        included.
         """
         parts, motion, recovery = [], self.motion, self.recovery
         if recovery is not None:

@@ -233,7 +233,7 @@ class At(Each[sp.csr_array]):
         return motion_rows(body, place_rows(body, self.places, self.nodes), self.axes)
 
     def motion(self, response: Response, times: FloatArray, *, rates: bool = True) -> ArrayPair:
-        """Return displacement, m, and velocity, m/s; without `rates`, the dofs' velocity alone."""
+        """Return displacement, m, and velocity, m/s; without `rates`, less exact under contacts."""
         motion = response.functionals(self.of(response.body), times)
         added = response.half_space(self.places, times, rates=rates)
         u, v = (
@@ -522,15 +522,18 @@ class Reaction(Sensed):
 
 @dataclass(frozen=True, eq=False)
 class Work(Each[VirtualMotion]):
-    """Virtual work of the ground's forces on nodes along m motions, N or N m, (times, m).
+    """Virtual work of the ground's forces on some nodes, per unit of each of k virtual motions.
+
+    The work is in N for a translation and in N m for a rotation. A call returns it with the shape
+    (n_times, k).
 
     Attributes
     ----------
     nodes : ndarray of int
     centre : ndarray, shape (3,)
         Centre of rotation, m.
-    ways : ndarray, shape (6, m)
-        Translation of the nodes and rotation about the centre in each of the motions.
+    ways : ndarray, shape (6, k)
+        The motions, as columns: translation, and rotation about the centre.
     """
 
     nodes: IntArray

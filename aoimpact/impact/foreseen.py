@@ -155,7 +155,10 @@ def _known(find: Callable[..., float | None], met: Any) -> float | None:
 
 
 def goes_against(tip: ContactPoint | None, *, outward: bool) -> bool:
-    """Return whether a direction is reversed: into the body if `outward`, out of it if not."""
+    """Return whether a contact point's direction of travel must be reversed.
+
+    The direction must go out of the body if `outward` is True, else into the body.
+    """
     if tip is None or tip.normal is None or tip.direction is None:
         return False
     return (float(tip.direction @ tip.normal) > 0.0) != outward

@@ -92,7 +92,11 @@ def _direction(name: str, tip: ContactPoint) -> FloatArray:
 
 
 def with_tangents(model: BodyModel, axes: FloatArray) -> BodyModel:
-    """Return a finite-element body with tangents at its contact points; other models unchanged."""
+    """Return a finite-element body whose contact points have tangents, the directions of friction.
+
+    The two unit tangents are aligned with rows 1 and 2 of `axes`. Other models are returned
+    unchanged.
+    """
     if not isinstance(model, FullModel):
         return model
     tips = []
@@ -125,7 +129,7 @@ def with_functionals(
     assert isinstance(model, Body)
     if model.numbers is not None and model.kind in ("rigid", "wall"):
         return turning(model.numbers, axes, roles or ROLES[:1])
-    given = [tip.tangents for tip in model.tips[::3]]  # those of an earlier oblique impact
+    given = [tip.tangents for tip in model.tips[::3]]  # set by an earlier oblique impact
     if given and all(one is not None and np.allclose(one, axes[1:], atol=0.1) for one in given):
         return model
     raise InputError(

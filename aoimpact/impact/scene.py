@@ -68,7 +68,11 @@ class Mark:
 
 
 class Member(NamedTuple):
-    """A body of a scene with its initial velocity, position and names."""
+    """A body of a scene with its initial velocity, position and names.
+
+    If the user gave the velocity as a vector, `velocity` is the length of this `vector`. `called`
+    is the name in messages.
+    """
 
     body: BodyModel
     velocity: float
@@ -418,7 +422,9 @@ class Scene:
         return self._run(plan, duration, quantity, rtol, solver, linear_solver, began)
 
     def _plan(self, *, energies: bool = True, preload: bool = False) -> Scenario:
-        """Return the plan of the bodies as given, with contacts between contact points, not ports.
+        """Return the plan of the bodies as given; its contacts have numbers of contact points.
+
+        With friction, these numbers are later replaced by numbers of ports.
 
         Raises
         ------
@@ -602,10 +608,10 @@ class Scene:
             if len(plan.contacts) != 1 or not comes:
                 way = "past" if interest.sliding else "towards"
                 raise InputError(
-                    f"quantity={interest.name!r} is of one contact between two bodies that move "
-                    f"{way} each other, and the scene has {len(plan.contacts)} contacts of bodies "
-                    f'with velocities {speeds[met].tolist()} m/s; give "rebound_velocity", that of '
-                    "every body"
+                    f"quantity={interest.name!r} needs exactly one contact, between two bodies "
+                    f"that move {way} each other; the scene has {len(plan.contacts)} contacts, and "
+                    f"the velocities of their bodies are {speeds[met].tolist()} m/s. Give "
+                    'quantity="rebound_velocity", which every body has'
                 )
         if interest.each == "contacts" and not plan.contacts:
             raise InputError(

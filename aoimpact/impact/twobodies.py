@@ -142,8 +142,8 @@ def simulate(
     assert isinstance(result, Result)
     if duration is not None and result.in_contact_at_end:
         warn(
-            f"the record of {result.duration:.4g} s ends in contact: impulse and the last "
-            "contact's end are those so far, and there is no rebound (NaN); take a longer duration"
+            f"the record of {result.duration:.4g} s ends in contact, which cuts off the impulse "
+            "and the last contact, and there is no rebound (NaN); take a longer duration"
         )
     return result
 

@@ -120,7 +120,8 @@ class Limit(NamedTuple):
     meanings : (str, str)
         `Advice.meaning` within the limit and beyond it.
     rows : callable, optional
-        Returns the `Advice` of a run if its value is not the ratio of `of` to `scale`.
+        Returns the `Advice` on a run, for a limit whose `Advice.value` is not the ratio of the
+        quantity to `scale`.
     """
 
     of: str
@@ -220,7 +221,7 @@ def _width(joint: _Joint) -> Limit | None:
     text = (
         f"the contact has a radius of {_WIDTH} times the radius of curvature "
         f"R={with_unit(surface.radius, 'm', 3)}, with strains of about {_STRAIN * _WIDTH:.0%}, and "
-        "Hertz's law is for small ones; take a lower velocity or Tabulated(...), and check R"
+        "Hertz's law needs small strains; take a lower velocity or Tabulated(...), and check R"
     )
     return Limit("force", surface.k * (_WIDTH * _WIDTH * surface.radius) ** 1.5, 1.0, text)
 
@@ -379,13 +380,13 @@ def warn_of_misfit(run: Run, names: Sequence[str]) -> None:
             told = f"{names[body]} was fitted to a contact of {with_unit(fitted, 's')}, but "
             if not is_valid_for(model, contact_time, port):
                 told += (
-                    f"the one of the peak force lasts {with_unit(contact_time, 's')}: its force is "
-                    f"not exact; make it with contact_time={contact_time:.2g}"
+                    f"the contact with the peak force lasts {with_unit(contact_time, 's')}: its "
+                    f"force is not exact; make the model with contact_time={contact_time:.2g}"
                 )
             elif not is_valid_for(model, touched_for, port, _BALANCED_AGAIN):
                 told += (
                     f"is touched again and again for {with_unit(touched_for, 's')}: later forces, "
-                    "impulse and rebound are not exact; make it with "
+                    "impulse and rebound are not exact; make the model with "
                     f"duration={touched_for:.2g} and some more oscillators"
                 )
             else:
@@ -528,8 +529,9 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
 
 # ------------------------------------------------------------------- errors
 
-# _DRIFT: largest ratio of energy drift to the error of time integration. _LEAST_ERROR: smallest
-# value of that error, which allows for rounding errors.
+# _DRIFT: largest ratio, without a warning, of the total energy's relative range over the record to
+# the error of time integration. _LEAST_ERROR: smallest value of this error, which allows for
+# rounding errors.
 _DRIFT, _LEAST_ERROR = 100.0, 1e-12
 
 # Largest relative error due to a mesh or a contact law at which no warning is given.
@@ -580,24 +582,24 @@ def _as_a_shell(tip: ContactPoint) -> str:
 
 
 def warn_of_ledger(energy: float, error: float | None) -> None:
-    """Warn where the energy drifts by far more than the error of time integration allows.
+    """Warn if the total energy varies by far more than the error of time integration allows.
 
-    Over 600 random scenes the drift was at most 0.3 times that error, and at most 10 times with
-    massless contacts.
+    Over 600 random scenes the relative range of the energy was at most 0.3 times this error, with
+    massless contacts at most 10 times.
     """
     if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
         warn(
-            f"energy drifts by {energy:.2g} of the largest energy stored, though its error should "
-            f"be {error:.2g}: distrust the run, unless a law's energy is not the work of its force"
+            f"total energy varies by {energy:.2g} of the largest energy stored, with an error in "
+            f"time of {error:.2g}: distrust the run, unless a law's energy is not its force's work"
         )
 
 
 # ------------------------------------------------------------------- limits and missed contacts
 
 # Largest ratio of the length of a refined element to the length (D/(m s²))^(1/4) of bending waves,
-# s = 5 / (rise time of the force), at which the refined mesh gives an error estimate. Before
-# refinement, elements of shells and beams are twice as long: 0.9 times half the length of a wave
-# whose quarter period is the rise time.
+# s = 5 / (rise time of the force), at which the refined mesh gives an error estimate. At this limit
+# the elements of shells and beams before refinement, which are twice as long, have 0.9 times half
+# the length of a wave whose quarter period is the rise time.
 _BENDING = 2.5
 
 
@@ -635,8 +637,8 @@ def warn_of_run(run: Run) -> None:
         if tip.thin:
             warn(
                 f"{run.names[body]}: elements at the contact are {with_unit(edge, 'm', 3)} long, "
-                f"and bending waves of a force that rises in {with_unit(rise, 's', 3)} need "
-                f"{with_unit(most, 'm', 2)}; refine the mesh there"
+                f"and bending waves of a force that rises in {with_unit(rise, 's', 3)} need at "
+                f"most {with_unit(most, 'm', 2)}; refine the mesh there"
             )
 
 

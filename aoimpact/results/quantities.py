@@ -228,8 +228,8 @@ class Quantity:
     def contact_time(self, run: Run) -> float | None:
         """Return the duration of the first contact, s; None without contact.
 
-        In a scene the returned time is the shortest duration of a contact around its peak force,
-        among contacts with at least a tenth of the largest force.
+        In a scene the returned time is the shortest duration of a touch in which a contact has its
+        peak force, among contacts with at least a tenth of the largest force.
         """
         if not run.plan.scene:
             return run.events[0].contact_duration or None
@@ -343,7 +343,7 @@ def number_errors(
     known : mapping of str to float, optional
         Errors that are known already.
     on_the_way : bool, optional
-        True to raise errors of numbers that integrate the force to those that the root mean square
+        True to give numbers that integrate the force at least the error that the root mean square
         difference of the momentum transferred during contact causes, since two different forces may
         have the same integral by chance. These errors are infinite if one run touches more often
         than the other: the true motion may touch more often than both.
@@ -387,7 +387,7 @@ def _momentum_apart(run: Run, other: Run) -> FloatArray:
 
 
 def number(run: Run, name: str) -> tuple[Quantity, int, FloatArray]:
-    """Return the quantity of a name, its number's index and all its numbers, or raise KeyError."""
+    """Return the quantity, the index of its number `name`, and all its numbers; or KeyError."""
     *_, at, last = ("", "", *name.split("."))
     quantity, place = QUANTITIES[last], int(at) if at.isdigit() else 0
     known = not quantity.is_history and name == quantity.called(run, place)
@@ -413,7 +413,7 @@ def _relative(difference: FloatArray, scales: FloatArray) -> FloatArray:
 
 
 def _allowed(run: Run, momenta: FloatArray) -> FloatArray:
-    """Return uncertainties of contacts' momenta, N s, bounded by the energy left in the bodies.
+    """Return `momenta`, changes of the contacts' impulses, N s, bounded by the vibration energy.
 
     Two bodies that part with e times their approach velocity keep 1 - e² of their energy as
     vibration. If all of this energy is uncertain, the relative uncertainty of the impulse is

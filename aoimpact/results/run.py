@@ -613,7 +613,10 @@ class Run:
 
     @property
     def _parted(self) -> float:
-        """End of the last contact or, without one, of the record, s; rounded up to a fixed step."""
+        """Time at which the last contact or, without contact, the record ends, s.
+
+        In a run with fixed steps, the time is rounded up to the next step.
+        """
         touching, end = self.touching, self.duration
         end = end if touching is None else min(touching[1], end)
         if self.recorder.dense:

@@ -158,7 +158,7 @@ class RecordLength:
         if self._cut:
             warn(
                 f"duration: it was left out, and after {with_unit(self.length, 's')} the impact is "
-                "not over: its numbers are those until then; give duration="
+                "not over: its numbers are values up to this time; give duration="
             )
 
 

@@ -26,7 +26,7 @@ _HISTORIES = {
         ("force", "N", "contact force, positive in compression"),
         ("indentation", "m", "indentation of the contact law; negative while the bodies are apart"),
         ("friction_force", "N", "friction force on the second body, in three directions"),
-        ("stuck", "1", "radius of the stick zone over that of the contact"),
+        ("stuck", "1", "ratio of the radius of the stick zone to the radius of the contact"),
     ),
     "body": (
         ("displacement", "m", "displacement of the contact coordinate"),

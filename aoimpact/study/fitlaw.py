@@ -78,9 +78,9 @@ _APART = 1e-3
 # the law. The noise is estimated from second differences of at least _FEW values.
 _OFF, _VISIBLE, _FEW = 3.0, 0.02, 8
 
-# Smallest decrease of the sum of squares per parameter, in variances, with which a fit means
-# something. A fit to pure noise decreases the sum by about one variance per parameter, and by a few
-# if its start may be any of a thousand samples.
+# Smallest decrease of the sum of squares per parameter, in units of the residual variance, for a
+# significant fit. A fit to pure noise decreases the sum by about one variance per parameter, and by
+# a few if the contact may start at any of a thousand samples.
 _EXPLAINED = 10.0
 
 # A parameter counts as being at its bound if the logarithms of both differ by less than this.
@@ -368,7 +368,7 @@ def _warn_of_a_poor_fit(
         noise = float(np.median(second)) / (0.6745 * math.sqrt(6.0))
     if residual > max(_OFF * noise, _VISIBLE * largest):
         warn(
-            f"{type(problem.law).__name__} is {residual / largest:.1%} of the largest value off, "
+            f"{type(problem.law).__name__} is off by {residual / largest:.1%} of the largest value "
             f"with noise of {noise / largest:.1%}: take another law, or check mass and velocity"
         )
     misfit = problem.misfit(x)
