@@ -68,7 +68,7 @@ typedef enum aoi_status {
     AOI_ERROR_TOO_LONG,       /* the run needs more rows than the caller has room for              */
     AOI_ERROR_PATCH,          /* an indentation exceeds the limit of its law: of its patch or table */
     AOI_ERROR_LAW,            /* the contact law gave NaN                                          */
-    /* the law without its patch compliance has no force at this indentation, since it jumps */
+    /* with its compliance taken out, the law has no force at this indentation: its own force drops */
     AOI_ERROR_LAW_JUMPS,
     AOI_ERROR_STOPPED,        /* the caller's pause returned nonzero                               */
     /* friction with a law that has a memory or adhesion; in an adaptive run also with a damped law or a residual
@@ -327,7 +327,8 @@ typedef struct aoi_friction {
     aoi_law law;      /* normal law as a function of its own indentation, without compliance        */
     double mu, ratio; /* coefficient of friction; ratio of tangential to normal stiffness, Mindlin's G / E
                          of the pair: 2 (1 - nu)/(2 - nu) for like materials                       */
-    double precision; /* error of the curve of stretches, relative to the largest stretch since the touch */
+    double precision; /* error of the piecewise linear curve of stretch against depth, relative to the
+                         largest stretch since the touch */
 } aoi_friction;
 
 /* Makes the friction of a law, whose compliance and limit are not used. For a law with a compliance, the functions
@@ -355,7 +356,7 @@ typedef struct aoi_friction_state {
     size_t room, count;
     aoi_stretch *spring, *spare;
     double indentation;
-    double reach, share; /* largest stretch since the touch, m; share as above */
+    double reach, share; /* reach: largest stretch since the touch, m; share: F/F(rate 0), as above */
 } aoi_friction_state;
 
 /* Friction at the end of a path on which the first body slides relative to the second. The force acts on the second
@@ -367,7 +368,7 @@ typedef struct aoi_friction_value {
     double by_share[2];      /* d force / d share, N                                                */
     /* depth within which springs stick, m: the indentation where all stick, 0 where all slip */
     double stuck;
-    double terms;            /* magnitude to which the rounding of the force is relative, N         */
+    double terms;            /* scale of the rounding error of the force, N                         */
 } aoi_friction_value;
 
 /* Computes the friction after a straight path from the state to an indentation, m, and a share, with a slide, m. The

@@ -129,12 +129,12 @@ def main() -> None:
     extra, ends = [1 - x for x in nodes], [mp.mpf(0), *nodes]
     (edges, edge_weights), (checks, check_weights) = edge_rule(STAGES), edge_rule(CHECKS)
 
-    print("/* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal")
-    print(" * polynomial of node j, P_k the shifted Legendre polynomial. */")
-    print('#include "motion/radau.h"')
+    print("/* Made by tools/make_radau_data.py. On [0, 1], l_j is the cardinal polynomial of node")
+    print(" * j, P_k the shifted Legendre polynomial. An edge is an end of a step at which a force")
+    print(' * begins ([0], the start) or ends ([1], the end). */\n#include "motion/radau.h"')
     declare("Radau IIA nodes.", "node[AOI_NODES]", nodes)
     declare(
-        "Matrix from values at the nodes to Legendre coefficients.",
+        "Legendre coefficients (rows) of the polynomial through values at the nodes (columns).",
         "to_legendre[AOI_NODES][AOI_NODES]",
         on_part(nodes, mp.mpf(1)),
     )
@@ -149,29 +149,29 @@ def main() -> None:
         [on_part(nodes, c) for c in nodes],
     )
     declare(
-        "Slopes, at the nodes, of the cardinal polynomials of the points 0 and nodes, by columns.",
+        "Slopes at the nodes of the cardinal polynomials of start (0) and nodes, by columns.",
         "slope_at_node[AOI_NODES + 1][AOI_NODES]",
         by_columns(slopes(ends, nodes)),
     )
-    declare("Evaluation points at edges, else nodes.", "edge_point[3][AOI_NODES]", [*edges, nodes])
+    declare("Quadrature points of edges; [2]: nodes.", "edge_point[3][AOI_NODES]", [*edges, nodes])
     declare(
-        "Values, at an edge's points, of the cardinal polynomials of 0 and nodes, by columns.",
+        "Cardinal polynomials of start (0) and nodes at an edge's quadrature points, by columns.",
         "indentation_at_edge[2][AOI_NODES + 1][AOI_NODES]",
         [by_columns([lagrange(ends, x) for x in points]) for points in edges],
     )
     declare(
-        "Matrix from values at an edge's points to the nodes of a least-squares fit, by columns.",
+        "Nodal values of the least-squares fit to values at edge quadrature points, by columns.",
         "edge_projection[2][AOI_NODES][AOI_NODES]",
         [by_columns(projection(nodes, points, edge_weights)) for points in edges],
     )
     rest = (CHECKS - STAGES) * [mp.mpf(0)]
     declare(
-        "Check points of a law's force: those of a finer rule at an edge; else 1 - node.",
+        "Check points of a force against its polynomial: of a finer edge rule; [2]: 1 - node.",
         "check_point[3][AOI_EDGE_CHECKS]",
         [*checks, [*extra, *rest]],
     )
     declare(
-        "Weights of the check points; for 1 - node, in the quadrature on 1 - node and the nodes.",
+        "Quadrature weights of the check points; [2]: in the rule on 1 - node and the nodes.",
         "check_weight[3][AOI_EDGE_CHECKS]",
         [check_weights, check_weights, [*weights([*nodes, *extra])[STAGES:], *rest]],
     )

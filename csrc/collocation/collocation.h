@@ -14,7 +14,8 @@
 enum { AOI_SLACK = -1 };
 
 /* An edge is an end of a step at which a contact's force begins or ends, like t^(3/2). The polynomial through the
- * force at the nodes would miss part of the impulse there; the least-squares polynomial does not. */
+ * force at the nodes would miss part of the impulse there; the least-squares polynomial through the force at the
+ * edge's quadrature points does not. */
 enum aoi_edge { AOI_EDGE_START = 0, AOI_EDGE_END, AOI_EDGE_NONE };
 
 typedef struct aoi_sliding aoi_sliding; /* sliding.h */
@@ -29,7 +30,7 @@ typedef struct aoi_sliding aoi_sliding; /* sliding.h */
  *   constant                        part of the force that is constant in the step, N: at a massless
  *                                   contact point the force at the start, else 0. Rates then follow from
  *                                   changes of forces within the step, without loss of digits in a short step
- *   homogeneous, homogeneous_rate   motion under the constant forces of all contacts
+ *   homogeneous, homogeneous_rate   indentation and rate under the constant forces of all contacts
  *   indentation, rate               a guess; in the end the solution */
 typedef struct aoi_contact_step {
     size_t contact, axis;  /* axis: 0 normal, 1 and 2 tangents */
@@ -50,8 +51,8 @@ typedef struct aoi_contact_step {
  * distance in the list between two entries of one body. */
 size_t aoi_collocation_size(size_t count, size_t span);
 
-/* aoi_crowd_pays: true if a step costs less with forces on the modes of the bodies (crowd.c), and with the
- * influences AOI_BY_MODES that these need. It compares, with all contacts closed, the multiplications of the
+/* aoi_crowd_pays: true if a step costs less by the method of crowd.c, with forces on the modes of the bodies and
+ * influences AOI_BY_MODES, than by elimination. It compares, with all contacts closed, the multiplications of the
  * elimination with those of the largest number of iterations. aoi_crowd_size: size of the work space for crowd.c,
  * in doubles. */
 int aoi_crowd_pays(const aoi_system *system);
@@ -72,10 +73,10 @@ int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const ao
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work);
 
-/* Estimated errors of a step's solution. impulse, indentation: their errors at the end of the step, to leading
- * order, from the difference between the law's force and the force polynomial between the nodes. tail: size of the
- * last Legendre coefficients of the indentation, m. aoi_collocation_estimate also fills entry->legendre; for a
- * contact with friction, aoi_sliding_check must be called before. */
+/* Estimated errors of a step's solution. impulse, indentation: errors of both at the end of the step, N s and m,
+ * to leading order, from the difference between the law's force and the force polynomial between the nodes. tail:
+ * size of the last Legendre coefficients of the indentation, m. aoi_collocation_estimate also fills
+ * entry->legendre; for a contact with friction, aoi_sliding_check must be called before. */
 typedef struct aoi_collocation_error {
     double impulse, indentation, tail;
 } aoi_collocation_error;

@@ -23,7 +23,7 @@ enum { SQUARE = AOI_NODES * AOI_NODES };
 /* Largest number of GMRES vectors: enough for eight modes that contacts make stiff, with AOI_NODES vectors each. */
 enum { VECTORS = 8 * AOI_NODES };
 
-/* Equations of a step. Arrays with [2] are for indentations (index 0) and, where they are needed, for rates (1). */
+/* Equations of a step. Arrays with [2] are for indentations (index 0) and, if kinds = 2, for rates (1). */
 typedef struct crowd {
     const aoi_system *system;
     const aoi_response *response;

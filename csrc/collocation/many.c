@@ -24,7 +24,7 @@ size_t aoi_collocation_size(size_t count, size_t span)
 }
 
 /* Adds the influence of the force of entry `other` on the indentation and rate of entry `one`, through the bodies
- * that both share. Its sign is that of a reduction. */
+ * that both share. A positive influence is a reduction of indentation or rate. */
 static void add_coupling(const aoi_system *system, const aoi_response *response, double h,
                          const aoi_contact_step *one, const aoi_contact_step *other, double *displacement, double *rate)
 {
@@ -50,8 +50,9 @@ static void add_coupling(const aoi_system *system, const aoi_response *response,
     }
 }
 
-/* Influences of all forces on all entries. Block (s, t), stored by columns, is the influence of force t on entry s
- * and has the index s * blocks + t + span - s. */
+/* Influences of all forces on the indentations (displacement) and rates of all entries. Block (s, t), stored by
+ * columns, is the influence of force t on entry s and has the index s * blocks + t + span - s. blocks: blocks per
+ * entry. */
 typedef struct couplings {
     size_t count, span, blocks;
     double *displacement, *rate;
@@ -86,7 +87,8 @@ static void couple(const aoi_system *system, const aoi_response *response, doubl
     }
 }
 
-/* Adds to a matrix a block whose columns are multiplied by a slope of the law (by). */
+/* Adds to a matrix a block of the couplings, multiplied by a slope of the law (by) at the points where the law is
+ * evaluated. */
 static void add_block(enum aoi_edge edge, const double *by, const double *block, size_t stride,
                       double *matrix)
 {
@@ -162,8 +164,8 @@ static int set_equations(const aoi_system *system, const couplings *of, const ao
     return 1;
 }
 
-/* Sets `answer` to the effect of all contact forces on entry s at the nodes. values: influences on indentations,
- * or on rates. */
+/* Sets `answer` to the reduction of entry s's indentation (values: of->displacement) or rate (of->rate) at the
+ * nodes due to all contact forces. */
 static void effect_of(const couplings *of, const double *values, size_t s, const double *force,
                       double *answer)
 {
@@ -256,8 +258,8 @@ static void find_beyond(const aoi_law *law, const aoi_contact_step *entry, doubl
 
 /* Adds the errors at the end of a step due to `beyond`, the differences of the force at the check points. The time
  * left in the step at check point k equals the time from its start to node k or, at an edge, to check point k of
- * the opposite edge. answer: response to a unit impulse at the nodes, which is interpolated to the check points of
- * an edge. */
+ * the opposite edge. answer: displacement at the nodes after a unit impulse at the start, which is interpolated to
+ * the check points of an edge. */
 static void add_errors(const aoi_contact_step *entry, double h, const double *beyond, const double *answer,
                        aoi_collocation_error *error)
 {

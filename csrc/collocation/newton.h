@@ -18,9 +18,9 @@ typedef struct aoi_newton {
     int slides;    /* 1: an entry has friction */
 } aoi_newton;
 
-/* Ratio of a change to the change before, below which the matrix is kept. A new matrix and its inverse cost as
- * much as about three iterations with the old one, each of which gains more than a digit. Measured: 0.017 costs
- * 0.3 % more work, 0.15 costs 0.1 %. */
+/* Ratio of the change in an iteration to the change in the iteration before, below which the matrix is kept. A new
+ * matrix and its inverse cost as much as about three iterations with the old one, each of which gains more than a
+ * digit. Measured: 0.017 costs 0.3 % more work, 0.15 costs 0.1 %. */
 #define AOI_NEWTON_KEPT 0.05
 
 /* Returns the initial state of Newton's method. The method converges at a change `enough` of an indentation

@@ -64,9 +64,9 @@ static void direction_of(const aoi_sliding *of, const motion *along, double n[2]
     n[1] /= size > 0.0 ? size : 1.0;
 }
 
-/* Returns the stops of a step: the nodes, or the points of an edge, and the positions at which springs begin or
- * cease to slip. All springs do so at once where the slide in the direction of friction, plus or minus mu/ratio
- * times the indentation, has an extremum. */
+/* Returns the stops of a step: the nodes, or an edge's quadrature points, and the positions at which springs begin
+ * or cease to slip. All springs begin or cease to slip at once where the slide in the direction of friction, plus
+ * or minus mu/ratio times the indentation, has an extremum. */
 static stops stops_of(const aoi_sliding *of, enum aoi_edge edge, const motion *along)
 {
     stops made = {.count = 0};
@@ -139,9 +139,9 @@ static void bodies_at(const motion *along, double at, double place[3])
 }
 
 /* Returns 1 if all springs slip at a position of the step (at) after a straight path from `from`, whose spare
- * springs are overwritten. Springs that stick begin to slip when their stretch reaches its bound. Springs that
- * slip all stick at once if the slide does not keep up with the bound, which is tested over a short interval about
- * the position. */
+ * springs are overwritten. slipped: 1 if all springs slip at `from`. Springs that stick begin to slip when their
+ * stretch reaches its bound. Springs that slip all stick at once if the slide does not keep up with the bound,
+ * which is tested over a short interval about the position. */
 static int slips_at(const aoi_sliding *of, const motion *along, const aoi_slide_path *from, double at, int slipped)
 {
     aoi_slide_path path = *from;
@@ -227,8 +227,8 @@ static int follow(const aoi_sliding *of, const motion *along, const stops *to, s
     return AOI_OK;
 }
 
-/* Returns the force extrapolated to parts of zero length, from the forces on both paths, whose errors have the
- * ratio 4 to 1. */
+/* Returns the force extrapolated to parts of zero length, from the forces of the first path (whole parts) and the
+ * second (half parts), whose errors have the ratio 4 to 1. */
 static double extrapolated(double whole, double half)
 {
     return half + (half - whole) / 3.0;

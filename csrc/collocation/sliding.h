@@ -38,13 +38,14 @@ struct aoi_sliding {
     double enough;
 
     aoi_slide_path path[AOI_PATHS], trial;
-    /* forces at the nodes or the points of an edge, and their derivatives with respect to indentation and slides */
+    /* forces at the nodes or an edge's quadrature points, and their derivatives with respect to indentation and
+     * slides */
     double force[3][AOI_NODES], by[3][3][AOI_NODES];
     /* forces of the second path minus those of the first, N */
     double apart[3][AOI_NODES];
-    /* growth of the error of the forces in the step, N */
+    /* error that the straight parts of the paths add to the forces in the step, N */
     double drift[3];
-    double beyond[3][AOI_EDGE_CHECKS];               /* forces of the law minus those of the polynomial, N       */
+    double beyond[3][AOI_EDGE_CHECKS]; /* forces minus their polynomials at the check points, N */
 
     /* slides of the bodies since the touch, at the start of a step */
     double slide[2];
@@ -55,8 +56,8 @@ struct aoi_sliding {
      * indentation */
     double work, lost, stuck;
     /* share: ratio of friction to normal force at the nodes of the last step, if it had an edge; stretched_at,
-     * stuck_at: energy of the stretches (J) and stuck share of the indentation, at the nodes or the points of an
-     * edge, and at the end */
+     * stuck_at: energy of the stretches (J) and stuck share of the indentation, at the nodes or an edge's
+     * quadrature points, and at the step's end */
     double share[2][AOI_NODES], stretched_at[AOI_NODES + 1], stuck_at[AOI_NODES + 1];
     /* 1 if all springs slip: at the start of the last step (slipped), at its end (slips) */
     int slipped, slips;
@@ -80,12 +81,12 @@ double aoi_sliding_force(const aoi_sliding *sliding, size_t axis);
 void aoi_sliding_prepare(aoi_sliding *sliding, const aoi_contact_step *entry);
 
 /* Sets `force` and `by` for the indentation and slides in the three entries of a contact. both = 1: follows both
- * paths, and sets `apart` and `drift`. both = 0: follows only the first path, and takes the second's difference
- * from `apart`. Errors as for aoi_oblique_solve. */
+ * paths, and sets `apart` and `drift`. both = 0: follows only the first path, and takes the difference of the
+ * second path's forces from `apart`. Errors as for aoi_oblique_solve. */
 int aoi_sliding_evaluate(aoi_sliding *sliding, const aoi_contact_step *entry, int both);
 
-/* Sets `beyond`, the force of the law minus that of its polynomial, for a step that has been solved. Errors as for
- * aoi_oblique_solve. */
+/* Sets `beyond`, the differences of the forces of law and friction from their polynomials at the check points, for
+ * a step that has been solved. Errors as for aoi_oblique_solve. */
 int aoi_sliding_check(aoi_sliding *sliding, const aoi_contact_step *entry);
 
 /* Returns the first position after `beyond`, in a step that has been solved, at which all springs of the contact

@@ -54,8 +54,8 @@ static double force_at(const search *s, double x)
 }
 
 /* Handles a rate-dependent force that jumps at the touch to more than is needed to stop the bodies: the solution
- * is then indentation = rest, with the force that holds the bodies there. Returns 1 if this, or no contact, is the
- * solution. */
+ * is then indentation = rest, with the force that holds the bodies there. Returns 1 if this state, or no contact,
+ * is the solution. */
 static int ends_at_rest(const search *s, double *force, double *indentation)
 {
     const aoi_contact_equation *e = s->equation;
@@ -87,7 +87,7 @@ static double upper_end(const search *s)
 }
 
 /* Returns the force at the solution x, N. If it is a small difference of large terms, one of which depends on the
- * rate, the force is taken from the contact equation: that of the law has a larger error, due to the rounding of
+ * rate, the force is taken from the contact equation: the law's force has a larger error, due to the rounding of
  * x. */
 static double force_found(const search *s, double x)
 {

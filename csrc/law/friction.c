@@ -224,9 +224,10 @@ static void move_to(const path *p, const aoi_stretch *spring, knot *k)
     }
 }
 
-/* The curve of stretches between two springs, which is a straight line before the path. If all springs in between
- * stick, the stretch at a distance z inside the rim is e - z g. The bound there is z times its slope: springs slip
- * where a z^2 - 2 b z + c > 0. */
+/* The curve of stretches between two springs, which is a straight line at the path's start. If all springs in
+ * between stick, the stretch at a distance z inside the rim is e - z g. The bound there is z times path.slope:
+ * springs slip where a z^2 - 2 b z + c > 0. least, most: limits of z, m; depth: of the outer spring, m; root: of
+ * b^2 - a c. */
 typedef struct piece {
     double depth, least, most, g[2], e[2], a, b, c, root;
 } piece;
@@ -523,10 +524,10 @@ int aoi_friction_refine(const aoi_friction *friction, aoi_friction_state *state,
     return AOI_OK;
 }
 
-/* Returns 1 if spring b between a and c may be left out: the curve is nearly straight there, or the law is, so
- * that springs have no stiffness. (Change of slope) x width is four to eight times the distance of the curve from
- * its chord, whatever the spacing of the springs. Between close springs a change of slope may be rounding of their
- * depths. slope: ratio of the bound to d - x. */
+/* Returns 1 if spring b between a and c may be left out of the curve of stretches: the curve is nearly straight
+ * there, or the law is, so that springs have no stiffness. (Change of slope) x width is four to eight times the
+ * distance of the curve from its chord, whatever the spacing of the springs. Between close springs a change of
+ * slope may be rounding of their depths. enough: tolerance of the curve, m; slope: ratio of the bound to d - x. */
 static int straight(const aoi_stretch *a, const aoi_stretch *b, const aoi_stretch *c, double enough, double slope)
 {
     if (is_line(a, b) && is_line(b, c)) {

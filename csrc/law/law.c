@@ -124,8 +124,8 @@ typedef struct search {
 
 /* Continues the search from a d below the root at which c dF/dd has reached MOST_SHARE. If the law is less steep
  * further on (as d^(1/4), steep only at its start), d is increased. If the root is below the indentation of
- * MOST_SHARE, the bracket is reduced. Both return 0. Otherwise the law is continued as a straight line from
- * MOST_SHARE on, and 1 is returned, with the force on this line and d = indentation + c F. */
+ * MOST_SHARE, the bracket is reduced. In both cases 0 is returned. Otherwise the law is continued as a straight
+ * line from MOST_SHARE on, and 1 is returned, with the force on this line and d = indentation + c F. */
 static int too_steep(search *s, double *d, aoi_law_value *value)
 {
     const double c = s->law->compliance, further = s->indentation + c * value->force;
@@ -161,8 +161,8 @@ static double step_of(double c, double missing, double d, const aoi_law_value *v
     return missing / (give - (bend < 0.5 * give ? bend : 0.5 * give));
 }
 
-/* Returns the next iterate after d, whose total indentation is too small by `missing`. The iterate lies inside the
- * bracket once both ends of the bracket are known. */
+/* Returns the next iterate after d, at which the total indentation is too small by `missing`, m. The iterate lies
+ * inside the bracket once both ends of the bracket are known. */
 static double next_of(const search *s, double missing, double d, int iteration,
                       const aoi_law_value *value)
 {

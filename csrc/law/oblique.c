@@ -11,10 +11,10 @@ enum { MOST_ITERATIONS = 100, MOST_HALVINGS = 30 };
 /* Rounding error of the sum of an equation's terms, relative to their magnitudes. */
 static const double ROUNDING = 16.0 * DBL_EPSILON;
 
-/* Residual, relative to Coulomb's bound times the compliance, that is accepted as a jump of friction if no step
- * reduces it. Where slipping springs all turn at once, even the smallest slide moves the border of slip across
- * many of them, and friction jumps by the error of its straight pieces: up to 1e-4 of the bound was seen, whatever
- * the step. */
+/* Largest residual, as a share of Coulomb's bound times the compliance, that is accepted as a jump of friction if
+ * no Newton step reduces it. Where slipping springs all turn at once, even the smallest slide moves the border of
+ * slip across many of them, and friction jumps by the error of its piecewise linear curve of stretches: up to 1e-4
+ * of the bound was seen, whatever the step. */
 static const double JUMP = 1e-3;
 
 typedef struct point {
@@ -22,7 +22,7 @@ typedef struct point {
     double by[3][3], slope[3][3]; /* derivatives of forces and residuals with respect to indentation and slides */
     double by_rate[3];            /* derivative of the forces with respect to the rate */
     double size; /* norm of the residual beyond rounding */
-    double stuck, share, rate;
+    double stuck, share, rate;    /* as in aoi_oblique_solution */
 } point;
 
 /* Sets `inverse` to the inverse of a 3 x 3 matrix, stored by rows, by cofactors. */
@@ -51,8 +51,8 @@ static void times(const double x[3], const double *matrix, double product[3])
     }
 }
 
-/* Finds the forces at a place (indentation and two slides), and their derivatives. terms: set to the magnitudes to
- * which their rounding is relative, N. */
+/* Finds the forces at a place (indentation and two slides), and their derivatives. terms: set to the scales of the
+ * forces' rounding errors, N. */
 static void find_forces(const aoi_friction *friction, const aoi_friction_state *state, const aoi_oblique_equation *e,
                         const double rate_by[3], point *p, double terms[3])
 {

@@ -28,8 +28,8 @@ enum { ELASTIC, MIXED, PLASTIC, UNLOADING }; /* pieces of the laws */
  * at d_f exceeds 5/6 of d_f, and unloading would return more energy than loading takes. */
 static const double LEAST_FULL = 3.5;
 
-/* Returns (d* - d_p)/d* by Etsion, Kligerman and Kadin. w: ratio of d* to the indentation of yield; *power: set to
- * the exponent m of d* - d_p ~ d*^m there. */
+/* Returns (d* - d_p)/d* by Etsion, Kligerman and Kadin. w: ratio of d* to the indentation of yield; power: set to
+ * the exponent m with which d* - d_p ~ d*^m near this d*. */
 static double fitted(double w, double *power)
 {
     const double first = pow(w, -0.28), second = pow(w, -0.69), own = first + second - first * second;

@@ -35,10 +35,10 @@ enum { FIRST_STEPS = 20, MOST_STEPS = 500, MOST_HALVINGS = 6, SWEEPS = 4 };
  * step). Without this attempt one of 400 scenes by Newmark's rule, of 2 000 steps, finds no solution. */
 static const double ROUGH = 1e-9;
 
-/* Factor on the slopes a, b in the second attempt. Almost rigid dashpots have the slope 1/C, with which the matrix
- * of two of them at one place would be singular. Measured, on 400 scenes with a dashpot and a contact across a gap
- * at one place under a sudden load: 1 - 1e-8 and 1 - 1e-6 solve all, 1 - 1e-4 leaves 15 unsolved, 1 - 1e-2 and 1
- * leave 64. */
+/* Factor on the slopes a, b in Newton's matrix, in the second attempt. Almost rigid dashpots have the slope 1/C,
+ * with which the matrix of two of them at one place would be singular. Measured, on 400 scenes with a dashpot and
+ * a contact across a gap at one place under a sudden load: 1 - 1e-8 and 1 - 1e-6 solve all, 1 - 1e-4 leaves 15
+ * unsolved, 1 - 1e-2 and 1 leave 64. */
 static const double YIELD = 1.0 - 1e-6;
 
 /* The error of an indentation is relative to at least this share of the largest indentation. Tried with a third
@@ -68,9 +68,9 @@ typedef struct newton {
     size_t failed;   /* index of the equation solved last */
     double yield;    /* factor on the slopes in the matrix; if it is below 1, steps are not shortened */
     iterate now, trial;
-    double *size, *rate_size;
+    double *size, *rate_size; /* sums of the magnitudes of the terms of R and S */
     double *matrix, *change; /* Newton's matrix; its solution, the changes of the forces */
-    double *move, *rate_move;
+    double *move, *rate_move; /* changes of z and w in a full Newton step */
 } newton;
 
 enum { VECTORS = 20 };
@@ -178,8 +178,8 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
     at->of_rate[i] = isfinite(whole) ? value.damping / whole : 0.0;
 }
 
-/* Solves the equations i to i + 2 of a contact with friction. free: indentation and slides without its own force;
- * place: their guess on entry, the solution on return. */
+/* Solves the equations i to i + 2 of a contact with friction. free: indentation and slides without the contact's
+ * own force; place: guess of indentation and slides on entry, their solution on return. */
 static int solve_three(const aoi_coupled *e, aoi_rubbing *rubbing, size_t i, const double free[3], double rate_free,
                        double place[3], double force[3])
 {
@@ -258,7 +258,8 @@ static double uncertainty(const newton *s, const iterate *at, const double *matr
     return sum;
 }
 
-/* Returns the residual of all equations beyond rounding, as an energy, J; zero if all are solved. */
+/* Returns the part of all residuals above their rounding errors, as an energy, J; zero if all equations are
+ * solved. */
 static double find_merit(const newton *s, iterate *at)
 {
     const aoi_coupled *e = s->e;

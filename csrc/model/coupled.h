@@ -11,8 +11,8 @@
 
 /* Friction of a contact in a run with fixed steps.
  *   state, depth  the springs, and the contact's own indentation (m), at the end of the last step
- *   guess         guess of its own indentation at the end of this step, and of its own slides in this step
- *   found         solution of its equations at the end of this step
+ *   guess         guess of the contact's own indentation at the end of this step, and of its own slides in this step
+ *   found         solution of the contact's equations at the end of this step
  *   work          work of friction on the slide so far, J
  *   start_energy  energy of the stretches at the start, J */
 typedef struct aoi_rubbing {

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-/* Returns the number of the load's times up to `time`, which is the index of the next bend, by bisection: loads
- * may have many points, and every step calls this function. */
+/* Returns the number of the load's times up to `time`, which is the index of the next time (bend), by bisection:
+ * loads may have many points, and every step calls this function. */
 static size_t bends_until(const aoi_load *load, double time)
 {
     size_t low = 0, high = load->count; /* time[i] <= time for i < low, and > time for i >= high */

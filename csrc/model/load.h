@@ -5,7 +5,8 @@
 #include "aoimpact.h"
 
 /* The interval of a load that contains a time. here, next: forces on the ports at its start and end (the same
- * where the load is constant), N; into, length: time since its start, and its length, s. */
+ * where the load is constant), N; into, length: time since the start of the interval, and length of the interval,
+ * s. */
 typedef struct aoi_load_span {
     const double *here, *next;
     double into, length;
@@ -15,8 +16,8 @@ typedef struct aoi_load_span {
  * ports: number of ports. */
 aoi_load_span aoi_load_at(const aoi_load *load, size_t ports, double time);
 
-/* Returns the time of the bend of a load that follows the next `skipped` bends after `time`, s; HUGE_VAL if there
- * is none. */
+/* Returns the time of the bend (one of the load's times) that follows the next `skipped` bends after `time`, s;
+ * HUGE_VAL if there is none. */
 double aoi_load_later_bend(const aoi_load *load, double time, size_t skipped);
 
 /* True if times ascend (equal neighbours are allowed) and all numbers are finite. */

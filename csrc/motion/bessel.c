@@ -49,7 +49,7 @@ static int terms_of(complex_number square)
     return count;
 }
 
-/* Computes e^-y i_l(y) for l < count by its power series, for |y| < 1. */
+/* Computes e^-y i_l(y) for l < count by its power series, for |y| < 1. left: e^-y. */
 static void exponential_series(complex_number y, complex_number left, size_t count,
                                complex_number *value)
 {

@@ -106,7 +106,7 @@ static double rise_on(const aoi_modes *body, size_t j, double time)
 }
 
 /* Returns the motion of a mode under gravity and loads that are linear in time. force: set to the Legendre
- * coefficients of both. */
+ * coefficients of the acceleration due to both. */
 static aoi_path path_of(const aoi_modes *body, size_t j, double from, double length, double x, double v,
                         double *force)
 {

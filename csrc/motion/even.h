@@ -5,7 +5,8 @@
 #include "aoimpact.h"
 #include "motion/lanes.h"
 
-/* Motion of four modes over the spacing, with their omega^2 (spring), 2 decay (damping) and gravity. */
+/* Motion of four modes over the spacing of the times, with their omega^2 (spring), 2 decay (damping) and
+ * gravity. */
 typedef struct aoi_even_lanes {
     aoi_motions by;
     double spring[AOI_LANES], damping[AOI_LANES], gravity[AOI_LANES];

@@ -141,8 +141,9 @@ static int next_side(const aoi_free_pair *pair, const size_t *at)
     return pair->body[1]->omega[at[1]] < pair->body[0]->omega[at[0]];
 }
 
-/* Sums over the modes of both bodies with omega = 0, so that rigid motion common to both bodies cancels in the
- * gap. If all decays are equal, all accelerations change from now to later by the same function of time. */
+/* Sums of accelerations over the modes of both bodies with omega = 0: rigid motion common to both bodies cancels
+ * in the indentation, and in now and later. alike = 1: all decays are equal (decay), and all accelerations change
+ * from now to later by the same function of time. */
 typedef struct drifting {
     double now, later, apart; /* sums over the modes; apart: of max(now, later) of each mode */
     double decay;

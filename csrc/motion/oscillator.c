@@ -8,11 +8,11 @@
 
 enum { SERIES_TERMS = 18 };
 
-/* The series ends when two successive coefficients add up to less than this; the totals are between 1/8 and 1. */
+/* The series ends when two successive coefficients add up to less than this; its sums are between 1/8 and 1. */
 static const double NOTHING = 1e-19;
 
-/* Arguments below which the closed forms lose digits to cancellation. SERIES_LIMIT: of the oscillator; RAMP_LIMIT:
- * of the second integral of an exponential. */
+/* Arguments below which the closed forms lose digits to cancellation. SERIES_LIMIT: of omega or decay times the
+ * time, in the motion of a mode; RAMP_LIMIT: of s t, in the second integral of e^(-s t). */
 static const double SERIES_LIMIT = 0.5, RAMP_LIMIT = 1.0;
 
 /* Ratio of omega to decay below which the two exponentials of an overdamped mode differ enough to be subtracted. */

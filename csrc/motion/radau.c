@@ -1,12 +1,13 @@
-/* Made by tools/make_radau_data.py. Polynomials live on [0, 1]; l_j is the cardinal
- * polynomial of node j, P_k the shifted Legendre polynomial. */
+/* Made by tools/make_radau_data.py. On [0, 1], l_j is the cardinal polynomial of node
+ * j, P_k the shifted Legendre polynomial. An edge is an end of a step at which a force
+ * begins ([0], the start) or ends ([1], the end). */
 #include "motion/radau.h"
 
 /* Radau IIA nodes. */
 const double aoi_radau_node[AOI_NODES] = {0.022479386438712497, 0.11467905316090424, 0.26578982278458946,
     0.45284637366944464, 0.6473752828868303, 0.8197593082631076, 0.9437374394630779, 1.0};
 
-/* Matrix from values at the nodes to Legendre coefficients. */
+/* Legendre coefficients (rows) of the polynomial through values at the nodes (columns). */
 const double aoi_radau_to_legendre[AOI_NODES][AOI_NODES] = {{0.0572544073721286, 0.12482395066493249,
     0.17350739781725064, 0.19578608372624678, 0.1882587726945593, 0.15206531032339257, 0.09267907740148965, 0.015625},
     {-0.1640409584245605, -0.2885836971504502, -0.24382319034577804, -0.05539214299650163, 0.166468139290729,
@@ -177,7 +178,7 @@ const double aoi_radau_on_part[AOI_NODES][AOI_NODES][AOI_NODES] = {{{1.281299379
     -0.36470347875421255, 0.203125}, {-0.0672663651606721, 0.22433254496195984, -0.402651613845526, 0.5583000013550335,
     -0.6545712713240756, 0.662002343277832, -0.5545206392645519, 0.234375}}};
 
-/* Slopes, at the nodes, of the cardinal polynomials of the points 0 and nodes, by columns. */
+/* Slopes at the nodes of the cardinal polynomials of start (0) and nodes, by columns. */
 const double aoi_radau_slope_at_node[AOI_NODES + 1][AOI_NODES] = {{-27.8742577441398, 8.358127441196482,
     -4.656631031707049, 3.3584094491299346, -2.8644703520324453, 2.8323162584533206, -3.3812988502768264, 8.0},
     {22.24259996433592, -16.591130197062395, 8.118236017822703, -5.639723637389978, 4.735927090795289,
@@ -194,14 +195,14 @@ const double aoi_radau_slope_at_node[AOI_NODES + 1][AOI_NODES] = {{-27.874257744
     -44.55903248935456}, {0.08012570308363981, -0.1353325797521185, 0.21071710374962413, -0.3474443618639409,
     0.6573515746603226, -1.6102201966976866, 7.089657599491891, 32.5}};
 
-/* Evaluation points at edges, else nodes. */
+/* Quadrature points of edges; [2]: nodes. */
 const double aoi_radau_edge_point[3][AOI_NODES] = {{0.0003942238742465664, 0.010336130351845791, 0.05627987350995162,
     0.1666947457690518, 0.35012938826470164, 0.5818122834262806, 0.8070026077654725, 0.9606840803717828},
     {0.9996057761257534, 0.9896638696481542, 0.9437201264900483, 0.8333052542309481, 0.6498706117352984,
     0.4181877165737194, 0.19299739223452747, 0.039315919628217205}, {0.022479386438712497, 0.11467905316090424,
     0.26578982278458946, 0.45284637366944464, 0.6473752828868303, 0.8197593082631076, 0.9437374394630779, 1.0}};
 
-/* Values, at an edge's points, of the cardinal polynomials of 0 and nodes, by columns. */
+/* Cardinal polynomials of start (0) and nodes at an edge's quadrature points, by columns. */
 const double aoi_radau_indentation_at_edge[2][AOI_NODES + 1][AOI_NODES] = {{{0.9749259166521849, 0.43901574696664214,
     -0.3988822178362656, 0.2782302917066356, -0.23159542002484443, 0.161801181535096, -0.03600000791202981,
     -0.05302427751015183}, {0.02777321601490226, 0.5963691332136322, 1.0599541150074019, -0.5132477344114093,
@@ -233,7 +234,7 @@ const double aoi_radau_indentation_at_edge[2][AOI_NODES + 1][AOI_NODES] = {{{0.9
     0.6992072634673037, -0.00012270415932975188, -0.023454875695206878, 0.0016546960705015124, 0.010321306236820321,
     -0.008384174955144128, 0.0016129561409839758}}};
 
-/* Matrix from values at an edge's points to the nodes of a least-squares fit, by columns. */
+/* Nodal values of the least-squares fit to values at edge quadrature points, by columns. */
 const double aoi_radau_edge_projection[2][AOI_NODES][AOI_NODES] = {{{0.055594675282004624, -0.01643427451279918,
     0.009138238581996269, -0.006586548816348732, 0.005616359674299423, -0.005552603752016261, 0.006628435650626825,
     -0.015682209940958893}, {0.5121644662232504, -0.09117734097883252, 0.04809000520919522, -0.034112852961925164,
@@ -262,7 +263,7 @@ const double aoi_radau_edge_projection[2][AOI_NODES][AOI_NODES] = {{{0.055594675
     -0.17096608451799, 0.11505221766051126, -0.09540528208688916, 0.09306891504740186, -0.11037781912554512,
     0.260511769005983}}};
 
-/* Check points of a law's force: those of a finer rule at an edge; else 1 - node. */
+/* Check points of a force against its polynomial: of a finer edge rule; [2]: 1 - node. */
 const double aoi_radau_check_point[3][AOI_EDGE_CHECKS] = {{0.00017021731350629318, 0.004551973752327864,
     0.025694556224554473, 0.08026019484848779, 0.1811037227109888, 0.32997806169262, 0.513655588977735,
     0.7051041245235788, 0.8696153404413124, 0.974076745830678}, {0.9998297826864937, 0.9954480262476721,
@@ -271,7 +272,7 @@ const double aoi_radau_check_point[3][AOI_EDGE_CHECKS] = {{0.0001702173135062931
     0.7342101772154105, 0.5471536263305554, 0.3526247171131696, 0.18024069173689236, 0.05626256053692215, 0.0, 0.0,
     0.0}};
 
-/* Weights of the check points; for 1 - node, in the quadrature on 1 - node and the nodes. */
+/* Quadrature weights of the check points; [2]: in the rule on 1 - node and the nodes. */
 const double aoi_radau_check_weight[3][AOI_EDGE_CHECKS] = {{0.0008698434107202897, 0.01008323094908422,
     0.03511849576939756, 0.07628388168437555, 0.1257641255536425, 0.16976009916111037, 0.1929828376256208,
     0.1839678667465845, 0.13936811820149636, 0.06580150089796785}, {0.0008698434107202897, 0.01008323094908422,

@@ -82,8 +82,8 @@ static int is_slow(const aoi_modes *body, size_t j, double h, size_t node)
     return body->omega[j] * (h * aoi_radau_node[node]) <= SERIES_LIMIT && decay_of(body, j) == 0.0;
 }
 
-/* Adds the powers of -z^2 of four modes to the moments, up to the term of the series that is negligible even for
- * the largest angle. Returns the number of powers. */
+/* Adds the powers of -z^2 of four modes, times their weights, to the moments, up to the term of the series that is
+ * negligible even for the largest angle. Returns the number of powers. */
 static size_t add_powers(const double *weight, const double *square, double largest, double *moments)
 {
     double power[AOI_LANES], reached = 1.0;
@@ -322,7 +322,8 @@ void aoi_response_make(aoi_response *response, const aoi_modes *body, const aoi_
     }
 }
 
-/* Adds the deflection of the residual compliance due to the change of the loads since the start of the step. */
+/* Adds sign times the deflection (and its rate) of the residual compliance due to the change of the loads since
+ * the start of the step. */
 static void residual_share(const aoi_modes *body, size_t port, double sign, double time, double h,
                            double *displacement, double *rate)
 {

@@ -32,7 +32,7 @@ struct aoi_newmark {
     double *displacement, *velocity;         /* of all ports; within a step first without contact forces */
     double *displacement_before;             /* displacements at the last column                          */
     double *push, *push_before;              /* forces on all ports, loads included: now and one step before */
-    double *load, *load_before;
+    double *load, *load_before;              /* loads on all ports: now and one step before, N            */
     double *load_work, *gravity_start;       /* work of loads so far; value of gravity's work at the start, J */
     double *column;                          /* gathered columns of the record, row by row                */
 };

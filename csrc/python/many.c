@@ -93,7 +93,7 @@ static int run_case(work *on, const cases *of, const int32_t *which, const doubl
                          on->memory + rates, brief);
 }
 
-/* All cases, of which the first `done` have been run. */
+/* All cases, of which the first `done` have been run. which, numbers, answers: one row for each case. */
 typedef struct job {
     work on;
     const cases *of;

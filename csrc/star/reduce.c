@@ -19,11 +19,11 @@ static const double MASS_ROUNDING = 1e-11;
 /* Rounding error of an eigenvalue, as a share of the largest eigenvalue. */
 static const double EIGEN_ROUNDING = 10.0 * DBL_EPSILON;
 
-/* Finds the least mass of a mode that counts, as a share of the static mass: share[1] for modes whose eigenvalue
- * is within the rounding error of the largest, share[0] for others. Returns that rounding error. A mode within it
- * contains a part of the lowest mode above it: to first order, the ratio of the rounding error to the distance of
- * both eigenvalues. Eigenvalues of LAPACK have an error of the rounding of the largest times a modest number
- * (LAPACK Users' Guide, 4.10). */
+/* Finds the largest mass of a mode that counts as zero, as a share of the static mass: share[1] for modes whose
+ * eigenvalue is within the rounding error of the largest, share[0] for others. Returns that rounding error. A mode
+ * with such an eigenvalue contains a part of the lowest mode above the rounding error: to first order, the ratio
+ * of the rounding error to the distance of both eigenvalues. Eigenvalues of LAPACK have an error of the rounding
+ * of the largest times a modest number (LAPACK Users' Guide, 4.10). */
 static double least_shares(size_t count, const double *omega2, double share[2])
 {
     const double lost = count > 0 ? fmax(EIGEN_ROUNDING * omega2[count - 1], 0.0) : 0.0;

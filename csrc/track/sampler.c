@@ -29,9 +29,9 @@ struct aoi_sampler {
 
     size_t row, most_modes;
     int has_edge; /* 1: a contact of the row was solved with an edge   */
-    /* share of the row that port_force covers: 1 or, if has_edge, up to the last time read */
+    /* share of the row that port_force covers: 1 or, if has_edge, the part up to the last time read */
     double part;
-    double *port_force, *states;
+    double *port_force, *states; /* forces on all ports at the nodes of that part, N; work space for three states */
     double *ports; /* forces on all ports, their rates, and displacements of all ports */
     /* for each contact: energy lost up to the end of its last row, J; NaN: not computed so far */
     double *settled;
