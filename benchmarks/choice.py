@@ -100,8 +100,8 @@ class Part:
     Attributes
     ----------
     solids, holes : sequence of tuple
-        Solids that are joined, and cut out: a "Box", "Cylinder" or "Sphere" and the arguments of
-        gmsh's function for it, m.
+        Solids that are joined, and solids that are cut out: a "Box", "Cylinder" or "Sphere" and the
+        arguments of gmsh's function for it, m.
     size : float
         Size of elements away from the contact, m.
     place : tuple

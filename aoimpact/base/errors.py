@@ -38,7 +38,7 @@ class MeshError(InputError):
 
 
 class LawLimitError(InputError):
-    """An indentation is beyond the range of the contact law: its patch or its table.
+    """An indentation is beyond the range of the contact law, set by its patch or its table.
 
     Attributes
     ----------

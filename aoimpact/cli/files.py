@@ -18,7 +18,7 @@ from ..scenefile import SceneFile
 
 _FIGURES = ("force", "indentation", "displacement", "energy")
 
-# Number of times of a body's field, besides that of the peak force: enough to see the body move.
+# Number of times of a body's field, besides the time of the peak force: enough to see the motion.
 _FRAMES = 20
 
 

@@ -168,7 +168,7 @@ def _of_solids(mesh: Mesh, material: AnyMaterial) -> tuple[sp.csr_array, sp.csr_
 
 
 def _batches(mesh: Mesh, material: AnyMaterial, places: Any) -> Iterator[tuple[Piece, Any]]:
-    """Yield batches of elements of one kind and material, and the positions of their entries."""
+    """Yield batches of elements of one kind and material, and the part of `places` for each."""
     for piece in pieces(mesh, material):
         place, of = places[mesh.blocks.index(piece.block)], piece.element
         n_points = max(len(of.stiffness_rule.weights), len(of.mass_rule.weights))

@@ -70,14 +70,14 @@ class Audit:
         Edges of the box around the nodes, m.
     density : float or None
         Ratio of mass to the volume of the box around the nodes, kg/m³. If M lacks the constrained
-        nodes, it is estimated from the free ones.
+        nodes, the mass is estimated from the free nodes.
     speed : float or None
         Speed of longitudinal waves, m/s: √(dᵀKd/tᵀMt) for a displacement d of uniform strain and a
         translation t along an axis, median over the three axes. Exact for a free uniform body;
         supports raise the value, added masses lower it.
     rigid_residual : tuple of float
         Relative elastic force ‖K r‖ / ‖abs(K) abs(r)‖ of the translations r along x, y, z and, with
-        coordinates, of the rotations about these axes. Below 1e-6 the body is free to move so.
+        coordinates, of the rotations about these axes. Below 1e-6 nothing resists the motion r.
     frequencies : ndarray
         Lowest natural frequencies, Hz.
     doubts : tuple of str

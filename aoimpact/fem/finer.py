@@ -30,7 +30,7 @@ class _Finer(FEModel):
     mean: Any  # matrix from values at the nodes of `given` to values per shape function
 
     def __reduce__(self) -> Any:
-        """Pickle only the body `given`, from which this one can be made again."""
+        """Pickle only the body `given`, from which the refined body can be made again."""
         return attrgetter("finer"), (self.given,)
 
     def carried(self, values: FloatArray) -> FloatArray:

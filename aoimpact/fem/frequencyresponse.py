@@ -160,7 +160,7 @@ def frequency_response(
 def _solved(
     body: FEModel, b: FloatArray, c: FloatArray, omega: FloatArray
 ) -> tuple[ComplexArray, FloatArray]:
-    """Return receptance and error, m/N, from a complex factorisation at each frequency."""
+    """Return the receptance and its error, m/N, from a complex factorisation at each frequency."""
     from scipy.sparse.linalg import splu  # slow to import
 
     values, error = np.empty(len(omega), dtype=np.complex128), np.empty(len(omega))
@@ -207,8 +207,8 @@ def _modes(body: FEModel, highest: float, most: int) -> tuple[FloatArray, FloatA
         if len(omega) < count or count == dofs:
             return omega, shapes, math.inf
         if omega[-1] > beyond * highest:
-            # The last computed mode is not used: its frequency bounds those of all other modes from
-            # below.
+            # The last computed mode is not used: its frequency is a lower bound of the frequencies
+            # of all other modes.
             return omega[:-1], shapes[:, :-1], float(omega[-1])
         count = dofs if 10 * count > dofs else 2 * count
     return None

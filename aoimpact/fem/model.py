@@ -461,7 +461,7 @@ class FEModel(Frozen):
 
     @property
     def _n_places(self) -> int:
-        """Number of nodes, not counting those of added shape functions in `nodes`."""
+        """Number of rows of `nodes` that are nodes: added shape functions have rows, too."""
         if self.shapes is None:
             return 0 if self.nodes is None else len(self.nodes)
         return int(self.shapes.cells.max()) + 1

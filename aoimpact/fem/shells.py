@@ -196,7 +196,7 @@ def nodal_normals(nodes: FloatArray, groups: Sequence[IntArray]) -> list[FloatAr
 
 
 def _facets(nodes: FloatArray, groups: Sequence[IntArray]) -> FloatArray:
-    """Return the elements' own normals, repeated for each corner, shape (n corners, 3)."""
+    """Return each element's own normal, repeated for its corners, shape (all corners, 3)."""
     own = [element_frames(nodes[cells], None)[0][:, 2] for cells in groups]
     return np.concatenate(
         [np.repeat(each, cells.shape[1], axis=0) for each, cells in zip(own, groups, strict=True)]

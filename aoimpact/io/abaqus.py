@@ -101,7 +101,7 @@ _KINDS = {
 }
 
 # For each node in meshio's order, its number in Abaqus' order, where the middle node of C3D27
-# precedes the nodes of faces 1 to 6, and that of B32 the second end node.
+# precedes the nodes of faces 1 to 6, and the middle node of B32 the second end node.
 _ORDERS = {"hexahedron27": (*range(20), 26, 24, 23, 25, 21, 22, 20), "line3": (0, 2, 1)}
 
 # Entries: pattern of element types; meshio's kind for the digits that the pattern captures;
@@ -212,7 +212,7 @@ class AbaqusDeck:
 
     @cached_property
     def materials(self) -> dict[str, dict[str, Keyword]]:
-        """For each material's name, its keywords by their names, such as ELASTIC."""
+        """Keywords of each material, by the names of material and keyword, such as ELASTIC."""
         found: dict[str, dict[str, Keyword]] = {}
         own: dict[str, Keyword] = {}
         for card in takewhile(lambda card: card.name != "STEP", self.cards):
@@ -526,7 +526,7 @@ class Scope:
         return new
 
     def behind(self) -> dict[Which, int]:
-        """Return the numbers that follow those of this scope: `first` of the next scope."""
+        """Return `first` of the next scope: the numbers after the last node and element here."""
         return {which: self.first[which] + len(self.known[which][0]) for which in self.first}
 
     def blocks(self) -> Iterator[tuple[_Elements, int, IntArray]]:
@@ -693,7 +693,7 @@ class Scope:
         return np.where(rows < 0, -1, order[rows] + self.first[which]) if len(known) else rows
 
     def _named(self, which: Which, name: str, card: Keyword) -> IntArray:
-        """Return the members denoted by a name: "set", "instance.set", or "instance.5" for one."""
+        """Return the members that a name denotes: "set", "instance.set", or "instance.number"."""
         at = which, key(name)
         if at in self.sets:
             orders = [one.line.order for one in self.sets[at]]
@@ -831,8 +831,8 @@ class _Section:
         """Return the direction whose projection on a shell is axis 1 of the orientation `name`.
 
         This direction is the axis that follows the orientation's rotation axis (see `axes`); the
-        rotation axis must not lie in an element. Without a name it is global x, or z if x is the
-        normal.
+        rotation axis must not lie in an element. Without a name the direction is global x, or z if
+        x is the normal.
         """
         normals = self.source.directions(self.members)
         if not name:

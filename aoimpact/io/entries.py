@@ -86,7 +86,7 @@ def read_market(file: Path) -> list[RawMatrix]:
     announced = entries[0] if entries else n * (n + 1) // 2 if triangle else n * n
     if (_LEAST_DENSE * announced if dense else max(_LEAST_BYTES * announced, n)) > size:
         raise spoilt(file, f"{size} bytes do not hold {announced} entries: cut short?", before)
-    if dense:  # stored by columns, those of a triangle from the diagonal down
+    if dense:  # stored by columns; a triangle's columns begin at the diagonal
         (values,) = _columns(file, 0, before=before)
     else:
         rows, cols, values = _coordinates(file, before, n)

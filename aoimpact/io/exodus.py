@@ -123,7 +123,7 @@ def _text(value: Any) -> str:
 
 
 def _names(arrays: dict[str, Any], prefix: str, what: str, members: str) -> list[str]:
-    """Return the names of all blocks or sets, such as "block 1" for those without a name."""
+    """Return the names of all blocks or sets; the unnamed get names such as "block 1"."""
     if f"{prefix}_prop1" in arrays:
         ids = arrays[f"{prefix}_prop1"].reshape(-1).tolist()
     else:  # old files number blocks and sets 1, 2, …

@@ -782,8 +782,8 @@ def _isotropic(source: Source, card: Card, rho: float) -> Material:
 _MAT8 = "E1 E2 NU12 G12 G1Z G2Z"
 _MAT11 = "E1 E2 E3 NU12 NU13 NU23 G12 G13 G23"
 
-# `_SOLIDS`: names of material entries, which share their numbers. `_MATERIALS`: for each that is
-# read, the function, and the indices of the fields with density and damping.
+# `_SOLIDS`: names of material entries, which share their numbers. `_MATERIALS`: for each material
+# entry that is read, its function, and the indices of the fields with density and damping.
 _SOLIDS = re.compile("MAT([12389]|1[01])")
 _MATERIALS: dict[str, tuple[Callable[..., Solid], int, int]] = {
     "MAT1": (_isotropic, 4, 7),

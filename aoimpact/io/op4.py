@@ -115,7 +115,7 @@ class _Binary:
 
     def __init__(self, file: Path, content: bytes, order: str, word: int) -> None:
         self._file, self._content, self._order, self._word = file, content, order, word
-        self._at = self._next = 0  # positions of the next record, and within the current one
+        self._at = self._next = 0  # positions of the next record, and of the next item to read
 
     def more(self) -> bool:
         return self._at < len(self._content)

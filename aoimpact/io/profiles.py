@@ -37,6 +37,7 @@ class Profile:
     """Properties of a cross-section.
 
     Axes: h to the right and v upwards in the section's figure in the manual of Abaqus or Nastran.
+
     Attributes
     ----------
     area, J : float

@@ -26,7 +26,7 @@ POINTS = {1: "vertex"}
 DIMENSIONS = ("point", "line", "surface", "volume")
 
 # For each node in VTK's order, its number in the order of Exodus and Nastran, where midside nodes
-# of the upright edges precede those of the top edges.
+# of the upright edges precede the midside nodes of the top edges.
 UPRIGHT_FIRST = {
     "hexahedron20": (*range(12), *range(16, 20), *range(12, 16)),
     "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
@@ -131,7 +131,7 @@ class RawMesh:
 
     @property
     def numbers(self) -> list[IntArray]:
-        """For each block, the numbers of its cells, from 0 through all blocks."""
+        """For each block, the numbers of its cells, counted from 0 through all blocks."""
         return [np.arange(start, stop) for start, stop in pairwise(self.first.tolist())]
 
     def block_of(self, members: IntArray | int) -> IntArray:

@@ -81,7 +81,7 @@ _READERS: dict[str, _Reader] = {
 # and the nodes of each part.
 _SPLIT = {raised: (kind, parts) for kind, (raised, parts) in PARTS.items()}
 
-# Kinds of elements whose normals are put on the same side as those of neighbours.
+# Kinds of elements that are turned over where neighbours have opposite normals.
 _FLAT = ("quad", "triangle")
 
 

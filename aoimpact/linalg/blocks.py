@@ -18,7 +18,7 @@ Part = tuple[int, int]
 _WORK = 3
 
 # `_LEAST`: minimum dofs of a part. `_MOST_PARTS`: maximum number of parts. Each cut stores a layer
-# of elements twice: four parts of a plate of 268 000 dofs store 2 % more, those of a cube 5 %.
+# of elements twice: four parts of a plate of 268 000 dofs store 2 % more, parts of a cube 5 %.
 # Handing a part to a thread takes 20 µs, the product of such a part 1 to 2 ms.
 _LEAST, _MOST_PARTS = 30_000, 4
 
@@ -118,7 +118,7 @@ def product(A: Any, x: FloatArray) -> FloatArray:
 
 
 def congruent(A: Any, P: Any) -> Any:
-    """Return Pᵀ A P of sparse matrices, summed over ranges of A's rows; threads share these."""
+    """Return Pᵀ A P of sparse matrices, summed over ranges of A's rows, which threads share."""
     parts = _parts(A)
     terms: list[Any] = [None] * len(parts)
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..base import ConvergenceError, FloatArray, SingularError, bar
 
-# Maximum number of iterations: three times that of multigrid on the worst bodies measured. A cube
-# takes 13, a sheet 150 times as long as thick 142, a cube of ν = 0.499 169.
+# Maximum number of iterations: three times as many as multigrid takes on the worst bodies measured.
+# A cube takes 13, a sheet 150 times as long as thick 142, a cube of ν = 0.499 169.
 _MOST_ITERATIONS = 500
 
 

@@ -14,10 +14,10 @@ Iterate = Callable[[FloatArray, float, float], tuple[FloatArray, int]]
 
 # Default ‖f - A x‖ / ‖f‖ of `solve_roughly`. It suffices for the vectors of a subspace, since the
 # projected model's error is the square of the vectors' error: the receptance at a node of a
-# plate is off by 1e-8 with any number of vectors (by 2e-7 with a tolerance of 1e-2). Rough
-# solutions take 0.4 of the iterations of full ones. The vectors of a constrained body must be
-# orthogonal to its static mode: otherwise the errors of displacements and stresses away from the
-# contact stagnate at 3e-4 and 7e-3 on a thick plate.
+# plate is off by 1e-8 with any number of vectors (by 2e-7 with a tolerance of 1e-2). A solution
+# takes 0.4 of the iterations of `solve`. The vectors of a constrained body must be orthogonal to
+# its static mode: otherwise the errors of displacements and stresses away from the contact stagnate
+# at 3e-4 and 7e-3 on a thick plate.
 ROUGH = 1e-3
 
 
@@ -31,8 +31,8 @@ class Inverse:
         Solution (K + s²M)⁻¹ f by a direct method, from f, shape (n,) or (n, m).
     iterate : callable or None
         Solution (K + s²M)⁻¹ f by an iterative method, and the number of preconditioned residuals,
-        from f, shape (n,) or (n, m), the tolerance of ‖f - A x‖ / ‖f‖, and the most iterations.
-        Raises ConvergenceError.
+        from f, shape (n,) or (n, m), the tolerance of ‖f - A x‖ / ‖f‖, and the maximum number of
+        iterations. Raises ConvergenceError.
     precondition : callable or None
         Approximation of (K + s²M)⁻¹ r by an iterative method, from r, shape (n, m); symmetric and
         positive definite, and much cheaper than a solution.
@@ -81,7 +81,7 @@ class Method(NamedTuple):
     cost : callable
         Function that estimates the cost: Pencil ↦ Cost.
     is_installed : callable
-        Returns whether its package is installed.
+        Function that returns whether the method's package is installed.
     """
 
     name: str

@@ -49,8 +49,8 @@ _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
 _DENSE = 300
 
-# Largest ratio of an aggregated level's dofs to those of the next finer level; above it, K hardly
-# couples the dofs.
+# Largest ratio of an aggregated level's dofs to the next finer level's dofs; above this ratio, K
+# hardly couples the dofs.
 _SHRINKS = 0.7
 
 # `_SET_UP`, `_ITERATION`: time of the set-up and of an iteration per entry of K, s.
@@ -91,7 +91,7 @@ class _Level:
 class Multigrid:
     """(K + s²M)⁻¹ by conjugate gradients, preconditioned by a V-cycle.
 
-    Threads that share it take turns, since it has a single work space.
+    Threads that share the object take turns, since it has a single work space.
 
     Parameters
     ----------

@@ -86,7 +86,7 @@ def unresisted_motions(
     np.divide(forces, stiffness, out=forces, where=stiffness > 0.0)
     if springs is not None:
         forces = np.where(springs[:, None] > 0.0, motions, forces)
-    # Strongly and weakly connected components of a symmetric K agree; the former need no transpose.
+    # Strongly and weakly connected components of a symmetric K agree; strong ones need no K.T.
     n_parts, part = sp.csgraph.connected_components(K, connection="strong")
     order = np.argsort(part, kind="stable")
     bounds = np.searchsorted(part[order], np.arange(n_parts + 1))

@@ -42,8 +42,8 @@ _LEAST_SHIFT = 1e-30
 _FIRST_SHIFT = 1e-4
 
 # `_SHIFT_BELOW`, `_SHIFT_ABOVE`: range of ω²/s² of the first elastic mode in which s² is kept.
-# Below it K is lost in the rounding of s²M, above it s²M in that of K. `_GUESSES`: maximum number
-# of corrections of s²; one is enough except for the slenderest bodies.
+# Below this range K is lost in the rounding of s²M, above it s²M in the rounding of K. `_GUESSES`:
+# maximum number of corrections of s²; one is enough except for the slenderest bodies.
 _SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
 
 # `_INVERSE_STEPS`: steps of inverse iteration from a random vector, which find the order of

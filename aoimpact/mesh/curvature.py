@@ -29,7 +29,7 @@ _SURELY_SHARP = 0.25
 _GRAPH = 0.5
 
 # Radii around the point within which nodes are fitted, in distances between neighbouring nodes. Of
-# the fits that agree with those of all smaller radii, the one with the smallest error is taken.
+# the fits that agree with the fits at all smaller radii, the one with the smallest error is taken.
 _REACHES = (2.2, 2.8, 3.6, 5.0, 7.0)
 
 # Largest height of nodes that count as coplanar, relative to the radius of the region: rounding to
@@ -59,8 +59,8 @@ _POWERS = [(degree - j, j) for degree in range(7) for j in range(degree + 1)]
 _DEGREE = np.array([i + j for i, j in _POWERS])
 _BINOMIAL = np.sqrt([math.comb(i + j, j) for i, j in _POWERS])
 
-# Prior standard deviation of the terms for height and slope, relative to that for curvature; it
-# hardly restricts the terms.
+# Prior standard deviation of the terms for height and slope, relative to the terms for curvature:
+# so large that the prior hardly restricts height and slope.
 _FREE = 1e3
 
 # Parameters over whose values the fit is averaged. `_ROUGHNESS`: λ, the ratio of prior standard
@@ -250,7 +250,7 @@ def _linked(joined: sp.csr_array, start: BoolArray) -> BoolArray:
 
 
 def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_array, FloatArray]:
-    """Return the adjacency matrix of faces joined at edges not sharp, and `_Region.bends`."""
+    """Return the adjacency matrix of faces joined at smooth edges, and `_Region.bends`."""
     key = surface.ends(face).reshape(-1, 2)
     row = np.repeat(np.arange(len(face)), 4)
     middles = np.zeros((len(face), 4, 2))
@@ -273,9 +273,9 @@ def _joined(surface: Surface, face: IntArray, here: FloatArray) -> tuple[sp.csr_
 def _fitted(region: _Region, here: FloatArray, normal: FloatArray, reach: float) -> SurfaceShape:
     """Return the shape found by fitting heights over the tangent plane to the nodes within reach.
 
-    Bayesian regression: the prior standard deviation of terms of degree k is A λ^(k-2), and that of
-    the nodes' noise is A s. The amplitude A is integrated out. The result is the mean over λ and s,
-    weighted by their evidence.
+    Bayesian regression: the prior standard deviation of terms of degree k is A λ^(k-2), the
+    standard deviation of the nodes' noise is A s. The amplitude A is integrated out. The result is
+    the mean over λ and s, weighted by their evidence.
     """
     offset = region.nodes[region.distance <= reach] - here
     across, height = plane_of(normal), offset @ normal / reach

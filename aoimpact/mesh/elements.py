@@ -394,8 +394,8 @@ _ALL |= {
 }
 THIN = ("quad", "triangle", "line")
 
-# The second-order kind for each first-order kind. Of hexahedron20 and hexahedron27 the former,
-# assigned last, remains.
+# The second-order kind for each first-order kind: for hexahedra hexahedron20, which is assigned
+# after hexahedron27.
 RAISED = {_ALL[kind][0].linear: kind for kind in reversed(KINDS) if _ALL[kind][1]}
 
 # Kinds of surface elements by their numbers of nodes.
@@ -448,8 +448,8 @@ def enriched_element(kind: str) -> tuple[ReferenceElement, list[list[int]]] | No
     first, last = corners[edges].swapaxes(0, 1)
     on_edges = first + (last - first) / (3.0 if own.quadratic else 2.0)
     middles = [corners[of].mean(axis=0) for of in added[len(edges) :]]
-    # Second order: a cubic that is zero at both ends and in the middle of an edge is odd, so that
-    # any point between these can be its node.
+    # Second order: a cubic that is zero at both ends and in the middle of an edge is odd, and
+    # nonzero elsewhere, so that any other point of the edge can be its node.
     known = own.nodes[: len(corners) + own.quadratic * len(edges)]
     places = np.vstack([known, on_edges, *middles])
     nodal, basis = _Basis.of(space, places, own._basis.middle), own._basis

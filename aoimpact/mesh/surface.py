@@ -23,7 +23,7 @@ from .elements import ReferenceFace, reference_faces
 from .mesh import Mesh, twins
 from .vectors import unit
 
-# Ratio of the radius of a ball enclosing a curved side to that of the ball around its nodes.
+# Ratio of the radius of a ball enclosing a curved side to the radius of the ball around its nodes.
 _BULGE = 1.2
 
 # `_ITERATIONS`: maximum number of Newton steps, enough wherever a solution exists. `_LONGEST`:
@@ -198,7 +198,7 @@ class Surface:
         return np.where(self._triangles[face], 1.0 / 3.0, 0.5)[:, None] * np.ones(2)
 
     def corners(self, face: IntArray) -> IntArray:
-        """Return the corners around each face, shape (n, 4); triangles repeat their first."""
+        """Return the corners around each face, shape (n, 4); triangles repeat the first corner."""
         corners = self.nodes[face, :4]
         triangle = self._triangles[face]
         corners[triangle, 3] = corners[triangle, 0]

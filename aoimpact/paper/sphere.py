@@ -168,7 +168,7 @@ def force_and_time(hit: ao.Result) -> tuple[float, float]:
 
 
 def excesses(hit: ao.Result, base: ao.Result) -> tuple[float, float]:
-    """Return the excess of peak force and duration over those of another run, %."""
+    """Return the excess of peak force and contact duration over another run's values, %."""
     force = hit.peak_force / base.peak_force
     duration = hit.contact_duration / base.contact_duration
     return 100.0 * (force - 1.0), 100.0 * (duration - 1.0)

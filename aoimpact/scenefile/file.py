@@ -184,7 +184,7 @@ class SceneFile:
 
     @property
     def swept(self) -> tuple[str, ...]:
-        """Names of the numbers that the sweep keeps; by default those in `reported`."""
+        """Names of the numbers that the sweep keeps; by default `reported`."""
         return tuple(self.data.get("sweep", {}).get("keep", self.reported))
 
     @property

@@ -31,7 +31,7 @@ _KINDS = {"accelerance": 0, "mobility": 1, "receptance": 2}
 # -10 to -20 dB.
 _EXCITED = 0.1
 
-# Ratio of the contribution of a record's second half to that of the whole record at a resonance, if
+# Ratio of the contributions of a record's second half and of the whole record at a resonance, if
 # the vibration decays by the factor q = 1/2 in each half: q (1 - q)/(1 - q²).
 _SECOND_HALF = 1.0 / 3.0
 
@@ -164,7 +164,7 @@ def frf(
 def _hits(force: Any, response: Any) -> list[tuple[Signal, Signal, FloatArray]]:
     """Return force, motion and error of the motion for each hit, at equal times since its start.
 
-    The error is that of a simulated motion (`Probe`), and 0 for a measured motion (`Signal`).
+    The error of a simulated motion (`Probe`) is known; a measured motion (`Signal`) has error 0.
     """
     forces, responses = (of if isinstance(of, list) else [of] for of in (force, response))
     if len(forces) != len(responses) or not forces:
