@@ -22,12 +22,13 @@ from .order import EASED, Search
 # more digits.
 _RTOL, _TIGHTEST = 2e-3, 1e-8
 
-# Largest error of the largest models that is accepted without a warning if no tolerance was given.
+# Largest relative error of a quantity of interest, with the largest models tried, that is accepted
+# without a warning if no tolerance was given.
 _LOOSEST = 1e-2
 
-# Largest order of the models if a tolerance is given (True) or not (False). Without a given
-# tolerance the search ends with the error reached: a thin sheet that touches repeatedly would need
-# hundreds of vectors.
+# Largest order (`Hierarchy`) of the models if a tolerance is given (True) or not (False). Without a
+# given tolerance the search ends with the error reached: a thin sheet that touches repeatedly would
+# need hundreds of vectors.
 _MOST_ORDER = {True: 600, False: 80}
 
 # Shares of the tolerance for time integration by the adaptive method (_SHARE_OF_TIME), by fixed

@@ -67,7 +67,7 @@ def alike(scale: float, *, up: bool = False) -> float:
 
 @dataclass(eq=False)
 class Hierarchy:
-    """One body's models of rising order: 0 is rigid (a fixed wall, if the body is constrained).
+    """One body's models of rising order; order 0 is rigid, or a fixed wall if it is constrained.
 
     Attributes
     ----------
@@ -141,8 +141,8 @@ def _of_elements(
 ) -> Hierarchy:
     """Return the hierarchy of a finite-element body, fitted to the time scales of a scene.
 
-    A body with one contact point has AO models. If it has several, a model of order n has n vectors
-    for each contact point, and at least one if the body is constrained.
+    A body with one contact point has AO models. For several contact points, a model of order n has
+    n vectors for each point, and at least one if the body is constrained.
     """
     tip, body, single = tips[0], tips[0].body, len(tips) == 1
     dofs = body.n_dofs
@@ -153,7 +153,7 @@ def _of_elements(
         made = KrylovSpace(tips, contact_time=resolved, sharpened=True, solver=solver)
         if duration is not None:
             natural = made.of_vectors(_FEW).omega if single else np.zeros(0)
-            # Modes slower than the contact cost a second factorisation.
+            # Slow motion, which costs a second factorisation, is included only if modes need it.
             if not single or (natural[natural > 0.0] < made.shift).any():
                 made.include(duration)
         return made

@@ -75,8 +75,8 @@ def errors_left_out(
     softer = replace(run.plan, contacts=altered)
     changed = altered != tuple(run.plan.contacts)
     by_contact = _tried(lambda: softer, run, solver) if changed else []
-    # If one of the runs kept whole laws, as contacts are stiffer than its meshes, and the other did
-    # not, the difference of the runs is no error estimate.
+    # If different contacts keep their whole laws in the two runs (see `Contact.of_models`), the
+    # difference of the runs is no error estimate.
     whole = meshed.plan.bounded != run.plan.bounded
     unknown = [math.inf] * (whole or any(outgrown(run)))
     mesh = _changes(wanted, run, [*others, *unknown])
@@ -254,7 +254,7 @@ def compared_runs(run: Run, solver: TimeSolver | None, *, every: bool = False) -
 def _tried(
     plan: Callable[[], Scenario | None], run: Run, solver: TimeSolver | None
 ) -> list[Run | float]:
-    """Return the run of a plan, as long as `run`; [inf] if it fails, empty without a plan."""
+    """Return a list of the plan's run, as long as `run`; [inf] if it fails, [] without a plan."""
     try:
         with held_warnings():
             if (wanted := plan()) is None:

@@ -50,10 +50,10 @@ EASED = 1.1
 # fitted to at which no new fit is made. _MOST_FITS: largest number of fits.
 _REFIT, _MOST_FITS = 2.0, 4
 
-# Order of the model in each of the distinct hierarchies.
+# Orders of the models, one for each distinct body.
 _Orders = tuple[int, ...]
 
-# Ratio of the duration of motion to the contact time above which bases also contain slow motion.
+# Ratio of the duration of motion to the contact time above which models also represent slow motion.
 _LONG = 4.0
 
 
@@ -65,7 +65,7 @@ class TimeScales(NamedTuple):
 
     @property
     def slow(self) -> float | None:
-        """Duration of the slow motion that bases must include, s; None if they need not."""
+        """Duration of the slow motion that models must represent, s; None if there is none."""
         return self.span if self.span > _LONG * self.contact_time else None
 
     def suit(self, others: TimeScales) -> bool:
@@ -166,8 +166,8 @@ class Search:
     def error(self) -> float:
         """Return the largest relative error of the models; infinite if they cannot be run.
 
-        Models are fitted again if the contact time differs much from the one that they were fitted
-        to.
+        Models are fitted again if the contact time of their run differs much from the contact time
+        that they were fitted to.
         """
         while True:
             self.record.settled = False
@@ -260,8 +260,8 @@ class Search:
             try:
                 self._runs[key] = self._run_of(self.plan, self._of_bodies(models))
             except AOImpactError as error:
-                # Errors that may vanish with larger models: few vectors make patches too stiff, and
-                # two constrained bodies of order 0 are both walls.
+                # Some errors vanish with larger models: few vectors make patches too stiff, and two
+                # constrained bodies of order 0 are both walls. Other errors are raised.
                 deform = all(order > 0 or one.most == 0 for one, order in pairs)
                 of_input = isinstance(error, InputError | InputTypeError)
                 if of_input and deform and not isinstance(error, LawLimitError):
@@ -278,7 +278,7 @@ class Search:
 
     @property
     def _smaller(self) -> list[_Orders]:
-        """Return the orders of the smaller models to compare with; empty for whole bodies."""
+        """Orders of the smaller models to compare with; empty if the models have largest order."""
         pairs = list(zip(self._made, self.orders, strict=True))
         if all(n >= one.most for one, n in pairs):
             return []
@@ -288,7 +288,7 @@ class Search:
         ]
 
     def _apart(self, other: Run | None) -> FloatArray:
-        """Return the relative difference of each quantity from another run; infinite for None."""
+        """Return each quantity's relative difference from a run; infinite if a run is missing."""
         if self.run is None or other is None:
             return np.full(len(self.wanted), np.inf)
         apart = np.array([of.difference(self.run, other) for of in self.wanted])

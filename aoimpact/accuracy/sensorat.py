@@ -309,7 +309,7 @@ class AccelerationAt(Sensor):
             )
 
     def measured(self, body: FEModel) -> Any:
-        """See `Sensor`; values too close to the end of the record are set to 0, not compared.
+        """See `Sensor`; values near the record's end, which are not known, are set to 0.
 
         :meta private:
         """

@@ -100,7 +100,7 @@ class Checkpoint:
         return self._known[digest]
 
     def put(self, digest: str, outcome: Outcome) -> None:
-        """Write the outcome of a case unless the case failed; it survives if the process is killed.
+        """Write the outcome of a case unless the case failed; a written outcome survives a kill.
 
         `get` returns the outcome only after the file has been opened again.
         """
@@ -187,7 +187,7 @@ class _Content(pickle.Pickler):
             content = value.tolist() if value.dtype.hasobject else value.tobytes()
             parts = value.dtype.str, value.shape, content
         elif dataclasses.is_dataclass(kind) or (hasattr(value, "__dict__") and not callable(value)):
-            model = isinstance(value, FEModel)  # immutable, unlike a scene
+            model = isinstance(value, FEModel)  # immutable: its digest is cached
             parts = self._digests.once(value) if model else _parts(value)
         elif callable(value):
             if self._digests.key is None:

@@ -70,8 +70,8 @@ def _pair(case: Mapping[str, Any]) -> _Pair | None:
         return None
     tips = [model.extraction_at() for model in models]
     if any(tip is not None and tip.by_width for tip in tips):
-        return None  # the law depends on the velocity
-    if law.by_caller or law.pulls:  # needs Python at every step; may need a second run
+        return None  # the compliance removed from the law depends on the velocity
+    if law.by_caller or law.pulls:  # Python functions; perhaps a second run
         return None
     with held_warnings() as messages:
         try:

@@ -389,7 +389,7 @@ def _heading(name: str) -> str:
 
 
 def _text(value: Any, digits: str = "{}") -> str:
-    """Return as text: a number in the format `digits`, or the label or place of an object."""
+    """Return a number as text in the format `digits`, and an object as its label or place."""
     if isinstance(value, float):
         return digits.format(value)
     if isinstance(value, ContactPoint) and value.point is not None:

@@ -151,7 +151,7 @@ def extracted(
 
 
 def _over_width(body: Any, splitting: Splitting, point: FloatArray, normal: FloatArray) -> float:
-    """Return the change of w's mean under Hertz's pressure as the radius grows to a, m/N."""
+    """Return the change of w, averaged over Hertz's pressure, as its radius grows to a, m/N."""
     radius, sunk = splitting.space.radius, -splitting.w[0, 0, : body.mesh.n_nodes] @ normal
     try:
         mean = float(spread(body.surface, point, normal, radius).weights @ sunk)

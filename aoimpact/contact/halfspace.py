@@ -31,8 +31,8 @@ _ON_RIM = 1e-9
 # except for far points just below the surface, smooth: the error is 1e-4 at r = 8 a, z = 0.4 a.
 _ANGLES = 128
 
-# Displacements for inertia terms may be rough: they use every second angle, which changes R of a
-# ply by 1e-4 of its value (every fourth angle: by 1e-2).
+# Displacements for inertia terms may be rough: they use every second angle, which changes the
+# compliance R of a ply (`Splitting`) by 1e-4 of its value (every fourth angle: by 1e-2).
 _EVERY = 2
 
 # Relative change of the shear moduli that separates equal roots of Stroh's eigenvalue problem.

@@ -277,7 +277,10 @@ def _waves(radius: float, thickness: float, length: float) -> FloatArray:
 
 
 def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
-    """Return ∫ p̂² H k dk/(2π), with Hertz's pressure p̂ = 3 (sin x - x cos x)/x³, x = k a."""
+    """Return the mean compliance ∫ p̂² H k dk/(2π) under Hertz's pressure, m/N.
+
+    H is the `compliance` at wave number k; p̂ = 3 (sin x - x cos x)/x³ with x = k a.
+    """
     x = k * radius
     exact = 3.0 * (np.sin(x) - x * np.cos(x)) / np.maximum(x, _SERIES) ** 3
     pressure = np.where(x < _SERIES, 1.0 - x**2 / 10.0, exact)

@@ -28,8 +28,8 @@ _POLE_OF_CORNER = math.pow(math.sqrt(2.0) - 1.0, -0.25)
 _SETTLED = 1e-4
 
 # _SAMPLES: samples per period of the pole. _LEAST_SAMPLES: minimum number in a record. For a plate
-# whose unfiltered acceleration is 40 times the acceleration filtered by CFC 1000, the error is
-# 1.5e-3 with 200 samples per period, and 5e-5 with 1000.
+# whose unfiltered acceleration is 40 times that filtered by CFC 1000, the filtered acceleration has
+# an error of 1.5e-3 with 200 samples per period, and of 5e-5 with 1000.
 _SAMPLES, _LEAST_SAMPLES = 1000, 1000
 
 # Largest number of samples; a channel that needs more is most likely a mistake.

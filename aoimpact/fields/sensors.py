@@ -212,7 +212,7 @@ class Each(Generic[T]):
 
 @dataclass(frozen=True, eq=False)
 class At(Each[sp.csr_array]):
-    """Motion along axes at places of a body, from rows on the body's dofs, (p k, n_dofs).
+    """Motion at p places of a body along k axes; `of` returns rows on its dofs, (p k, n_dofs).
 
     Attributes
     ----------

@@ -83,7 +83,7 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
 
 
 def touch_alike(one: Events, other: Events) -> bool:
-    """Return whether two runs have as many touches of a contact; with fixed steps all count."""
+    """Return whether two runs have as many touches that count; with fixed steps, all count."""
     if not (one.touches and other.touches):
         return one.contact_count == other.contact_count
     least = LESSER * max(impulse for of in (one, other) for impulse, _ in of.touches)

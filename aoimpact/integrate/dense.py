@@ -109,7 +109,7 @@ class DenseRecorder:
 
     @property
     def _steps(self) -> FloatArray:
-        """Start, s, length, s, and number of contacts per row of the core's record, (3, rows)."""
+        """Start, s, length, s, and number of contacts of each interval in the record, (3, n)."""
         return np.frombuffer(_core.track_rows(self.track)).reshape(-1, 3).T
 
     # ------------------------------------------------------------------- values

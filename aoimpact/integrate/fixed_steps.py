@@ -208,7 +208,7 @@ def _to_tolerance(
 def _trial(
     step: Callable[..., SteppedRecorder], dt: float, *, energies: bool = False
 ) -> SteppedRecorder | ConvergenceError:
-    """Return a run or, if its step is too long to be solved, the error of the run."""
+    """Return a run or, if its step is too long to be solved, the exception that it raised."""
     try:
         return step(dt, energies=energies)
     except (IterationError, NotFiniteError) as error:

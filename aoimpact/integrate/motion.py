@@ -46,7 +46,7 @@ class Motion:
         return float(self.run.duration)
 
     def force(self, times: FloatArray) -> FloatArray:
-        """Return the forces along their directions, N, (p, times); see `Scenario.port_forces`."""
+        """Return the forces on the ports, N, (p, times); see `Scenario.port_forces`."""
         found: FloatArray = self.run.plan.port_forces(self.body, times, self.run.pushes(times))
         return found
 
@@ -128,7 +128,7 @@ class SteppedMotion(Motion):
 def _at_start(body: Equations, forces: FloatArray, inverse: Factorization) -> FloatArray:
     """Return accelerations at t = 0 from the balance of forces; 0 for massless coordinates.
 
-    If M without massless coordinates is singular, the accelerations of the first step are taken.
+    If M without massless coordinates is singular, the matrix of Newmark's steps replaces M.
     """
     left = body.B @ forces - body.K @ body.u0 - body.C @ body.v0
     heavy = np.flatnonzero(body.M.diagonal() > 0.0)

@@ -154,7 +154,7 @@ def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[
 
 
 def _touch_error(run: SteppedRecorder, contact: int) -> float:
-    """Return a bound of the relative error from touches at which the force jumps.
+    """Return a bound of the relative error of peak and impulse if the force jumps at touches.
 
     A step detects a touch only at its end, so that up to one step of the force after a jump is
     missing: the momentum of this force and, if the jump is the peak, the decrease of the force
@@ -222,11 +222,10 @@ def _missed_forces(fine: SteppedRecorder, coarse: SteppedRecorder) -> FloatArray
     """Return bounds of each contact's force between steps minus its largest force at a step, N.
 
     Between steps the indentation follows the parabola through three steps. Its error is at most the
-    difference of the indentations with steps dt and 2 dt. A load f displaces a mode by r f / ω²,
-    where r is the mode's participation factor.
-    The amplitude of the vibration caused by the load is at most r / ω² times the sum of changes of
-    f, and at most r / ω³ times the sum of changes of its slope. Steps longer than the mode's period
-    show only the displacement.
+    difference of the indentations with steps dt and 2 dt. A load f displaces a mode of
+    participation factor r by r f / ω². The amplitude of the vibration caused by the load is at most
+    r / ω² times the sum of changes of f, and at most r / ω³ times the sum of changes of its slope.
+    Steps longer than the mode's period show only the displacement.
     """
     plan, missed = fine.plan, np.zeros(len(fine.plan.contacts))
     size = [_unresolved(plan, body, fine.dt) for body in range(len(plan.bodies))]

@@ -103,8 +103,9 @@ _LEAST_ENERGY = 1e-250
 
 _NO_NOTE = np.full(3, math.nan)
 
-# Start and step, in log δ, of the search for the stroke. Steps are short, as a user's law may not
-# be defined far beyond the indentations that it is meant for.
+# Start and step, in log δ, of the search for the indentation δ at which a law has absorbed an
+# energy (`ContactLaw.stroke`). Steps are short, as a user's law may not be defined far beyond the
+# indentations that it is meant for.
 _SHALLOW, _STRIDE = -28.0, 0.35
 
 # `_LONGEST`: largest magnitude of log δ in the search for the stroke. `_LEAST_WORK`: smallest work,

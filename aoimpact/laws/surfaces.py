@@ -22,7 +22,7 @@ _NO_MATTER = 0.01
 
 _CURE = "give law="
 
-# Relative error of the largest curvature above which a missing law is blamed on the mesh.
+# Relative error of the largest curvature above which the message on a missing law blames the mesh.
 _DOUBT = 0.3
 
 

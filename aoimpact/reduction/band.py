@@ -68,7 +68,7 @@ class Band:
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Lowest and highest frequency of the band, Hz, around the least error; 0, 0 if empty."""
+        """Lowest and highest frequency of the band about the smallest error, Hz; 0, 0 if empty."""
         wrong, best = self.error > _RIGHT, int(self.error.argmin())
         if wrong[best]:
             return 0.0, 0.0

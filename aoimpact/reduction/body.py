@@ -318,7 +318,7 @@ class AsWhole(NamedTuple):
 class Body(Frozen, BodyModel):
     """A body in its natural modes: q̈_j + 2σ_j q̇_j + ω_j² q_j = g_j + Σ_p push_pj f_p.
 
-    The displacements of the ports are u_p = Σ_j shape_pj q_j + Σ_q R_pq f_q. Made by
+    The displacements of the ports are u_p = Σ_j shape_pj q_j + Σ_k R_pk f_k. Made by
     `antioscillators`, `modal`, `interface`, `rigid`, `ball` and `wall`; `expand` gives the
     displacements of the finite-element body.
 

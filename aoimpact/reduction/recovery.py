@@ -90,7 +90,7 @@ class Recovery:
 
     @cached_property
     def basis(self) -> FloatArray:
-        """Displacements due to unit coordinates and, at once, to unit forces, (n_dofs, n + p)."""
+        """Displacements per unit coordinate, and immediate ones per unit force, (n_dofs, n + p)."""
         at_once = np.zeros_like(self.loads)
         if (following := self.model.following) is not None:
             at_once[:, : following.shape[1]] = following

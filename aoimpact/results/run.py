@@ -558,7 +558,7 @@ class Run:
         return read_only(self.recorder.times if self.asked is None else self.asked)
 
     def even_times(self, start: float, end: float) -> FloatArray:
-        """Return evenly spaced times, s, that resolve the vibration of all bodies, up to a limit.
+        """Return evenly spaced times, s, enough for all vibration but at most `_MOST`.
 
         :meta private:
         """

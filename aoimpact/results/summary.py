@@ -148,7 +148,7 @@ def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
 def _bound(
     run: Run, interest: Quantity, value: float, error: ErrorParts, *, listed: bool = False
 ) -> str:
-    """Return an error as text; absolute if the number is below the least divisor of errors."""
+    """Return an error as text; absolute if the number is below `interest.least`."""
     least = 0.0 if interest.least is None else interest.least(run.velocities_before)
     if math.isinf(error.least):
         return " not bounded"

@@ -27,7 +27,7 @@ class ContactRows(NamedTuple):
     friction : ndarray or None
         Energy dissipated by friction, J.
     stuck : ndarray or None
-        Square of the ratio of the stick zone's radius to the contact's.
+        Square of the ratio of the stick zone's radius to the contact radius.
     """
 
     force: FloatArray

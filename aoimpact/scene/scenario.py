@@ -116,7 +116,7 @@ class Scenario:
 
     @property
     def pull(self) -> Pull:
-        """Gravity along the direction of travel, or in three directions if given so, m/s²."""
+        """Acceleration of gravity, m/s²: along the direction of travel, or a vector if given so."""
         if self.oblique is None or not self.oblique.gravity.any():
             return self.gravity
         return self.oblique.gravity

@@ -39,7 +39,8 @@ from ..testrig import Signal
 _SOLVER = Adaptive(rtol=1e-9)
 _STEP = 1e-4
 
-# Offset that keeps the variables away from 0: SciPy's finite-difference steps are relative to them.
+# Offset that keeps the variables away from 0: SciPy's finite-difference steps are relative to the
+# values of the variables.
 _ORIGIN = 30.0
 
 # Largest relative standard error with which a parameter counts as determined.
