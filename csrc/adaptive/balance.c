@@ -42,8 +42,8 @@ static const double SUDDEN = 1e-22, LEAST_AFTER = 1e-8, MOST_AFTER = 1e-5, PART_
 static const double RIGID = 1e15;
 
 /* Largest ratio of a dashpot's relaxation time to the length of an implicit step after an event. A stronger
- * dashpot is replaced by one at this limit, since the indentation changes only by rounding. Tried with a third and
- * three times the value: 6 runs change, by a relative 4e-13. */
+ * dashpot is replaced by one at this limit, at which the indentation changes only by rounding. Tried with a third
+ * and three times the value: 6 runs change, by a relative 4e-13. */
 static const double RIGID_IN_STEP = 1e13;
 
 /* Largest number of Newton iterations, for the forces in equilibrium and for the rates after a sudden change.
@@ -419,8 +419,8 @@ static void open_and_watch(aoi_adaptive *run, size_t c)
     aoi_watch_add(run, c);
 }
 
-/* Sets the forces in equilibrium after a pull-off, opens the contacts that the contact point has left, and closes
- * those that it has reached. Rates are found later, when all closed contacts are listed. */
+/* Sets the forces in equilibrium after a pull-off, opens the contacts that the massless contact point has left,
+ * and closes those that it has reached. Rates are found later, when all closed contacts are listed. */
 static void meet(aoi_adaptive *run, const aoi_coupled *e)
 {
     for (size_t i = 0; i < e->count; i++) {

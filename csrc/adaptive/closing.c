@@ -142,7 +142,7 @@ static double load_jerk(const aoi_free_pair *pair)
     return jerk;
 }
 
-/* Returns an estimate of the largest indentation that an approach leads to within the time left, m. */
+/* Returns an estimate of the largest indentation, m, that an approach (by) leads to within the time `left`, s. */
 static double reach_of(const aoi_adaptive_contact *contact, const aoi_law *law, const approach *by, double left)
 {
     const double rate = fmax(by->rate, 0.0), acceleration = fmax(by->acceleration, 0.0);

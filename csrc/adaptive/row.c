@@ -60,7 +60,7 @@ static int stretches_about(const double *of, double place, stretches *found)
 /* The normal force is that of the law. Friction is the normal force times a ratio: mu where all springs slip,
  * otherwise the row's stretch divided by the indentation. The stretch has corners where slip begins or ends;
  * between these it is interpolated by Lagrange's polynomial and limited to mu times the indentation. With this
- * ratio, the compliance taken out of the law can be written as one of the normal force alone. */
+ * ratio, the compliance taken out of the law can be written as a compliance for the normal force alone. */
 void aoi_row_rub(const aoi_contact *contact, const double *of, double place, double force[3], double *bent)
 {
     const double *coupled = contact->compliance;
@@ -135,7 +135,7 @@ double aoi_row_slide_work(const aoi_contact *contact, const double *of, double p
     double force[3][AOI_NODES], normal[AOI_NODES], work = 0.0, slope;
     /* the law is elastic, so that the row's length (1) has no effect */
     aoi_row_forces(contact, of, 1.0, place, force);
-    aoi_nodes_to_legendre(force[0], normal); /* Legendre coefficients on the part up to `place` */
+    aoi_nodes_to_legendre(force[0], normal); /* Legendre coefficients of force[0] up to `place` */
     for (size_t k = 0; k < AOI_NODES; k++) {
         const double at = aoi_radau_node[k], weight = aoi_radau_to_legendre[0][k];
         (void)aoi_legendre_evaluate(AOI_NODES, normal, at, &slope);

@@ -8,9 +8,9 @@
 
 /* A row of a track, the dense record of an adaptive run: a step of contact, or the start of free motion of some
  * bodies. A row consists of the five values of aoi_row; for each of its bodies, of an aoi_row_body with
- * AOI_TRACK_STATE + 2 n values: the body's number, the work done on it and the energy dissipated in it before the
- * row (J), and x, v at the row's start; and for each of its contacts, of an aoi_row_contact. A body moves freely
- * after the last row that contains it. */
+ * AOI_TRACK_STATE + 2 n values: the body's number, the work of loads and gravity on it and the energy dissipated
+ * in it before the row (J), and x, v at the row's start; and for each of its contacts, of an aoi_row_contact. A
+ * body moves freely after the last row that contains it. */
 enum aoi_row { AOI_TRACK_START = 0, AOI_TRACK_LENGTH, AOI_TRACK_BODIES, AOI_TRACK_CONTACTS,
                AOI_TRACK_SIZE, AOI_TRACK_FIXED };
 
@@ -50,7 +50,7 @@ enum aoi_row_contact {
  *   SLIDE_WORK  work on slides before the row, less the energy of the stretches at the run's start, J
  *   DISSIPATED  dissipated part of this work, J: at the row's start, at the nodes or an edge's quadrature points, and
  *               at the row's end
- *   STUCK       stuck share of the indentation, at the same places
+ *   STUCK       share of the indentation up to which springs stick, at the same places
  *   SLIPS       1 if all springs slip at the row's start, else 0
  *   CHANGES     positions (0 to 1) at which all springs begin or cease to slip; 2: no further change
  *   TANGENTS    for each tangent: friction at the start and the nodes; the stretch there and at the CHANGES; the

@@ -43,8 +43,8 @@ typedef struct aoi_flight {
     double slack; /* indentation beyond rest below which the contact stays open, m */
 } aoi_flight;
 
-/* State of a closed contact at the present time: its indentation (start: that at the start of the next step), rate
- * and force, and the piece of its law that applies. */
+/* State of a closed contact at the present time. start: indentation, at which the next step starts, m; rate,
+ * force: m/s and N; piece: the piece of its law that applies. */
 typedef struct aoi_closed {
     double start, rate, force;
     double touch_rate; /* rate at the last start of its force, before a sudden change of the rate, m/s */
@@ -71,7 +71,7 @@ typedef struct aoi_ledger {
 } aoi_ledger;
 
 /* Force of a contact on residual compliances. bending: force whose deflection is included in the indentation, N;
- * force_rate: its rate at the end of the last step, N/s. */
+ * force_rate: rate of the contact force at the end of the last step, N/s. */
 typedef struct aoi_massless {
     double bending, force_rate;
 } aoi_massless;
@@ -105,7 +105,7 @@ struct aoi_adaptive {
     aoi_adaptive_contact *contact;
     aoi_contact_step *entry;
     aoi_response *response;
-    aoi_sliding *sliding; /* state of friction, for each contact that has it          */
+    aoi_sliding *sliding; /* state of friction of each contact with friction */
     aoi_stretch *spring;
     aoi_contact_state *balanced; /* contacts at massless contact points, listed while their forces are found */
 
@@ -114,11 +114,11 @@ struct aoi_adaptive {
     aoi_list engaged, changed; /* bodies in this step; bodies changed since their last row */
     size_t span, row_size; /* aoi_system_span and aoi_adaptive_room */
     int crowded; /* 1: contact equations are solved in terms of the bodies' modes (crowd.c) */
-    /* closed_count: number of entries of closed contacts, which come first; entry_count: of all contacts in the
-     * step */
+    /* closed_count: number of entries of closed contacts, which come first; entry_count: number of entries of all
+     * contacts in the step */
     size_t closed_count, entry_count;
     int level;                        /* level of the present step length, base 2^(-level/8) */
-    int grain;                        /* every level is a multiple of this */
+    int grain;                        /* admissible levels are multiples of this */
     /* table_cost: cost of new tables, in units of a step's cost; saved: number of steps that a coarser level would
      * have saved */
     double table_cost, saved;
@@ -292,7 +292,7 @@ double aoi_release_step(const aoi_adaptive *run, double h);
 void aoi_contact_close(aoi_adaptive *run, size_t c);
 
 /* Set the piece of its law that a contact is on. aoi_contact_take_piece: at a given indentation.
- * aoi_contact_press_again: at the present one, and the force of a slack contact begins again. */
+ * aoi_contact_press_again: at the present indentation, where the force of a slack contact begins again. */
 void aoi_contact_take_piece(const aoi_law *law, aoi_adaptive_contact *contact, double indentation, int rising);
 void aoi_contact_press_again(const aoi_law *law, aoi_adaptive_contact *contact);
 

@@ -32,7 +32,7 @@ static int are_equal(const double *one, const double *other, size_t count)
     return one == other || (one && other && memcmp(one, other, count * sizeof *one) == 0);
 }
 
-/* True if two bodies have the same response, as often in scenes that use one model several times. */
+/* True if two bodies have the same response, as is common in scenes that use one model several times. */
 static int are_alike(const aoi_adaptive *run, size_t first, size_t second)
 {
     const aoi_modes *one = &run->system->body[first], *other = &run->system->body[second];
@@ -103,7 +103,7 @@ static void homogeneous(aoi_adaptive *run, aoi_contact_step *entry, int with_rat
 }
 
 /* Sets `values` to the polynomial of the last step, extrapolated to the nodes of a step of length h, s. rate: set
- * to its slopes at the nodes, per second; or NULL. */
+ * to the polynomial's slopes at the nodes, per second; or NULL. */
 static void extrapolate(const double *last, double last_length, double h, double *values, double *rate)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {

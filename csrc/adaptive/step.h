@@ -15,8 +15,8 @@
  * promised for small contacts (aoimpact/integrate/settings.py). */
 static const double LESSER_SHARE = 0.01;
 
-/* A step may contain a contact's peak force if its largest force at a node is at least this share of the largest
- * so far. Measured: from 0.7 to 0.97 work changes by 0.3 %. */
+/* A step may contain a contact's peak force if its largest force at a node is at least this share of the contact's
+ * largest force so far. Measured: from 0.7 to 0.97 work changes by 0.3 %. */
 static const double NEAR_PEAK = 0.9;
 
 static inline const aoi_law *aoi_step_law(const aoi_adaptive *run, const aoi_contact_step *entry)

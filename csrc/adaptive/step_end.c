@@ -14,9 +14,9 @@
 #include <string.h>
 
 /* Returns the position of the largest maximum of the force in the step (0 to 1); 1 if there is none inside. For an
- * elastic law it is the position of the largest indentation, for a rate-dependent law that of the maximum of the
- * polynomial through the forces at the nodes. In a step with an edge, its own force polynomial, a least-squares
- * fit, is not used: it may differ from the forces at the nodes by 1 %. */
+ * elastic law it is the position of the largest indentation, for a rate-dependent law the position of the maximum
+ * of the polynomial through the forces at the nodes. In a step with an edge, its own force polynomial, a
+ * least-squares fit, is not used: it may differ from the forces at the nodes by 1 %. */
 static double top_of(const aoi_law *law, const aoi_contact_step *entry)
 {
     double place, value, by_force[AOI_NODES];
@@ -152,8 +152,8 @@ static double force_slope(const aoi_contact_step *entry)
     return end_slope(legendre);
 }
 
-/* Updates a contact's peak, impulse, work and scales, and sets its state to that at the end of the step. of: its
- * values in the row. */
+/* Updates a contact's peak, impulse, work and scales, and sets its state to that at the end of the step. of: the
+ * contact's values in the row. */
 static int move_contact(aoi_adaptive *run, const aoi_contact_step *entry, double h, int with_rates, const double *of)
 {
     aoi_adaptive_contact *contact = &run->contact[entry->contact];

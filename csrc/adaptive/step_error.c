@@ -58,7 +58,8 @@ static double steepness_of(const aoi_adaptive *run, const aoi_contact_step *entr
 {
     aoi_law_value value;
     aoi_law_push(aoi_step_law(run, entry), entry->memory, largest, entry->start_rate, &value);
-    /* The error is relative to the largest force: a small force at the end of a contact needs no relative accuracy. */
+    /* The error of the force is relative to the largest force: a small force at the end of a contact needs no
+     * relative accuracy. */
     const double force = fmax(value.force, run->contact[entry->contact].ledger.peak.force);
     return force > 0.0 ? fmax(value.stiffness * largest / (1.5 * force), 1.0) : 1.0;
 }
@@ -210,8 +211,8 @@ static void find_errors(const aoi_adaptive *run, aoi_contact_step *entry, double
                  fmax(step_share, 2.0 * DBL_EPSILON);
 }
 
-/* Returns the rate scale of a contact, m/s: the larger of its largest rate so far and LESSER_SHARE times that of
- * any closed contact. */
+/* Returns the rate scale of a contact, m/s: the larger of its largest rate so far and LESSER_SHARE times the
+ * largest rate of any closed contact. */
 static double rate_scale(const aoi_adaptive *run, const aoi_contact_step *entry)
 {
     double scale = run->contact[entry->contact].scales.rate;

@@ -62,14 +62,14 @@ size_t aoi_crowd_size(const aoi_system *system);
  * contact forces of a step that aoi_collocation_solve has solved. */
 const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *work);
 
-/* True if rates must be computed: the law of one of these contacts depends on the rate, or on its sign. */
+/* True if rates must be computed: the law of one of these contacts depends on the rate, or on the rate's sign. */
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry);
 
 /* Solves F = law(indentation, rate), and the equations of friction, for all contacts together by Newton's method,
- * to rounding relative to the scale of each contact. F is the law's force at all nodes or, at an edge (only for
- * bodies without residual compliance), the least-squares polynomial for the law's force. indentation, rate: a
- * guess on entry, the solution on return. response: one for each body. Returns AOI_ERROR_NO_CONVERGENCE if the
- * guess is too far from the solution: a shorter step is then needed. */
+ * to rounding relative to the scale of each contact. F is the law's force at all nodes or, in a step with an edge
+ * (only for bodies without residual compliance), the least-squares polynomial for the law's force. indentation,
+ * rate: a guess on entry, the solution on return. response: one for each body. Returns AOI_ERROR_NO_CONVERGENCE if
+ * the guess is too far from the solution: a shorter step is then needed. */
 int aoi_collocation_solve(const aoi_system *system, const aoi_response *response, double h,
                           size_t count, size_t span, aoi_contact_step *entry, double *work);
 

@@ -87,7 +87,7 @@ const double *aoi_crowd_motion(const aoi_system *system, size_t count, double *w
 
 /* The body on one side of a contact, with the shape and push vectors of the contact's port. */
 typedef struct touched {
-    size_t body, n, first; /* index of the body; number of its modes; index of the first one */
+    size_t body, n, first; /* index of the body; number of its modes; index of the first of these in the system */
     const double *shape, *push;
     double sign;
 } touched;
@@ -216,7 +216,7 @@ static void multiply(const crowd *of, const double *x, double *y)
 }
 
 /* Reduces column k of the Hessenberg matrix to triangular form by Givens rotations, and rotates the right-hand
- * side likewise. below: last element of the column. Returns the size of the residual. */
+ * side likewise. below: last element of the column. Returns the norm of the residual. */
 static double rotate(size_t k, double *column, double below, double (*turn)[2], double *right)
 {
     for (size_t i = 0; i < k; i++) {

@@ -118,8 +118,8 @@ static equations lay_out(size_t count, size_t span, double *work)
     return (equations){n, half, 2 * half, work, work + half, work + n * (2 * half + 1)};
 }
 
-/* Sets the matrix rows of one entry. With friction, its force depends on the indentation and both slides of the
- * contact. */
+/* Sets the matrix rows of one entry. With friction, the entry's force depends on the indentation and both slides
+ * of the contact. */
 static void set_rows(const couplings *of, const aoi_contact_step *entry, size_t s, const aoi_law_values *law,
                      const equations *to)
 {
@@ -293,7 +293,7 @@ void aoi_collocation_estimate(const aoi_system *system, const aoi_response *resp
         add_errors(entry, h, beyond, answer, error);
     }
     const double *c = entry->legendre;
-    /* A fifth of the coefficient before is added, since a coefficient may vanish due to symmetry. */
+    /* A fifth of the preceding coefficient is added, since a coefficient may vanish due to symmetry. */
     const double last = fabs(c[AOI_NODES]) + 0.2 * fabs(c[AOI_NODES - 1]);
     const double before = fabs(c[AOI_NODES - 2]) + 0.2 * fabs(c[AOI_NODES - 3]);
     /* The coefficients left out are assumed to decrease at the rate of the last ones. */

@@ -12,13 +12,13 @@
 
 enum { MOST_ITERATIONS = 25 };
 
-/* Friction is found on two paths. Up to this relative change of an iteration, the difference between the forces of
- * the two paths is kept from an earlier iteration, since it is small and changes little. */
+/* Friction is found on two paths. Up to this relative change of an indentation in an iteration, the difference
+ * between the forces of the two paths is kept from an earlier iteration, since it is small and changes little. */
 static const double FAR_OFF = 1e-2;
 
 /* Predicted next change, relative to the indentation's scale, at which the iteration ends: half a rounding error.
- * With an unchanged matrix, the error falls by twice the ratio of the last two changes. Measured: a third costs
- * 1.1 % more work, three times as much 0.4 %. */
+ * With an unchanged matrix, the next change is predicted as the last change times the ratio of the last two.
+ * Measured: a third costs 1.1 % more work, three times as much 0.4 %. */
 static const double NEXT_CHANGE = 5e-17;
 
 int aoi_collocation_wants_rates(const aoi_system *system, size_t count, const aoi_contact_step *entry)
@@ -140,8 +140,8 @@ static void aim(const aoi_contact_step *entry, int first, int with_rates, aoi_la
     }
 }
 
-/* Returns 1 if both paths of friction are to be followed, for the difference between their forces: in iteration 1,
- * and in later iterations after a large change. */
+/* Returns 1 if both paths of friction are to be followed, to find anew the difference between their forces: in
+ * iteration 1, and in later iterations after a large change. */
 static int nears(const aoi_newton *newton)
 {
     return newton->iteration == 1 || (newton->iteration > 1 && newton->before > FAR_OFF);

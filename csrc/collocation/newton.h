@@ -30,8 +30,8 @@ aoi_newton aoi_newton_begin(size_t count, const aoi_contact_step *entry);
 /* Records the largest change of an indentation relative to its scale. Returns whether the iteration has converged. */
 int aoi_newton_done(aoi_newton *newton, double change);
 
-/* True if another iteration is useful: its limit is not reached, and `change`, the last relative change, is
- * finite. */
+/* True if another iteration is useful: the limit of iterations is not reached, and `change`, the last relative
+ * change, is finite. */
 int aoi_newton_goes_on(const aoi_newton *newton, double change);
 
 /* Multiplies a column of an influence by a slope of the law (by), at the points where the law is evaluated. */

@@ -1,10 +1,10 @@
 /* Friction of a contact in an adaptive run: its forces along the motion of a step.
  *
- * The springs of friction remember how the contact has moved. In a step they follow its polynomials on two paths.
- * The first path has straight parts between the points where forces are found, the second has parts of half that
- * length. The error of the force is proportional to the square of a part's length: the forces of both paths are
- * extrapolated (Richardson), and their difference gives the error. Each path has springs of its own, which are
- * kept from step to step. */
+ * The springs of friction remember how the contact has moved. In a step they follow the polynomials of the
+ * indentation and the slides on two paths. The first path has straight parts between the points where forces are
+ * found, the second has parts of half that length. The error of the force is proportional to the square of a
+ * part's length: the forces of both paths are extrapolated (Richardson), and their difference gives the error.
+ * Each path has springs of its own, which are kept from step to step. */
 #ifndef AOI_COLLOCATION_SLIDING_H
 #define AOI_COLLOCATION_SLIDING_H
 
@@ -41,7 +41,7 @@ struct aoi_sliding {
     /* forces at the nodes or an edge's quadrature points, and their derivatives with respect to indentation and
      * slides */
     double force[3][AOI_NODES], by[3][3][AOI_NODES];
-    /* forces of the second path minus those of the first, N */
+    /* forces of the second path minus forces of the first, N */
     double apart[3][AOI_NODES];
     /* error that the straight parts of the paths add to the forces in the step, N */
     double drift[3];
@@ -49,7 +49,7 @@ struct aoi_sliding {
 
     /* slides of the bodies since the touch, at the start of a step */
     double slide[2];
-    /* slides of the last step as Legendre series, to guess those of the next */
+    /* slides of the last step as Legendre series, to guess the slides of the next step */
     double last[2][AOI_NODES + 1];
     double largest;                     /* largest friction so far, N */
     /* work: work on the slides so far, J; lost: dissipated part of this work, J; stuck: stuck share of the

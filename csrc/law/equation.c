@@ -7,12 +7,12 @@
 #include <math.h>
 
 /* FEW_ITERATIONS: number of iterations after which a residual within rounding suffices. MOST_ITERATIONS: limit.
- * Newton's method takes few iterations from a good guess; far above the root of a law of power n, each reduces the
- * distance to the root only by 1/n of it. Tried: FEW_ITERATIONS = 17 changes 1 run by Newmark's rule, by 2e-12,
- * and 150 none. */
+ * Newton's method takes few iterations from a good guess; far above the root of a law of power n, each iteration
+ * reduces the distance to the root only by 1/n of this distance. Tried: FEW_ITERATIONS = 17 changes 1 run by
+ * Newmark's rule, by 2e-12, and 150 none. */
 enum { FEW_ITERATIONS = 50, MOST_ITERATIONS = 2000 };
 
-/* Largest ratio of the terms of a force to the force itself at which its digits are trusted: above it,
+/* Largest ratio of the terms of a force to the force itself at which the force's digits are trusted: above it,
  * cancellation loses digits. Tried with a third and three times the value: 12 runs by Newmark's rule change, by a
  * relative 7e-13. */
 static const double CANCELS = 16.0;

@@ -62,7 +62,7 @@ typedef struct path {
     size_t count;
     double from, to, slide[2];
     double length, along[2]; /* length and direction of the slide; direction (0, 0) if the length is 0 */
-    double first, slope; /* ratio of the bound to d - x at start and end: mu/ratio times share */
+    double first, slope; /* bound of the stretch divided by d - x, at start and end: mu/ratio times share */
 } path;
 
 int aoi_friction_create(aoi_friction *friction, const aoi_law *law, double mu, double ratio, double precision)
@@ -128,8 +128,8 @@ static aoi_stretch between(const path *p, size_t i, double depth)
     return found;
 }
 
-/* Onset of a spring's slip: the share of the path before it, the bound at that point, and the components of the
- * stretch along the slide (x) and across it (y). */
+/* Onset of a spring's slip. share: share of the path before the onset; radius: bound of the stretch at the onset,
+ * m; x, y: components of the stretch there, along the slide and across it, m. */
 typedef struct entry {
     double share, radius, x, y;
 } entry;
@@ -247,7 +247,7 @@ static piece piece_of(const path *p, const aoi_stretch *inner, const aoi_stretch
 }
 
 /* Returns 1 if some springs between two slipping ones stick, for example because the bound has fallen with the
- * rate. */
+ * rate of the indentation. */
 static int dips(const piece *q)
 {
     return q->a > 0.0 && q->root > 0.0 && q->b > q->least * q->a && q->b < q->most * q->a;

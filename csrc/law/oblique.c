@@ -21,7 +21,7 @@ typedef struct point {
     double place[3], force[3], residual[3];
     double by[3][3], slope[3][3]; /* derivatives of forces and residuals with respect to indentation and slides */
     double by_rate[3];            /* derivative of the forces with respect to the rate */
-    double size; /* norm of the residual beyond rounding */
+    double size; /* norm of the residual above its rounding error, m */
     double stuck, share, rate;    /* as in aoi_oblique_solution */
 } point;
 

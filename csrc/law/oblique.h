@@ -5,9 +5,10 @@
 #include "aoimpact.h"
 
 /* The contact equations with friction at the end of a step, with the linear bodies eliminated: place = free -
- * compliance force, along the normal and two tangents. place: the indentation, and the slides since the friction
- * state; force: normal force and friction; compliance: that of the bodies minus the part taken out of the law;
- * guess: first place of the search. The rate of the indentation is rate_free - rate_compliance force. */
+ * compliance force, along the normal and two tangents. place: the indentation, and the slides since the last
+ * friction state; force: normal force and friction; compliance: compliance of the bodies minus the part taken out
+ * of the law; guess: first place of the search. The rate of the indentation is rate_free - rate_compliance
+ * force. */
 typedef struct aoi_oblique_equation {
     double free[3], compliance[3][3];
     double guess[3];

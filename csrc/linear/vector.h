@@ -21,7 +21,7 @@ int aoi_vector_take(size_t n, const double *from, double *to);
 
 /* Factorises an n x n band matrix by Gaussian elimination without pivoting. Row i has 2 band + 1 doubles, the
  * columns i - band .. i + band. The factors replace the elements left of the diagonal, and the inverse pivots
- * those on it. Returns whether all pivots are positive numbers. */
+ * replace the diagonal. Returns whether all pivots are positive numbers. */
 int aoi_band_factorise(size_t n, size_t band, double *matrix);
 
 /* Replaces the right-hand side x by the solution, for a matrix factorised by aoi_band_factorise. */

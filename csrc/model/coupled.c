@@ -45,8 +45,9 @@ static const double YIELD = 1.0 - 1e-6;
  * and three times the value: 2 runs change, by a relative 1e-14. */
 static const double SHARE = 1e-6;
 
-/* Largest ratio of the terms of a law's force to the force at which its digits are trusted: above it, cancellation
- * loses digits. Tried with a third and three times the value: 15 runs change, by a relative 7e-13. */
+/* Largest ratio of the terms of a law's force to the force itself at which the force's digits are trusted: above
+ * it, cancellation loses digits. Tried with a third and three times the value: 15 runs change, by a relative
+ * 7e-13. */
 static const double CANCELS = 16.0;
 
 /* An iterate: for each contact its indentation and rate without its own force, the solution of its equation, the
@@ -514,8 +515,8 @@ static int solve_single(aoi_coupled *e, const aoi_contact_state *contact)
  * close as well. Tried: from 2 to 12 no run changes. */
 enum { REACH = 4 };
 
-/* Returns the largest indentation beyond rest of all contacts, m. That of one contact is the larger of its
- * indentation without contact forces and, if it had a force, its last one. */
+/* Returns the largest indentation beyond rest of all contacts, m. For one contact the larger of its indentation
+ * without contact forces and, if it had a force, its last indentation counts. */
 static double find_deepest(const aoi_coupled *e, const aoi_contact_state *contact)
 {
     double deepest = 0.0;

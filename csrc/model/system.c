@@ -113,7 +113,7 @@ static int contact_is_sound(const aoi_system *system, const aoi_contact *contact
            (!contact->friction || friction_is_sound(contact->friction, contact->law));
 }
 
-/* True if a force on a port moves it; false for a wall. */
+/* True if a force on a port moves the port; false for a wall. */
 static int port_can_move(const aoi_modes *body, size_t port)
 {
     const double *shape = body->shape + port * body->n, *push = body->push + port * body->n;

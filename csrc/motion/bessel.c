@@ -36,9 +36,9 @@ static complex_number sum(complex_number a, complex_number b)
     return (complex_number){a.re + b.re, a.im + b.im};
 }
 
-/* Returns the number of terms of the series of i_0(y), down to the square of rounding: the real part of the sum
- * may be smaller than the imaginary part by a factor as small as rounding, or the reverse. More terms would only
- * take time, most of all if they underflow. */
+/* Returns the number of terms of the series of i_0(y), down to the square of the machine precision: the real part
+ * of the sum may be smaller than the imaginary part by a factor as small as rounding, or the reverse. More terms
+ * would only take time, most of all if they underflow. */
 static int terms_of(complex_number square)
 {
     const double size = hypot(square.re, square.im);

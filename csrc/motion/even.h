@@ -24,9 +24,9 @@ typedef struct aoi_even {
 
 static inline size_t aoi_even_size(const aoi_modes *body) { return (body->n + AOI_LANES - 1) / AOI_LANES; }
 
-/* Sets `state` (x, v: 2 n) to that of a body without loads at a time, in free motion from the state x0 at the time
- * `from`. At evenly spaced times each state is computed from the last one, and often enough from x0 that rounding
- * stays below 1e-14 of a mode's amplitude. */
+/* Sets `state` (x, v: 2 n) to the state of a body without loads at a time, in free motion from the state x0 at the
+ * time `from`. At evenly spaced times each state is computed from the last one, and often enough from x0 that
+ * rounding stays below 1e-14 of a mode's amplitude. */
 void aoi_even_state(aoi_even *even, const aoi_modes *body, double from, const double *x0, double time,
                     double *state);
 

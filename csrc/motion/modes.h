@@ -23,7 +23,7 @@ void aoi_modes_drive(const aoi_modes *body, size_t j, double time, double *load,
 void aoi_modes_advance(const aoi_modes *body, double from, double to, double *x, double *v);
 
 /* Advances AOI_LANES modes, from mode `first` on, over a time in which no load bends. from: start of that time, s;
- * by: motion of these modes over it. */
+ * by: motion of these modes over that time. */
 void aoi_modes_move(const aoi_modes *body, size_t first, double from, const aoi_motions *by, double *x,
                     double *v);
 

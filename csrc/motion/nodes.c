@@ -25,7 +25,7 @@ void aoi_nodes_multiply_from(double start, const double *column, const double *n
     aoi_nodes_add(start, column, y);
 }
 
-/* Subtracts multiples of the pivot row from the rows first .. last - 1. Column k is replaced by that of the
+/* Subtracts multiples of the pivot row from the rows first .. last - 1. Column k is replaced by column k of the
  * inverse. */
 static void eliminate(size_t k, size_t first, size_t last, const double *restrict pivot_row,
                       double *restrict matrix)

@@ -16,8 +16,8 @@ static inline void aoi_nodes_add(double factor, const double *restrict x, double
 /* Sets y to the product of a matrix, given by its columns, and x; y may be x. */
 void aoi_nodes_multiply(const double *column, const double *x, double *y);
 
-/* Sets y to the product of a matrix of AOI_NODES + 1 columns and the values of a polynomial: its value at the
- * start, then those at the nodes. */
+/* Sets y to the product of a matrix of AOI_NODES + 1 columns and the values of a polynomial at the start (start)
+ * and at the nodes (nodes). */
 void aoi_nodes_multiply_from(double start, const double *column, const double *nodes, double *y);
 
 /* Inverts a matrix of AOI_NODES rows, stored by rows or by columns, in place and without pivoting. Its pivots must

@@ -5,8 +5,8 @@
 #include "aoimpact.h"
 
 /* Phase advance of a mode in a step, rad, above which its motion is split into a polynomial particular solution
- * and a free oscillation. The motion of a slower mode is a polynomial of the degree that a step has, within 1e-9
- * of its response to the force. Overdamped modes do not oscillate and are resolved by the nodes. */
+ * and a free oscillation. The motion of a slower mode is a polynomial of the degree used in a step, within 1e-9 of
+ * the mode's response to the force. Overdamped modes do not oscillate and are resolved by the nodes. */
 #define AOI_PATH_FAST 1.5
 static inline int aoi_path_rings(double omega, double decay, double h)
 {

@@ -10,7 +10,8 @@
 #include <string.h>
 
 /* Coefficients (2k+1)/(k+1) and k/(k+1) of the recurrence of P_(k+1), (k+1) P_(k+1) = (2k+1) xi P_k - k P_(k-1).
- * With them the chain of dependent operations is short: one product and one difference per degree. */
+ * With these coefficients the chain of dependent operations is short: one product and one difference per
+ * degree. */
 static const double of_last[AOI_NODES + 1] = {1.0,     3.0 / 2,  5.0 / 3,  7.0 / 4, 9.0 / 5,
                                                11.0 / 6, 13.0 / 7, 15.0 / 8, 17.0 / 9};
 static const double of_one_before[AOI_NODES + 1] = {0.0,     1.0 / 2, 2.0 / 3, 3.0 / 4, 4.0 / 5,

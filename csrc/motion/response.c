@@ -99,8 +99,8 @@ static size_t add_powers(const double *weight, const double *square, double larg
     return m;
 }
 
-/* Adds those of modes j .. j + 3 that are slow up to node i, but not up to the next node, to the moments of all
- * pairs. Nodes are taken from the last to the first, so that moments only grow. Returns the number of moments. */
+/* Adds to the moments of all pairs the modes among j .. j + 3 that are slow up to node i, but not up to the next
+ * node. Nodes are taken from the last to the first, so that moments only grow. Returns the number of moments. */
 static size_t add_slow(const aoi_response *response, const aoi_modes *body, size_t j, size_t i)
 {
     const double h = response->h, node = aoi_radau_node[i];
@@ -130,7 +130,7 @@ static size_t add_slow(const aoi_response *response, const aoi_modes *body, size
     return used;
 }
 
-/* Adds those of modes j .. j + 3 that are fast up to node i to the integrals against Legendre polynomials on the
+/* Adds the modes among j .. j + 3 that are fast up to node i to the integrals against Legendre polynomials on the
  * part of the step up to that node. */
 static void add_fast(const aoi_response *response, const aoi_modes *body, size_t j, size_t i,
                      const aoi_integrals *of)

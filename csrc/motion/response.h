@@ -6,8 +6,7 @@
 
 /* Columns of an influence matrix, one for each port on which forces act. port: port of each column; of: column of
  * each port; both NULL: column and port have the same index. count = AOI_BY_MODES: the influences [n][node][node]
- * are those of a unit force on each mode on the motion of that mode; weighted sums of these are the influences
- * between ports. */
+ * are the motion of each mode per unit force on that mode; influences between ports are weighted sums of them. */
 typedef struct aoi_columns {
     size_t count, *port, *of;
 } aoi_columns;

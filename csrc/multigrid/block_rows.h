@@ -1,6 +1,6 @@
 /* Subtracts A x from r, for some rows of a symmetric matrix A of blocks. This file is included once for each
  * precision: REAL is its type, and OF(x) a name of its own. Vectors have aoi_four_width numbers per node, except
- * those that spread reads and gather writes. */
+ * the vectors that spread reads and gather writes. */
 #include "multigrid/four.h"
 #include "multigrid/multigrid.h"
 
@@ -54,8 +54,9 @@ static inline void OF(across)(size_t b, const REAL *block, const REAL *x, REAL *
 }
 
 /* Subtracts the products with the 3 x 3 blocks of a row, except the diagonal block, whose index is `diagonal`.
- * Blocks before it act on row i alone; blocks after it also act on column i, transposed. Each row of a block is
- * read together with the number that follows it, which exists because the last block of all is a diagonal one. */
+ * Blocks before the diagonal act on row i alone; blocks after the diagonal also act on column i, transposed. Each
+ * row of a block is read together with the number that follows it, which exists because the last block of all is a
+ * diagonal one. */
 static inline void OF(others_3)(const aoi_blocks *matrix, const REAL *values, size_t row, size_t diagonal,
                                 const REAL *x, REAL *r)
 {

@@ -7,10 +7,10 @@
 /* A symmetric matrix of n x n blocks of size x size numbers, in single precision, which suffices since a solver
  * checks its result in double precision. The rows are divided into parts for threads; order has each row once,
  * part by part, ascending in each part. Row order[k] stores the blocks indices[p], values[size^2 p ...] (by rows)
- * for start[k] <= p < start[k+1]: first those in columns of other parts, then the diagonal one, then those right
- * of it in its own part. Blocks left of the diagonal in its own part are not stored. The last block of all is a
- * diagonal one. inverse: inverse of the diagonal block of each row, n size^2 values. The work arrays of the
- * functions below have AOI_BLOCKS_WORK n (size + 1) numbers. */
+ * for start[k] <= p < start[k+1]: first the blocks in columns of other parts, then the diagonal block, then the
+ * blocks right of the diagonal in its own part. Blocks left of the diagonal in its own part are not stored. The
+ * last block of all is a diagonal one. inverse: inverse of the diagonal block of each row, n size^2 values. The
+ * work arrays of the functions below have AOI_BLOCKS_WORK n (size + 1) numbers. */
 enum { AOI_BLOCKS_WIDEST = 6, AOI_BLOCKS_WORK = 3 };
 typedef struct aoi_blocks {
     size_t n, size;
@@ -25,10 +25,10 @@ typedef struct aoi_part {
     size_t begin, end;
 } aoi_part;
 
-/* Checks that a part of an aoi_blocks with stored_count blocks can be read safely: each row has a diagonal block
- * and stores no block left of it behind it, and the block size is 1 ... AOI_BLOCKS_WIDEST. The bounds of parts are
- * not checked: with other parts than those that the order was made for, threads write to the same rows and the
- * results are wrong. */
+/* Checks that a part of an aoi_blocks with stored_count blocks can be read safely: each row has a diagonal block,
+ * behind which it stores only blocks right of the diagonal, and the block size is 1 ... AOI_BLOCKS_WIDEST. The
+ * bounds of parts are not checked: with other parts than those that the order was made for, threads write to the
+ * same rows and the results are wrong. */
 int aoi_blocks_check(const aoi_blocks *matrix, aoi_part part, size_t stored_count);
 
 /* Subtracts A x from r, in two stages, 0 and 1; x and r have n size floats and do not overlap. work: floats. */

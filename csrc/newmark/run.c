@@ -29,7 +29,7 @@ struct aoi_newmark {
     aoi_stepped *body;
     aoi_contact_state *state;                /* one for each contact force                                */
     aoi_rubbing *rubbing;                    /* one for each contact with friction                        */
-    double *displacement, *velocity;         /* of all ports; within a step first without contact forces */
+    double *displacement, *velocity;         /* of all ports, m and m/s; in a step first without contact forces */
     double *displacement_before;             /* displacements at the last column                          */
     double *push, *push_before;              /* forces on all ports, loads included: now and one step before */
     double *load, *load_before;              /* loads on all ports: now and one step before, N            */

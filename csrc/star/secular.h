@@ -16,8 +16,8 @@ typedef struct aoi_secular {
 
 /* Finds the root of s between pole_gap and pole_gap+1 (0 <= gap < n-1), below the first pole (gap = -1, down to x
  * = 0) or above the last (gap = n-1, up to ceiling), by Newton's method guarded by bisection. The root is
- * pole[nearest] + offset, where nearest = n means 0: the offset is accurate also next to a pole, where x itself
- * has lost its digits. */
+ * pole[nearest] + offset, where nearest = n means a pole at 0: the offset is accurate also next to a pole, where x
+ * itself has lost its digits. */
 int aoi_secular_root(const aoi_secular *s, ptrdiff_t gap, double ceiling, size_t *nearest,
                      double *offset);
 

@@ -43,8 +43,9 @@ static void begin_interval(const double *row, const double *of, aoi_interval *op
     open->lasts = 1;
 }
 
-/* Returns the time at which the indentation falls to the law's rest in the last row of a contact, s. That row ends
- * below rest by up to the tolerance of events, which can be much later if bodies separate slowly. */
+/* Returns the time at which the indentation falls to the law's rest in the last row of a contact, s. The row ends
+ * where the indentation is below rest by up to the tolerance of events, which can be much later if bodies separate
+ * slowly. */
 static double time_of_rest(const aoi_system *system, const double *row, const double *of)
 {
     const aoi_law *law = system->contact[(size_t)of[AOI_TRACK_CONTACT]].law;

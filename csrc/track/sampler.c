@@ -28,7 +28,7 @@ struct aoi_sampler {
     size_t *contact_row, *contact_at; /* for each contact: number of its last row, and its index in track */
 
     size_t row, most_modes;
-    int has_edge; /* 1: a contact of the row was solved with an edge   */
+    int has_edge; /* 1: the force of a contact begins or ends in the row */
     /* share of the row that port_force covers: 1 or, if has_edge, the part up to the last time read */
     double part;
     double *port_force, *states; /* forces on all ports at the nodes of that part, N; work space for three states */
@@ -192,7 +192,7 @@ static double place_of(const aoi_sampler *sampler, double time)
     return length > 0.0 ? fmin(1.0, into / length) : 1.0;
 }
 
-/* Moves on to the row that contains a time, and gathers its forces. */
+/* Moves on to the row that contains a time, and gathers the forces of that row on the ports. */
 static void advance(aoi_sampler *sampler, double time)
 {
     const size_t before = sampler->row;
@@ -279,8 +279,8 @@ static double contact_work(const aoi_sampler *sampler, size_t c, double place)
     return aoi_collocation_work(sampler->track + sampler->contact_at[c] + AOI_TRACK_INDENTATION, force[0], place);
 }
 
-/* True for a law without losses. Its dissipated energy is recorded as 0, since the difference between work and
- * stored energy is only the error of the run. */
+/* True for a law without losses. The dissipated energy of its contact is recorded as 0, since the difference
+ * between work and stored energy is only the error of the run. */
 static int is_elastic(const aoi_law *law) { return !law->depends_on_rate && !law->remember; }
 
 /* Returns the force at the position `place` of a row, N. At the start it is the stored force, since the polynomial
@@ -307,8 +307,8 @@ static double closed_contact(const aoi_sampler *sampler, size_t c, double place,
     if (piece != AOI_SLACK) {
         aoi_law_force(law, of + AOI_TRACK_MEMORY, piece, indentation, slope / length, &value);
         if (law->depends_on_rate && of[AOI_TRACK_EDGE] == AOI_EDGE_NONE) {
-            /* The force is taken from its polynomial, except at an edge: in a very short step the rate, a slope,
-             * is only rounding error. */
+            /* The force is taken from its polynomial, except in a row with an edge: in a very short step the rate,
+             * a slope of the indentation, is only rounding error. */
             value.force = force_at(of, place);
         }
         value.force = law->pulls || value.force > 0.0 ? value.force : 0.0;
