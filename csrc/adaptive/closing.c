@@ -13,7 +13,7 @@
  * estimates. Tried: from 2 to 12 no run changes. */
 enum { RISES = 4 };
 
-/* Work of a force F proportional to d^n, up to an indentation d, divided by F d: 1/(n+1), for n = 3/2. */
+/* Ratio of the work of a force F proportional to d^n, up to an indentation d, to F d: 1/(n+1), for n = 3/2. */
 static const double HERTZ_SHARE = 0.4;
 
 /* EDGE_START, BENT_START: length of the first step of a contact, in units of the compression time times

@@ -63,8 +63,8 @@ typedef struct aoi_scales {
     double mobility; /* relative acceleration of both ports per contact force, 1/kg */
 } aoi_scales;
 
-/* Totals of a contact in the run. peak: largest force, its time and the impulse; since_touch: impulse since the
- * last touch, N s; work: work of the contact force, J. */
+/* Totals of a contact in the run. peak: largest force, its time, and the impulse of all touches; since_touch:
+ * impulse since the last touch, N s; work: work of the contact force, J. */
 typedef struct aoi_ledger {
     aoi_peak peak;
     double since_touch, work;

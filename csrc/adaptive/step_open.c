@@ -17,8 +17,8 @@
  * Measured: from 0.2 to 0.8 one of 267 runs changes, its error and work do not. */
 static const double SHORTER = 0.5;
 
-/* Moves the oscillations that the contact forces excite in fast modes from a displacement, given at the start and
- * the nodes, to the modes' free motion x, v. */
+/* Moves the free oscillations that the contact forces excite in fast modes out of a port's displacement, given at
+ * the start and the nodes, into the modes' free motion x, v. */
 static void split_off(const aoi_adaptive *run, size_t b, size_t port, double sign, double h, double *x,
                       double *v, double *values)
 {

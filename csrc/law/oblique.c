@@ -123,7 +123,7 @@ static void evaluate(const aoi_friction *friction, const aoi_friction_state *sta
     p->size = sqrt(p->size);
 }
 
-/* Returns the residual that is accepted as a jump of friction, m. */
+/* Returns the largest residual that is accepted as a jump of friction, m. */
 static double jump_of(const aoi_friction *friction, const aoi_oblique_equation *e, const point *p)
 {
     return JUMP * friction->mu * p->force[0] * fmax(fabs(e->compliance[1][1]), fabs(e->compliance[2][2]));

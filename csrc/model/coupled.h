@@ -32,7 +32,7 @@ typedef struct aoi_contact_state {
     double from;                     /* gap; for a tangent, displacement at which the slide of this step begins, m */
     /* for Newmark's rule: indices of the ports of both bodies, among the ports of all bodies */
     size_t port[2];
-    size_t contact;                  /* in adaptive/balance.c: index of the contact            */
+    size_t contact;                  /* index of the contact in the system                     */
     /* in adaptive/balance.c: 1 if the contact may have a force in the equilibrium after an event; the forces of
      * the others are set to zero */
     int acts;

@@ -8,7 +8,8 @@
 
 enum { SERIES_TERMS = 18 };
 
-/* The series ends when two successive coefficients add up to less than this; its sums are between 1/8 and 1. */
+/* The Taylor series of the motion ends when two successive coefficients add up to less than this; the series' sums
+ * are between 1/8 and 1. */
 static const double NOTHING = 1e-19;
 
 /* Arguments below which the closed forms lose digits to cancellation. SERIES_LIMIT: of omega or decay times the

@@ -51,7 +51,7 @@ static int along(const aoi_path *path, double *velocity, double *x, double *v)
     } else if (path->omega == 0.0 && path->straight && 2.0 * path->decay * path->h > AOI_PATH_FAST) {
         follow_free(path->decay, path->h, path->force, rate);
     } else {
-        return 0; /* the mode is too slow, or overdamped */
+        return 0; /* the mode is too slow to be split, or overdamped */
     }
     *v -= aoi_legendre_at_start(rate);
     aoi_legendre_at_nodes(rate, 0.0, path->place, velocity);
