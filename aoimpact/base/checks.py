@@ -417,7 +417,7 @@ def node_ids(name: str, value: Any, count: int | None, what: str = "node") -> In
     low, high = int(array.min()), int(array.max())
     if count is not None and (low < 0 or high >= count):
         wrong = low if low < 0 else high
-        raise InputError(f"{name} has {what} {wrong}, but {what}s run from 0 to {count - 1}")
+        raise InputError(f"{name} must be from 0 to {count - 1}, got {what} {wrong}")
     return np.unique(array)
 
 

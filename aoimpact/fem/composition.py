@@ -81,7 +81,7 @@ def materials_of(mesh: Mesh, given: Any) -> AnyMaterial:
 
 def _of_elements(mesh: Mesh, given: Any) -> AnyMaterial:
     if isinstance(given, Materials) and len(given.index) != mesh.n_cells:
-        raise InputError(f"material is of {len(given.index)} elements, the mesh of {mesh.n_cells}")
+        raise InputError(f"material must be of {mesh.n_cells} elements, got {len(given.index)}")
     if isinstance(given, AnyMaterial):
         return given
     if not isinstance(given, Mapping):

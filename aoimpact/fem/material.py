@@ -202,7 +202,7 @@ def warn_of_units(name: str, value: float, what: str = "") -> None:
         ),
         f"is it in {unit}?",
     )
-    warn(f"{what or name}={value:g} {unit} is that of no solid: {cure}")
+    warn(f"{what or name}={value:g} {unit} is outside the range of solids: {cure}")
 
 
 @dataclass(frozen=True)

@@ -943,7 +943,7 @@ def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | Non
             f"nodes; as many rotations follow, got {dofs.min()} … {dofs.max()}"
         )
     if len(np.unique(dofs)) != n_dofs:
-        raise InputError(f"free names {n_dofs - len(np.unique(dofs))} dofs more than once")
+        raise InputError(f"free must name each dof once, got {n_dofs - len(np.unique(dofs))} again")
     return places, dofs
 
 

@@ -70,7 +70,7 @@ def free_dofs(mesh: Mesh, fixed: Sequence[Support] | None) -> IntArray:
     for name, (selector, *letters) in entries("fixed", fixed, (2, 3), how):
         selected = nodes_of_mesh(name, selector, mesh)
         if len(letters) == 2 and not np.isin(selected, mesh.thin_nodes).any():
-            raise InputError(f"{name}: only nodes of shells and beams have letters of rotations")
+            raise InputError(f"{name}: only nodes of shells and beams have rotations to be held")
         for which, each in enumerate(letters):
             if each != "" or (which, len(letters)) != (0, 2):
                 left[which, selected[:, None], components(name, each)] = False

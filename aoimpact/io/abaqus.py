@@ -220,7 +220,7 @@ class AbaqusDeck:
                 own = found.setdefault(key(card.options.get("NAME", "")), {})
             kind = _kind(card.name)
             if kind == "material" and card.name in own:
-                raise card.error("the material has this keyword twice")
+                raise card.error("the material must have this keyword only once")
             if kind in ("material", "inelastic"):  # only inelastic keywords may repeat
                 own[card.name] = card
         return found
@@ -255,7 +255,7 @@ class AbaqusDeck:
                 if read is None:
                     continue
                 if name in found:
-                    raise card.error(f"{name} has another section")
+                    raise card.error(f"{name} must have one section, this is another one")
                 bare[own] = 0
                 if given is None:
                     card.check_options("ELSET", "MATERIAL", "CONTROLS", *options.split())
@@ -516,7 +516,7 @@ class Scope:
             if len(of.keyword.rows) > 1:
                 start, axis = points[:3], points[3:6] - points[:3]
                 if not axis.any():
-                    raise of.keyword.error("the two points of the axis of rotation are the same")
+                    raise of.keyword.error("the two points of the axis of rotation must differ")
                 turn = points[6] * axis / np.linalg.norm(axis)
                 rotation = Rotation.from_rotvec(turn, degrees=True)
                 places = rotation.apply(places - start) + start
@@ -577,7 +577,7 @@ class Scope:
         if kind is None:
             raise keyword.error(f"elements of type {name!r} are not known")
         if self.inner and name.startswith("C3D"):
-            raise keyword.error("solids belong into a part")
+            raise keyword.error("solids must be in a part")
         if kind and not self.inner:
             n = raw.nodes_in(kind)
             towards = name[0] == "B" and [len(row) for row in keyword.rows[:1]] == [n + 2]
@@ -669,7 +669,7 @@ class Scope:
             texts = [text for texts in card.rows for text in texts if text]
             numbers = [int(text) for text in texts if text.isdecimal()]
             if max(numbers, default=0) >= MOST:
-                raise card.error(f"the number {max(numbers)} is too large")
+                raise card.error(f"numbers must be below 2^53, got {max(numbers)}")
             labels.append(np.array(numbers, dtype=np.int64))
             names = [text for text in texts if not text.isdecimal()]
         wanted = raw.joined(labels)
@@ -873,7 +873,7 @@ class _Section:
                 raise card.error("give MATERIAL=, and its thickness in one line")
             rows = [[rows[0][0], "", options["MATERIAL"], ""]]
         if not rows:
-            raise card.error("it has no plies")
+            raise card.error("it needs at least one ply")
         made = [self.material(row[2]) for row in rows]
         fibrous = [
             row[3] for row, of in zip(rows, made, strict=True) if isinstance(of, Orthotropic)

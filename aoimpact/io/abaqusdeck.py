@@ -98,13 +98,13 @@ class Keyword:
         """Refuse options that are not in `known`, as they may change the mesh."""
         for name in self.options:
             if name not in known:
-                raise self.error(f"the option {name} is not supported (or a comma before it)")
+                raise self.error(f"the option {name} is not supported (or drop a comma before it)")
 
     def integers(self, row: int, texts: Collection[str]) -> list[int]:
         """Return the fields `texts` as integers; errors name their data line `row`."""
         for text in texts:
             if not re.fullmatch(r"[+-]?\d+", text):
-                raise self.error(f"{text!r} is no integer", row)
+                raise self.error(f"an integer is expected, got {text!r}", row)
         return [int(text) for text in texts]
 
     def reals(self, row: int, texts: Iterable[str], least: int = 0) -> list[float]:
@@ -131,7 +131,7 @@ class Keyword:
             table = np.zeros((len(self.rows), 4))
             for row, texts in enumerate(self.rows):
                 if len(texts) > 7:  # number, coordinates, normal
-                    raise self.error("a node has a number, three coordinates and a normal", row)
+                    raise self.error("give a number, three coordinates and at most a normal", row)
                 (label,) = self.integers(row, texts[:1] or [""])
                 table[row] = [min(label, 2 * MOST), *self.reals(row, texts[1:4], 3)]
         labels = table[:, 0].clip(0, 2 * MOST).astype(np.int64)

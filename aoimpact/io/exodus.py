@@ -91,7 +91,7 @@ def read(file: Path) -> RawMesh:
     for i, name in enumerate(names, 1):
         table, attributes = found.get(f"connect{i}", (np.zeros((0, 1)), {}))
         if table.ndim != 2:
-            raise ValueError(f"the connectivity of {name!r} is no table")
+            raise ValueError(f"the connectivity of {name!r} must be a table")
         type_, width = _text(attributes.get("elem_type", b"")).upper(), table.shape[1]
         kind = _KINDS.get(type_[:3], {}).get(width, f"{type_} of {width} nodes")
         kinds.append(kind if len(table) else "vertex")
@@ -145,12 +145,12 @@ def _on_sides(
         if not own.any():
             continue
         if block.kind not in KINDS:
-            raise ValueError(f"the set of sides {name!r} has sides of {block.kind} elements")
+            raise ValueError(f"sides in the set {name!r} must be of solids, got {block.kind}")
         corners = _SIDES[block.kind.rstrip("0123456789")]
         faces = {frozenset(f.nodes[: f.n_corners]): f.nodes for f in reference_faces(block.kind)}
         for number in np.unique(sides[own]).tolist():
             if not 1 <= number <= len(corners):
-                raise ValueError(f"the set of sides {name!r} has side {number} of a {block.kind}")
+                raise ValueError(f"the set of sides {name!r}: {block.kind} has no side {number}")
             on = faces[frozenset(map(int, corners[number - 1]))]
             rows = elements[own & (sides == number)] - 1 - start
             members.append(block.cells[rows][:, on].reshape(-1))

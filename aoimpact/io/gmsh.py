@@ -63,7 +63,7 @@ class _Numbers:
         size = kind.itemsize if self.types else len(layout)
         start, left = self.at, (len(self.content) - self.at) // size
         if not 0 <= count <= left:
-            raise ValueError(f"{count} numbers are announced where {left} are left")
+            raise ValueError(f"{count} rows of numbers are announced, but {left} are left")
         self.at += count * size
         if self.types is None:
             return np.reshape(self.content[start : self.at], (count, size))
@@ -164,7 +164,7 @@ def _format(text: bytes) -> tuple[float, _Types]:
         return version, None
     order = {b"\1\0\0\0": "<", b"\0\0\0\1": ">"}.get(rest[:4])
     if size not in (4, 8) or order is None:
-        raise ValueError(f"a data size of {size} bytes, or the order of bytes, is not known")
+        raise ValueError(f"data size must be 4 or 8, got {size}; a binary integer 1 must follow")
     codes = {"i": f"{order}i4", "P": f"{order}u{size}", "d": f"{order}f8"}
     return version, {kind: np.dtype(code) for kind, code in codes.items()}
 
@@ -176,7 +176,7 @@ def _names(text: bytes) -> dict[tuple[int, int], str]:
     for line in lines:
         match = re.fullmatch(r'\s*(?:(\d+)\s+)?(-?\d+)\s*"(.*)"\s*', line)
         if match is None:
-            raise ValueError(f"{line!r} is no dimension, tag and name in quotes")
+            raise ValueError(f"dimension, tag and name in quotes are expected, got {line!r}")
         found[int(match[1] or -1), abs(int(match[2]))] = match[3]
     raw.check_count("names", int(count), len(found))
     return found
@@ -271,7 +271,7 @@ def _elements_2(content: bytes, types: _Types) -> list[_Elements]:
     parts: set[int] = set()
     for kind, n_tags, rows in chunks:
         if n_tags < 2 or rows.shape[1] != 1 + n_tags + _width(kind):
-            raise ValueError("elements with fewer than two tags, or a wrong number of nodes")
+            raise ValueError("elements must have two or more tags, and as many nodes as their type")
         # Columns: element number, physical tag, elementary tag, nodes.
         table = rows[:, np.r_[0:3, 1 + n_tags : rows.shape[1]]]
         for entity in np.unique(rows[:, 2]).tolist():

@@ -187,7 +187,7 @@ def read_matrices(
             try:
                 body = body.with_mesh(solid, material)
             except InputError as error:
-                raise InputError(f"{error} It is at nodes times length={metres:g}") from error
+                raise InputError(f"{error} The body is at nodes times length={metres:g}") from error
     for doubt in audited(body, frequencies=0).doubts:
         warn(f"{called}: {doubt}")
     return body
@@ -248,7 +248,7 @@ def load_matrices(file: Path) -> list[RawMatrix]:
     for mark, cure in _OTHERS.items():
         if mark in head[:4096]:
             raise spoilt(file, f"it is a file {cure}")
-    raise spoilt(file, f"its beginning is of no format that can be read ({'; '.join(FORMATS)})")
+    raise spoilt(file, f"its format must be one of these: {'; '.join(FORMATS)}")
 
 
 def _chosen(K: File, M: File | None) -> tuple[RawMatrix, RawMatrix]:
@@ -288,9 +288,9 @@ def _named(role: str, file: Path, matrices: list[RawMatrix], wanted: str) -> Raw
         raise spoilt(file, f"its matrices are {names}: {several}; give {role}=(file, name)")
     (found,) = fit
     if found.unfit:
-        raise spoilt(file, f"{found.name or 'its matrix'} is {found.unfit}; {role} is real, square")
+        raise spoilt(file, f"{role} must be real, square; {found.name or 'it'} is {found.unfit}")
     if (rows := found.matrix.shape[0]) > (count := found.matrix.nnz):
-        raise spoilt(file, f"{rows} rows, {count} entries: is it cut short?")
+        raise spoilt(file, f"{rows} rows have only {count} entries: is it cut short?")
     return found
 
 
@@ -354,7 +354,7 @@ def _free(K: Any, M: Any, labels: IntArray | None, length: float, mass: float) -
     # Rows with NaN are kept here; `FEModel` refuses them.
     keep = ~((K.diagonal() >= _HOLDING) | ((abs(K) + abs(M)).sum(axis=1) == 0.0))
     if not keep.any():
-        raise InputError("no dof has stiffness or mass and is free to move")
+        raise InputError("some dof must have stiffness or mass, and be free to move")
     K, M, labels = _kept(K, M, labels, keep)
     if labels is not None:  # rows of rotations are moments, in force × length
         D = sp.diags_array(np.where(labels[:, 1] > 3, length, 1.0))
@@ -450,7 +450,7 @@ def read_dofs(dofs: Any) -> IntArray:
         elif content.strip() and rows and not rows[0][0]:
             raise spoilt(file, f"a dof such as 123.1 is expected, got {content[:60]!r}", line)
     if not rows:
-        raise spoilt(file, "it has no lines such as 123.1, nor such as 1 123 UX")
+        raise spoilt(file, "it must have lines such as 123.1, or such as 1 123 UX")
     words = [int(word) if word.isdigit() else _COMPONENTS.get(word, 0) for *_, word in rows]
     found = np.stack([[int(node) for _, node, _ in rows], words], axis=1)
     equations = np.array([int(equation or 0) for equation, *_ in rows])

@@ -437,7 +437,7 @@ def _sets(control: list[Line], bulk: BulkData) -> dict[str, tuple[tuple[str, ...
             card = replace(card, name=f"{entry} {label}")
             text = " ".join(word.lstrip("+") for word in card.fields[first:] if word)
             if kinds and (not text or _MEMBER.sub("", text) or label < 0):
-                raise card.error("it is no list of numbers and THRU")
+                raise card.error("it must be a list of numbers and THRU")
             if kinds and found.setdefault(card.name, (kinds, text)) != (kinds, text):
                 raise card.error("it is defined twice, with other members")
     return found
@@ -487,7 +487,7 @@ class NastranDeck:
         for card in cards:
             label = card.integer(0, "its number")
             if label < 0 or found.setdefault(label, card).fields != card.fields:
-                raise card.error(f"its number {label} is negative, or another entry has it")
+                raise card.error(f"its number must not be negative, or another's, got {label}")
         return found
 
     @cached_property
@@ -595,7 +595,7 @@ class NastranDeck:
         """Return the unit axes, in rows, of a rectangular coordinate system."""
         found = self.grids.axes(label, partial(self.entries(own)[0][0].refused, 0))
         if found.kind != "R":
-            raise card.error(f"system {label} is not rectangular")
+            raise card.error(f"system {label} must be rectangular")
         return found.axes
 
     def fibres(self, own: IntArray, card: Card) -> tuple[float, ...]:
@@ -653,7 +653,7 @@ class NastranDeck:
 def _solid(deck: NastranDeck, card: Card, own: IntArray) -> OneMaterial:
     found = deck.material(card.integer(1, "MID"), card)
     if card.text(6) not in ("", "SMECH"):
-        raise card.error(f"FCTN={card.text(6)} is no solid")
+        raise card.error(f"FCTN must be SMECH or blank, got {card.text(6)}")
     if isinstance(found, Orthotropic) and (system := card.integer(2, "CORDM")):
         return replace(found, axes=deck.axes(system, own, card))  # type: ignore[arg-type]
     return found

@@ -286,7 +286,7 @@ def read_bulk_data(lines: list[Line]) -> BulkData:
         name = own[0].head.strip().removesuffix(b"*").strip().removesuffix(b"_")
         if not _NAME.fullmatch(name):
             text = own[0].line.text[:24].decode()
-            raise own[0].line.refused(repr(text), "it begins no entry of bulk data")
+            raise own[0].line.refused(repr(text), "an entry must begin with its name")
         names.setdefault(name.decode(), []).append(own)
     for at in sorted(child.values())[:1]:
         raise pieces[at].line.refused("continuation", "its marks go round in a circle")
@@ -313,7 +313,7 @@ class Card:
         """Return a field as a number, or `default` if blank; refuse a blank without a default."""
         if not self.text(at):
             if default is None:
-                raise self.error(f"{what} is blank")
+                raise self.error(f"{what} must not be blank")
             return default
         try:
             return number(self.text(at))
@@ -335,7 +335,7 @@ class Card:
         """Refuse a field unless it is blank or has the value `wanted`, which is its default."""
         value = self.real(at, what, wanted)
         if abs(value - wanted) > _DIGITS * abs(wanted):
-            raise self.error(f"{what}={value:g} is not supported; only {wanted:g} is")
+            raise self.error(f"{what} must be {wanted:g}, got {value:g}, which is not supported")
 
 
 @record
@@ -372,7 +372,7 @@ class BulkData:
         for name, default in _DEFAULTS.items():
             if name in widths and {name, default} <= self.names.keys():
                 given = self.table(**{default: 8})
-                given.refuse_first(np.arange(len(given)) > 0, "only one entry of this name may be")
+                given.refuse_first(np.arange(len(given)) > 0, "only one such entry is allowed")
                 blank = table.blank & (table.names == name)[:, None]
                 blank[:, 8:] = False
                 if name != "GRID":  # an integer instead of X1 is node G0; then X2, X3 are unused

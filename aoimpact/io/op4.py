@@ -73,13 +73,13 @@ def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
     """Return the next matrix; each of its strings holds consecutive rows of a column."""
     n_cols, n_rows, kind, name = source.header()
     if kind not in (1, 2, 3, 4):
-        raise source.wrong(f"{name} is of type {kind}; known are 1 to 4")
+        raise source.wrong(f"the type of {name} must be 1 to 4, got {kind}")
     big, n_rows = n_rows < 0 or n_rows >= _BIG, abs(n_rows)
     strings: list[tuple[int, int, FloatArray]] = []  # first row, column and numbers
     while True:
         col, row, words = source.column()
         if not 1 <= col <= n_cols + 1 or words < 0:
-            raise source.wrong(f"{name}: column {col}, of {words} words; there are {n_cols}")
+            raise source.wrong(f"{name} has {n_cols} columns, got column {col} of {words} words")
         if col == n_cols + 1:
             break
         while row > 0 or words > 0:
@@ -89,7 +89,7 @@ def _matrix(file: Path, source: _Binary | _Text) -> RawMatrix:
                 length, row = source.integers(2) if big else divmod(source.integers(1)[0], 65536)
                 count, rest = divmod(length - 1, source.per_number)
                 if length < 1 or row < 1 or rest:
-                    raise source.wrong(f"a string of {length} words at row {row}")
+                    raise source.wrong(f"a string at row {row} cannot have {length} words")
                 words -= length + int(big)
             last = row - 1 + count // (2 if kind > 2 else 1)
             if last > n_rows:

@@ -136,7 +136,7 @@ def filled(*corners: complex) -> Profile:
     """Return a solid convex polygon with shear factors 5/6; corners h + iv, counterclockwise."""
     start, end = np.array(corners), np.roll(corners, -1)
     if ((end - start).conj() * np.roll(end - start, -1)).imag.min() < 0.0:
-        raise InputError("its sides cross each other")
+        raise InputError("its sides must not cross each other")
     return outlined(start, end, 1.2 * np.eye(2))
 
 
@@ -147,7 +147,7 @@ def rows(*of: tuple[float, ...]) -> Profile:
     along an axis is the ratio of the area of the walls along this axis to the whole area.
     """
     if any(row[0] <= 0.0 or [*row[1:]] != sorted({*row[1:]}) for row in of):
-        raise InputError("its walls overlap, or have no thickness")
+        raise InputError("its walls must have a thickness, and must not overlap")
     cuts = np.unique([h for row in of for h in row[1:]])
     inside = np.array([np.searchsorted(row[1:], 0.5 * (cuts[1:] + cuts[:-1])) % 2 for row in of])
     corners, start, end = cuts + 1j * np.cumsum([0.0, *(row[0] for row in of)])[:, None], [], []
@@ -212,7 +212,7 @@ def hexagon(radius: float, t: float) -> Profile:
     """Return Abaqus' HEX, a regular hexagonal tube of given circumradius and wall thickness."""
     inner = radius - 2.0 * t / math.sqrt(3.0)
     if not 0.0 <= inner < radius:
-        raise InputError("its walls overlap, or have no thickness")
+        raise InputError("its walls must have a thickness, and must not overlap")
     corners = np.exp(1j * math.pi / 3.0 * np.arange(7))
     start = np.append(radius * corners[:-1], inner * corners[1:])
     return outlined(start, np.append(radius * corners[1:], inner * corners[:-1]), 2.0 * np.eye(2))

@@ -462,7 +462,7 @@ class RawMatrix:
         if paired == 0 and off:
             return sp.csr_array(matrix + matrix.T - sp.diags_array(matrix.diagonal()))
         if self.triangle and paired:
-            raise spoilt(self.file, "it says symmetric, but has both triangles; say general")
+            raise spoilt(self.file, "declared symmetric, but has both triangles; say general")
         limit = PRINTED * float(np.abs(matrix.data).max(initial=0.0))
         if paired < off and float(abs(matrix - matrix.T).max()) > limit:
             lack = f"{off - paired} of {off} entries lack the transposed one"

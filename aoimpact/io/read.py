@@ -530,7 +530,7 @@ def read_sections(
         if key(name) not in source.taken:
             instance(f"given[{name!r}]", one, *source.wanted.get(key(name), (object,)))
             known_as = f"; the groups are {', '.join(map(repr, found))}"
-            raise InputError(f"given: {name!r} is not in use{nearest(name, found)}{known_as}")
+            raise InputError(f"given: no part uses {name!r}{nearest(name, found)}{known_as}")
     _refuse_turned(raw, found, where)
     if source.left_out:
         warn(f"{where}: {'; '.join(dict.fromkeys(source.left_out))}")

@@ -292,6 +292,6 @@ def refusing(error: Callable[[str], MeshError]) -> Iterator[None]:
     except MeshError:  # already names the entry
         raise
     except ArithmeticError:
-        raise error("its numbers are 0, or lie too far apart to compute with") from None
+        raise error("its numbers must not be 0, or too far apart to compute with") from None
     except (InputTypeError, ValueError, RecursionError) as wrong:  # circular references
         raise error(str(wrong)) from None

@@ -46,7 +46,7 @@ _COMPRESSORS: dict[str, Any] = {
 
 def _from_bytes(content: bytes, dtype: np.dtype[Any], count: int) -> npt.NDArray[Any]:
     if not 0 <= count <= len(content) // dtype.itemsize:
-        raise ValueError(f"{count} numbers are announced, but there is room for fewer")
+        raise ValueError(f"{count} numbers are announced, but fewer are there")
     return np.frombuffer(content, dtype, count)
 
 
@@ -93,7 +93,7 @@ def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
     points = arrays.of(places).astype(np.float64)
     n_points = int(piece.get("NumberOfPoints", ""))
     if len(points) != 3 * n_points:
-        raise ValueError(f"{n_points} points are announced, but {len(points)} coordinates")
+        raise ValueError(f"{n_points} points must have x, y and z, got {len(points)} numbers")
     points = points.reshape(-1, 3)
     nodes, ends, types = (
         integers(arrays.of(cells[name])) for name in ("connectivity", "offsets", "types")
@@ -102,7 +102,7 @@ def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
     starts = np.concatenate([[0], ends])[:-1]
     counts = ends - starts
     if len(types) != len(ends) or counts.sum() != len(nodes) or (counts < 0).any():
-        raise ValueError("the numbers of cells, types and nodes do not fit each other")
+        raise ValueError("the numbers of cells, types and nodes must fit each other")
     blocks = []
     for type_ in np.setdiff1d(types, _WITHOUT_VOLUME).tolist():
         of = np.flatnonzero(types == type_)
@@ -111,7 +111,7 @@ def _piece(piece: ElementTree.Element, arrays: _Arrays) -> RawMesh:
             continue
         kind, width = _KINDS[type_], nodes_in(_KINDS[type_])
         if wrong := set(counts[of].tolist()) - {width}:
-            raise ValueError(f"a {kind} has {width} nodes, not {wrong.pop()}")
+            raise ValueError(f"a {kind} must have {width} nodes, got {wrong.pop()}")
         table = nodes[starts[of][:, None] + np.arange(width)][:, _ORDERS.get(type_, slice(None))]
         blocks.append(RawBlock(kind, table))
     return RawMesh(points, tuple(blocks))

@@ -109,7 +109,7 @@ def unresisted_motions(
     basis = m_orthonormal(None, unresisted, M)
     if basis.shape != unresisted.shape:
         raise SingularError(
-            "M is not positive for a motion without stiffness, or its entries lie too far "
-            "apart. Check rho, masses, their centres and inertias"
+            "M must be positive for motions without stiffness, and its entries not too far apart. "
+            "Check rho, masses, their centres and inertias"
         )
     return basis

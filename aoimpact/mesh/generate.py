@@ -73,7 +73,7 @@ def sphere_mesh(radius: float, size: float) -> Mesh:
     R = positive("radius", radius, unit="m")
     h = positive("size", size, unit="m")
     if h > 2.0 * R:
-        raise InputError(f"size={h:g} m is larger than the sphere (radius={R:g} m)")
+        raise InputError(f"size must be at most 2 radius = {2.0 * R:g} m, got {h:g} m")
     n_exact = _STRETCH * _ICOSAHEDRON_ANGLE * (R / h)
     _refuse_monster(80.0 / 3.0 * n_exact * n_exact * n_exact, "size", f"{h:g}, of radius={R:g} m,")
     n = 2 * max(1, int(np.ceil(n_exact / 2.0 - PRINTED)))
@@ -227,4 +227,4 @@ def _lattice(lengths: Any, divisions: Any, kind: str, kinds: Sequence[str], axes
 
 def _refuse_monster(n_nodes: float, name: str, value: object) -> None:
     if n_nodes > _MOST_NODES:
-        raise InputError(f"{name}={value} would make some {n_nodes:.2g} nodes; is it in metres?")
+        raise InputError(f"{name}={value} makes over {_MOST_NODES:g} nodes; is it in metres?")

@@ -417,7 +417,7 @@ def _read_over(binder: Any, value: Any, place: Place) -> dict[str, Any]:
         else:
             binder.say(at, "must be a list of values, or { from = 0.0, to = 1.0, count = 5 }")
     if not value:
-        binder.say(place, "names nothing to sweep over, such as velocity = [0.5, 1.0]")
+        binder.say(place, "must name what to sweep over, such as velocity = [0.5, 1.0]")
     return found
 
 
