@@ -62,12 +62,12 @@ def quantity_of(quantity: Any, bodies: Sequence[BodyModel], *, pair: bool) -> Qu
         meshed.pop(0, None)  # a point given without body is on the target
     on = [i for i, body in meshed.items() if quantity.body is None or body is quantity.body]
     if len(on) > 1 and quantity.body is None:
-        raise InputError(f"quantity={quantity!r}: there are {len(on)} such bodies; give body= one")
+        raise InputError(f"quantity={quantity!r}: give body=, one of {len(on)} such bodies")
     if not on:
         none = "neither projectile nor target" if pair else "none of the scene's bodies"
         raise InputError(
-            f"quantity={quantity!r} is a point on {none}: give a point of a finite-element body "
-            "that takes part as one"
+            f"quantity={quantity!r} is a point on {none}: give a point of a body that takes part "
+            "as a finite-element body"
         )
     if len(on) > 1:
         several, contact = "several of the scene's bodies", "for a contact's own give its handle"

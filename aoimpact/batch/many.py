@@ -337,7 +337,7 @@ def _asked(workers: Any, ask: Callable[..., Any], *arguments: Any) -> Any:
             raise
         raise WorkerError(
             f"workers: {type(error).__name__}: {error}. A worker was lost, or a case, a law or "
-            "keep could not be sent to it: they must be picklable, functions of a module"
+            "keep could not be sent to it: they must be picklable, functions defined in a module"
         ) from error
 
 

@@ -399,7 +399,7 @@ class ContactPoint(Frozen):
         of, radius, s = self.thin, self.width, math.sqrt(solver.s2)
         if not isinstance(of, Beam) and self._covered:
             raise InputError(
-                f"point {plain(point)} m is where a shell lies on solids; mesh it with solids there"
+                f"point {plain(point)} m: a shell on solids cannot be touched; mesh solids there"
             )
         if of is not None:
             removed, varying = (
@@ -410,8 +410,8 @@ class ContactPoint(Frozen):
         found = extracted(self, normal, self.width, solver, moved)
         if self.patch is not None and not self.automatic and found.removed < 0.0:
             raise InputError(  # mesh errors do not make a compliance negative
-                f"radius={self.patch.radius:g}: the patch is so wide that the body yields less to "
-                "its mean displacement than under the contact; give a smaller radius, or leave it "
+                f"radius={self.patch.radius:g}: the patch is too wide, since the mesh under it is "
+                "stiffer than the body under the contact; give a smaller radius, or leave radius "
                 "out"
             )
         return found

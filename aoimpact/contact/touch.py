@@ -385,6 +385,6 @@ def _pressing(point: FloatArray, along: FloatArray | None, normals: FloatArray) 
         known = np.unique(np.where(np.abs(normals) > ROUNDING, normals, 0.0).round(6), axis=0)
         raise InputError(
             f"direction {plain(along)} runs along the surface at point {plain(point)} m, whose "
-            f"outward normal is {' or '.join(map(plain, known))}: nothing would press on it"
+            f"outward normal is {' or '.join(map(plain, known))}: give one that presses on it"
         )
     return along

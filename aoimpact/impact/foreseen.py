@@ -56,7 +56,7 @@ class Foreseen:
                 rigid_contact_time(*met)  # raises the law's own error, if there is one
             raise InputError(
                 "duration was left out, and cannot be foreseen: no velocity, gravity or constant "
-                "force brings bodies that have a contact towards each other; give it"
+                "force brings bodies that have a contact towards each other; give duration="
             )
         ways = [way for of in plan.contacts if (way := plan.approach(of)[0]) < math.inf]
         gaps = max(contact.gap for contact in plan.contacts)

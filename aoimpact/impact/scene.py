@@ -629,7 +629,7 @@ def number_or_vector(name: str, value: Any, unit: str) -> tuple[float, FloatArra
         number = math.hypot(*vector)
     number = real(name, number, unit=unit)
     if number and not LEAST_SPEED <= abs(number) <= 1.0 / LEAST_SPEED:
-        raise InputError(f"{name}={number:g} {unit} is beyond what can be computed with")
+        raise InputError(f"{name}={number:g} {unit}: energies would be beyond the range of numbers")
     return number, vector
 
 

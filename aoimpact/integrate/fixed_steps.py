@@ -161,8 +161,8 @@ def solve_newmark(plan: Scenario, rule: Newmark) -> tuple[SteppedRecorder, float
     began, length, rtol = perf_counter(), plan.duration, rule.rtol
     if rule.dt is None and plan.layout.slides and rtol < 4.0 * DRAWN:
         raise InputError(
-            f"Newmark(rtol={rtol:g}): friction is known to {DRAWN:g}; give rtol={4 * DRAWN:g} "
-            "or more, or dt"
+            f"Newmark(rtol={rtol:g}): friction has errors of {DRAWN:g}; give "
+            f"rtol={4 * DRAWN:g} or more, or dt"
         )
     dt = length / _steps(plan, rule, rule.dt or first_step(plan), length)
     step = partial(newmark_run, plan, rule, start=_start(plan, rule))

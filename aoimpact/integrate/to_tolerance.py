@@ -132,7 +132,7 @@ def _refuse_gain(plan: Scenario, run: DenseRecorder) -> None:
     shortest = min(end - start for of in run.events for start, end in of.contacts)
     raise ConvergenceError(
         f"adaptive run: at its end the bodies have {found / there:.3g} times their energy, since "
-        f"a contact of {shortest:.2g} s is lost in rounding; take a softer law, or a larger m0"
+        f"a contact of {shortest:.2g} s is too short to resolve; take a softer law, or a larger m0"
     )
 
 

@@ -35,7 +35,7 @@ def contact_modulus(material_1: Material, material_2: Material) -> float:
     instance("material_2", material_2, Material)
     modulus = 1.0 / (1.0 / material_1.plane_strain_modulus + 1.0 / material_2.plane_strain_modulus)
     if modulus == 0.0:
-        raise InputError("E is too small to compute with: its modulus E* is 0 Pa")
+        raise InputError("E is too small: the contact modulus E* underflows to 0 Pa")
     return modulus
 
 

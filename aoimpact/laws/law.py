@@ -368,7 +368,7 @@ class ContactLaw:
                     raise
                 break
             if beyond[0] and start == 0:
-                raise InputError(f"compliance={compliance:g} m/N is more than {self!r} has itself")
+                raise InputError(f"compliance={compliance:g} m/N exceeds that of {self!r}")
             if beyond.any():
                 high = start + int(beyond.argmax())
                 ends = within[high - 1], within[high]

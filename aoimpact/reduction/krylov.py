@@ -406,7 +406,7 @@ class KrylovSpace:
         """Store a basis vector, and its inner products in K with all vectors (rigid motions: 0)."""
         if not np.isfinite(vector).all():
             raise ConvergenceError(
-                "a motion that the contact excites is out of range: it has hardly any mass"
+                "a motion that the contact excites overflows, since it has hardly any mass"
             )
         self._basis[slot] = vector
         self._count = max(self._count, slot + 1)

@@ -589,8 +589,8 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
     """
     if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
         warn(
-            f"total energy varies by {energy:.2g} of the largest energy stored, with an error in "
-            f"time of {error:.2g}: distrust the run, unless a law's energy is not its force's work"
+            f"total energy varies by {energy:.2g} of the largest stored, but the steps' error is "
+            f"{error:.2g}: distrust the run, unless a law's energy is not the work of its force"
         )
 
 

@@ -257,8 +257,8 @@ class _Statics:
         if rounding.max(initial=0.0) > _DETERMINED * size:
             i = int(rounding.argmax())
             raise InputError(
-                f"preload: contact {i} is so stiff, {slopes[i]:.3g} N/m, that rounding makes "
-                f"{rounding[i]:.2g} N; take a softer law, or smaller gaps"
+                f"preload: contact {i} is so stiff, {slopes[i]:.3g} N/m, that its force has a "
+                f"rounding error of {rounding[i]:.2g} N; take a softer law, or smaller gaps"
             )
 
     @cached_property
@@ -391,8 +391,8 @@ def equilibrium(
     first = statics.first
     for i in np.flatnonzero(~(statics.slopes <= LARGEST))[:1]:
         raise InputError(
-            f"preload: contact {i} is {statics.slopes[i]:.3g} N/m stiff under the loads, which "
-            "cannot be computed with; give its law in N and m, or start without preload"
+            f"preload: contact {i} has a stiffness of {statics.slopes[i]:.3g} N/m under the loads, "
+            "out of range; give its law in N and m, or start without preload"
         )
     at = statics.descend()
     if statics.settled(at):

@@ -341,9 +341,7 @@ def fit_law(
     poor = {name: error for name, error in of_law.items() if not error <= _DETERMINED}
     if poor:
         said = [f"{of} ({f'± {by:.0%}' if by < math.inf else 'at all'})" for of, by in poor.items()]
-        warn(
-            f"the data do not determine {', '.join(said)}: keep them, or measure where they matter"
-        )
+        warn(f"the data do not determine {', '.join(said)}: fix them, or measure where they matter")
     _warn_of_a_poor_fit(problem, found.x, residual, poor)
     sizes = np.append(values[: len(names)], [data.time] * (len(values) - len(names)))
     return LawFit(
