@@ -239,7 +239,7 @@ def timed(call: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def fresh(case: str, size: float) -> tuple[Any, ...]:
-    """Return newly made bodies of a case, of which only the rigid motions are computed."""
+    """Return newly made bodies of a case, with no cached results but their rigid motions."""
     *bodies, law, duration = CASES[case](size)
     for body in bodies:
         if isinstance(body, ao.ContactPoint):
@@ -258,7 +258,7 @@ def building(case: str, size: float, solver: str, orders: list[int], contact_tim
 
 
 def stress_at(tip: ao.ContactPoint) -> ao.StressAt:
-    """Return the stress at the node whose distance from the contact is nearest FROM_CONTACT."""
+    """Return the sensor of stress at the node whose distance is nearest to FROM_CONTACT."""
     nodes = tip.body.mesh.nodes
     away = np.linalg.norm(nodes - tip.point, axis=1)
     return ao.StressAt(tip.body, nodes[np.abs(away - FROM_CONTACT).argmin()])

@@ -53,7 +53,7 @@ class Measurement:
 
     @property
     def error(self) -> float:
-        """Largest error, of peak force, contact duration and rebound velocity."""
+        """Largest of the errors of peak force, contact duration and rebound velocity."""
         return max(self.peak_force, self.contact_duration, self.rebound_velocity)
 
 

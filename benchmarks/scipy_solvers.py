@@ -25,7 +25,7 @@ ForceLaw = Callable[[float], tuple[float, float]]
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
-# Methods that use no Jacobian.
+# SciPy's methods that use no Jacobian.
 _EXPLICIT = ("RK23", "RK45", "DOP853")
 
 # Maximum number of contacts: a ball that comes to rest on a floor has infinitely many.

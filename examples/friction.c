@@ -1,5 +1,5 @@
 /* A spinning ball strikes the end of a rod obliquely and with friction. The example shows rigid
- * bodies that turn, AO models in three directions, friction, and a track that grows.
+ * bodies that turn, AO models in three directions, friction, and a track with growing memory.
  *
  *     make -C csrc example          or by hand, from the repository:
  *     cc -Iinclude examples/friction.c build/core/libaoimpact.a -lm */
@@ -24,7 +24,7 @@ int main(void)
     /* A steel ball, kg, m; stiffness of Hertz's law, N/m^1.5; coefficient of friction. */
     const double mass = 0.0327, radius = 0.01, stiffness = 1.6e10, mu = 0.15;
     const double moment = 0.4 * mass * radius * radius;
-    /* The normal points from the ball to the rod, and so does the arm of the ball. */
+    /* The normal points from the ball to the rod; so does the arm, from the ball's centre to the contact. */
     const aoi_rigid rigid = {mass, {moment, moment, moment}, {radius, 0.0, 0.0}};
     const double masses[] = {0.8, 0.4}, springs[] = {4e8, 1e9};
     const aoi_star star[3] = {{2, 0.05, 0.0, masses, springs}, {1, 0.05, 1e7, masses, springs}, {0, 1.0, 0.0, NULL, NULL}};

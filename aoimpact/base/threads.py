@@ -28,7 +28,7 @@ def at_once(calls: Sequence[Callable[[], Any]]) -> None:
     pool = _pool(os.getpid(), count)
     others: list[Future[None]] = []
     try:
-        for k in range(1, count):  # with the caller's np.errstate and held warnings
+        for k in range(1, count):  # the context holds the caller's np.errstate and held warnings
             others.append(pool.submit(copy_context().run, _one_by_one, calls[k::count]))
         _one_by_one(calls[::count])
     finally:

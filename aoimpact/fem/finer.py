@@ -146,7 +146,7 @@ def _made_of(
 
 
 def _placed(dofs: Any, n: int, added: int) -> Any:
-    """Renumber dofs for `added` nodes after n: rotations are numbered after all displacements."""
+    """Renumber dofs for `added` nodes after the first n: rotations follow all displacements."""
     return dofs + np.where(dofs < 3 * n, 0, 3 * added)
 
 

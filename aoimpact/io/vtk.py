@@ -148,7 +148,7 @@ class _Arrays:
             case other:
                 raise ValueError(f"data of format {other!r} are not read")
         size = self.header.itemsize
-        count = int(_from_bytes(content, self.header, 1)[0])  # of bytes, or of compressed blocks
+        count = int(_from_bytes(content, self.header, 1)[0])  # bytes, or compressed blocks
         if self.decompress is None:
             return _from_bytes(content[size:], dtype, count // dtype.itemsize)
         sizes = _from_bytes(content, self.header, 3 + count)[3:]

@@ -81,7 +81,7 @@ def write_matrices(what: FEModel | ContactPoint | AOModel, folder: FilePath) -> 
 
 
 def _deck(star: AOModel) -> str:
-    """Return a deck of an AO model's masses and springs, with numbers within 20 characters."""
+    """Return a deck of an AO model's masses and springs; decks allow 20 characters per number."""
     places = range(1, star.n + 2)
     lines = ["** An AO model: the contact is node 1, and all move along x.", "*NODE, NSET=STAR"]
     lines += [f"{i}, 0., 0., 0." for i in places]

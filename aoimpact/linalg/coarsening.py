@@ -13,8 +13,8 @@ from ..mesh import rigid_motions
 from .blocks import diagonal_places
 from .pencil import Pencil
 
-# ω λ_max(D⁻¹A) with the damping factor ω of the Jacobi step that smooths the prolongation (Vanek,
-# Mandel and Brezina 1996).
+# Product ω λ_max(D⁻¹A), with the damping factor ω of the Jacobi step that smooths the prolongation
+# (Vanek, Mandel and Brezina 1996).
 _DAMPING = 4.0 / 3.0
 
 

@@ -23,9 +23,9 @@ class Fill(NamedTuple):
     Attributes
     ----------
     entries : float
-        Entries of L.
+        Number of entries of L.
     operations : float
-        Multiplications of the factorisation.
+        Number of multiplications of the factorisation.
     """
 
     entries: float

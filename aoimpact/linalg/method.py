@@ -60,7 +60,7 @@ class Cost(NamedTuple):
     memory : float
         Memory needed besides K and M, bytes.
     steps : float
-        Iterations of a solution.
+        Number of iterations of a solution; 1 for a direct method.
     """
 
     set_up: float

@@ -222,7 +222,7 @@ class Multigrid:
         return x
 
     def _shift(self, x: Single, r: Single) -> None:
-        """Convert `r`, the residual of `x` at the smoother's shift, to this inverse's shift.
+        """Convert the residual `r` of `x` from the smoother's shift to this inverse's shift.
 
         Without this, corrections along motions in which s²M dominates are far too large or small.
         """

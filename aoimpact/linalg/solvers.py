@@ -237,7 +237,7 @@ def linear_solver(
     cost, most = method.cost(pencil), np.inf
     require(cost.memory, what, cure)
     direct = _direct(pencil) if name == "auto" else None
-    if method is MULTIGRID and direct is not None:  # most: in the time of a factorisation
+    if method is MULTIGRID and direct is not None:  # iterations in the time of a factorisation
         most = direct.cost(pencil).set_up / cost.step
     with bar(f"{method.name}, {pencil.n} dofs"):
         try:

@@ -12,8 +12,8 @@ from ..base import FloatArray, IntArray, MemoryLimitError, SingularError, sp
 from .method import Inverse, Method, of_factors
 from .pencil import Pencil
 
-# 1/condition below which a factorised matrix counts as singular; rounding of the entries of a
-# singular matrix leaves values of this size.
+# Reciprocal condition number below which a factorised matrix counts as singular; rounding of the
+# entries of a singular matrix leaves values of this size.
 _SINGULAR = 2e-15
 
 # Safety factor, times √n, on the condition estimated by one inverse iteration from a random vector.

@@ -111,11 +111,11 @@ class ReferenceElement:
         return self.own if self.kind[-1] == "+" else self.linear
 
     def shape(self, points: FloatArray) -> FloatArray:
-        """Return φ_a at reference points (n, 3), shape (n, n_nodes)."""
+        """Return the shape functions φ_a at reference points (n, 3), shape (n, n_nodes)."""
         return self.evaluate(points)[0]
 
     def gradient(self, points: FloatArray) -> FloatArray:
-        """Return ∂φ_a/∂ξ_α at reference points (n, 3), shape (n, n_nodes, 3)."""
+        """Return the derivatives ∂φ_a/∂ξ_α at reference points (n, 3), shape (n, n_nodes, 3)."""
         return self.evaluate(points)[1]
 
     def evaluate(self, points: FloatArray) -> ArrayPair:
@@ -169,7 +169,7 @@ class ReferenceFace:
         return self.element.n_corners
 
     def evaluate(self, uv: FloatArray) -> ArrayPair:
-        """Return φ_a, shape (n, n_nodes), and ∂φ_a/∂(u, v), shape (n, n_nodes, 2)."""
+        """Return shape functions φ_a, (n, n_nodes), and slopes ∂φ_a/∂(u, v), (n, n_nodes, 2)."""
         shape, gradient = self.element.evaluate(np.pad(uv, ((0, 0), (0, 1))))
         return shape, gradient[..., :2]
 

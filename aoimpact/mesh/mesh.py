@@ -307,7 +307,7 @@ def gathered(of: Any, parts: Sequence[Solids], n_cells: int) -> Mesh:
 
 
 def _renumbered(sets: Mapping[str, IntArray], number: IntArray) -> dict[str, IntArray]:
-    """Return sets of new numbers; members with the number -1 and empty sets are left out."""
+    """Return sets with the members' new numbers; members of number -1, empty sets are left out."""
     new = {name: number[ids] for name, ids in sets.items()}
     return {name: ids[ids >= 0] for name, ids in new.items() if (ids >= 0).any()}
 

@@ -26,7 +26,7 @@ COUNT = 28  # number of anti-oscillators of the beam
 STEP = 2e-6  # Newmark's step in the paper, s
 SHORT, LONG = 200e-6, 20e-3  # length of the records of Figs. 9 and 10, and of Fig. 11, s
 
-PAPER_FREQUENCIES = (58.0, 233.0, 315.0, 520.0, 915.0)  # natural, Table 5, Hz
+PAPER_FREQUENCIES = (58.0, 233.0, 315.0, 520.0, 915.0)  # natural, in Table 5, Hz
 
 # Modes with a larger share of vertical motion in the kinetic energy count as vertical bending.
 _VERTICAL = 0.75

@@ -57,7 +57,7 @@ _MATERIALS = (
 
 
 def _named(which: str) -> Reader:
-    """Return the `Reader` that takes a name in the table `which`, and returns what is called so."""
+    """Return the `Reader` that takes a name from [`which`] and returns that material or body."""
     return Reader(f"a name from [{which}]", (str,), lambda binder, *at: binder.entry(which, *at))
 
 
