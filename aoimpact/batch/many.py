@@ -163,7 +163,7 @@ def run_cases(
         mass = rigid(mass=1.0)
         hit = simulate(mass, mass, 1.0, law=Linear(k=1.0), duration=5.0)
         for name in job.keep.names:
-            there = hasattr(hit, name.partition(".")[0])  # results of scenes have other names
+            there = hasattr(hit, name.partition(".")[0])  # else a name in a scene, not checked
             if there and name not in QUANTITIES and not re.search(r"\.\d", name):
                 look_up(hit, name, "keep")
     if not callable(getattr(workers, "submit", None)):

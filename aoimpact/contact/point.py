@@ -295,7 +295,7 @@ class ContactPoint(Frozen):
     def made_of(self) -> OneMaterial | None:
         """Material, beam or layers of the element at the contact; None without a mesh.
 
-        The layers are those of a shell touched on its top.
+        Layers are ordered so that the touched side of the shell is the top.
 
         :meta private:
         """

@@ -132,7 +132,7 @@ class History:
 
     @property
     def doubt(self) -> FloatArray:
-        """Signed bound of the error of the values, shape (n, ...); NaN where it is not known."""
+        """Bound of the values' error, with the sign of the largest difference; NaN if unknown."""
         apart = [self.seen(of, self.t) - self.values for of in self.source.others]
         if not apart:
             return np.full_like(self.values, np.nan)

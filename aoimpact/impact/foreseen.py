@@ -91,7 +91,7 @@ class Foreseen:
                 bodies[of] = fits[key]
         around = _around(plan, names)
         for i, body in enumerate(bodies):
-            # A model with several contact points needs the final direction of each.
+            # Directions are reversed now if the model needs the final direction of several ports.
             if len(body.tips) > 1 or plan.oblique is not None:
                 bodies[i], around[i] = body.turned(around[i]), ()
         bounded = frozenset(number for number, way in eased.items() if way == "whole")

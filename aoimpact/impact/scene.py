@@ -270,8 +270,8 @@ class Scene:
         mu = nonnegative("friction", 0.0 if friction is None else friction)
         if mu and (law.has_memory or law.pulls):
             raise InputError(
-                f"friction: law={law!r} has a memory or pulls; give Hertz(...), a damped law and "
-                "solver=Newmark(), or friction=0"
+                f"friction needs a law without memory or tension, got {law!r}; give Hertz(...), a "
+                "damped law and solver=Newmark(), or friction=0"
             )
         rubs = None if friction is None else Friction(mu)
         contact = Contact(*first, *second, law, gap, name, friction=rubs, law_error=law_error)

@@ -67,7 +67,7 @@ def difference(one: DenseRecorder, other: DenseRecorder, speed: float) -> float:
     least = np.maximum(*map(_least, runs))
     touches = [[_touches(*of) for of in zip(run.events, least, strict=True)] for run in runs]
     if any(len(ours.start) != len(theirs.start) for ours, theirs in zip(*touches, strict=True)):
-        return math.inf  # motions differ, even if their ends agree by chance
+        return math.inf  # even if the motions agree at their ends by chance
     apart += map(_times_apart, *touches)
     velocities = []
     for run, found in zip(runs, touches, strict=True):

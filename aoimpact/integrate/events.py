@@ -88,7 +88,7 @@ def find_peak(t: FloatArray, force: FloatArray) -> tuple[float, float]:
         return 0.0, float(t[0])
     here, bend = force[1:-1], np.diff(force, 2)
     beside = np.pad(bend, 1, constant_values=np.inf)  # curvature unknown at both ends
-    beside = np.minimum(beside[:-2], beside[2:])  # the stronger curvature, which is negative
+    beside = np.minimum(beside[:-2], beside[2:])  # the stronger: curvatures are negative
     peaks = (here >= force[:-2]) & (here >= force[2:]) & (beside <= _LEAST_CURVATURE * bend)
     middle = 1 + np.flatnonzero(peaks)
     top, shift = parabola_tops(force, middle)

@@ -465,7 +465,7 @@ class KrylovSpace:
         inverse = self._inverse(shifts[turn % len(shifts)])
         most = 1 if len(shifts) > 1 else min(most, until * places - solves)
         before = self._count
-        wanted = before + min(most, max(1, solves))  # at most doubled, then the caller checks again
+        wanted = before + min(most, max(1, solves))  # solutions are at most doubled
         had, dofs = self._basis.shape
         if wanted > had:
             more = max(wanted - had, had // 2)

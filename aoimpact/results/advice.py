@@ -477,7 +477,7 @@ def warn_of_bodies(run: Run, names: Sequence[str]) -> None:
     for (number, tip), law in laws.items():
         along, normal = tip.direction, tip.normal
         cosine = 1.0 if along is None or normal is None else abs(float(normal @ along))
-        if along is not None and cosine < _OBLIQUE:  # smooth: only normal velocity counts
+        if along is not None and cosine < _OBLIQUE:  # no friction: only normal velocity counts
             angle = math.degrees(math.acos(cosine))
             warn(
                 f"{names[number]} is touched along {plain(along)}, {angle:.0f}° off the "
