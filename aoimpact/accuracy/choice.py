@@ -154,7 +154,7 @@ def choose_models(
         with_finer = finer_plan(run.plan, linear_solver, made=made)
         energies = plan.energies and with_finer is None
         whole = plan.of_models(search.models(), energies=energies)
-        if run.recorder.dense or not energies:  # fixed steps record energies during the run
+        if run.recorder.dense or not energies:  # else energies take a new run
             whole = replace(whole, duration=run.duration)
             run = replace(run, plan=whole, recorder=replace(run.recorder, plan=whole))
         else:

@@ -227,7 +227,7 @@ def finer_plan(
         law = own_law(contact.law) if any(contact.removed) else contact.law
         known = contact._replace(law=law, removed=(0.0, 0.0))
         known = known.of_models(bodies, bounded=number in bounded)
-        more = 0.0  # change of the meshes' indentation at nodes
+        more = 0.0  # change of the meshes' compliance at nodes, m/N
         for body, port in known.ports:
             tip = plan.bodies[body].touched_at(port)
             if tip is not None and _is_bare(law, tip):

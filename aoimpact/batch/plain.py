@@ -28,8 +28,9 @@ ERROR = "error.time"
 # Names of the numbers that can be computed from the results of the core for a plain impact.
 PLAIN_NUMBERS = frozenset((*(one.name for one in QUANTITIES.values() if one.is_plain), ERROR))
 
-# Columns of the core's results (enum in csrc/python/many.c). FIRST, SECOND: velocities of the
-# centres of mass of both bodies after the contact.
+# Columns of the core's results: a status and the members of aoi_brief (csrc/track/brief.h).
+# LASTING: 1 if the run ends in contact, else 0. FIRST, SECOND: velocities of the centres of mass of
+# both bodies after the contact.
 ANSWERS = (
     *("STATUS", "TOUCHES", "LASTING", "PEAK_FORCE", "PEAK_TIME"),
     *("IMPULSE", "START", "END", "FIRST", "SECOND"),

@@ -143,8 +143,8 @@ def excess_of_shell(tip: Any, layers: Layers, radius: float, s: float) -> tuple[
         found -= of_layers + excess
         joints = rigid_ends(mesh.nodes, [(of.cells, of.of) for of in about])
         if whole and any(len(strips) for _, strips, _ in joints):
-            # Excess compliance of the mesh over a fine mesh where plates join, minus that of the
-            # touched plate alone.
+            # Add the part of the mesh's excess compliance over a fine mesh that the joint causes:
+            # the excess with all plates minus the excess of the touched plate alone.
             alone = _halved(tip, numbers[level[numbers]], slow, halvings)
             yields = _halved(tip, numbers, slow, halvings) - alone
             unsure = abs(yields[-1] - yields[-2])

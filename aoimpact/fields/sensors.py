@@ -384,7 +384,7 @@ class Probe(Sensed):
 
     @property
     def doubt(self) -> FloatArray:
-        """Signed bound of the error of `velocity`, m/s, in its shape.
+        """Bound of the error of `velocity`, m/s, with the sign of the largest difference.
 
         :meta private:
         """

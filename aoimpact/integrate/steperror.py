@@ -137,7 +137,7 @@ def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
 
 
 def _change(t: FloatArray, ours: FloatArray, theirs: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Return (change, size) of a force's peak and of its impulse; forces: shape (axes, times)."""
+    """Return (change, size) of a force's peak and impulse in two runs; forces: (axes, times)."""
     every, rubs = t[::2], len(ours) > 1
     size, other = (np.linalg.norm(of, axis=0) if rubs else of[0] for of in (ours, theirs))
     # Friction has a kink at the start of full slip, where a parabola through samples misses the

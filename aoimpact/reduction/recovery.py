@@ -108,7 +108,7 @@ class Recovery:
 
     @cached_property
     def _correction(self) -> ArrayPair:
-        """(K + s²M)⁻¹ r per coordinate and force, as shapes (n_dofs, k) times weights (k, n + p).
+        """Correction (K + s²M)⁻¹ r per unit q and force: shapes (n_dofs, k), weights (k, n + p).
 
         Unbalanced forces r are orthogonal to the model's shapes. With any number of
         anti-oscillators or Krylov vectors, r has only one direction for each force, since K times
