@@ -49,7 +49,7 @@ def _cores() -> int:
     """Return the number of cores that this process may use, at most OMP_NUM_THREADS."""
     whose = getattr(os, "sched_getaffinity", None)
     cores = len(whose(0)) if whose is not None else os.cpu_count() or 1
-    # "4,2" gives the numbers of threads at two nested levels.
+    # "4,2" gives the numbers of threads of two nested levels: the first one counts.
     wanted = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
     return min(cores, max(1, int(wanted))) if wanted.isdecimal() else cores
 

@@ -236,7 +236,7 @@ def _doubts(density: float | None, speed: float | None) -> list[str]:
     if density is not None and not _DENSITIES[0] <= density <= _DENSITIES[1]:
         cause = "M in grams, or coordinates in other units than metres?"
         if speed is not None and speed > 100.0 * _TYPICAL_SPEED:
-            fitting = density * 1e9  # density, if coordinates are in millimetres
+            fitting = density * 1e9  # density if the coordinates are in millimetres
             tonnes = " and mass=1e3" if fitting < 1e3 * _DENSITIES[0] else ""
             cause = f"coordinates in millimetres? Give length=1e-3{tonnes}"
         elif density < _DENSITIES[0]:

@@ -580,7 +580,7 @@ def _global(rows: FloatArray, frames: FloatArray, beam: Beam) -> FloatArray:
 
 
 def _rectangle_twisted(y: FloatArray, z: FloatArray, short: float, long: float) -> ArrayPair:
-    """Return τxy/Gθ' and τxz/Gθ', m, at points (y, z) of a rectangle, the short side along y."""
+    """Return the torsional stresses τxy/Gθ' and τxz/Gθ', m, in a rectangle; y: short side."""
     n, half = _TERMS * np.pi / short, 0.5 * long
     alternating = 4.0 * short * 2.0 / np.pi**2 / _TERMS**2 * np.sin(0.5 * np.pi * _TERMS)
     above, below = (np.exp(n * (sign * z[:, None] - half)) for sign in (1.0, -1.0))

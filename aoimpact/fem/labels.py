@@ -30,7 +30,7 @@ def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
     wrong = np.flatnonzero((pairs[:, 1] < 0) | (pairs[:, 1] > _MOST))
     if len(wrong):
         which = f"labels[{wrong[0]}] has component {pairs[wrong[0], 1]}"
-        raise InputError(f"{which}: 1 to 3 are displacements, 4 to 6 rotations, 0 has no direction")
+        raise InputError(f"{which}, must be 1-3 (displacement), 4-6 (rotation) or 0 (neither)")
     order = np.lexsort(pairs.T)
     twice = np.flatnonzero((np.diff(pairs[order], axis=0) == 0).all(axis=1))
     if len(twice):

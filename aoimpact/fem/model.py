@@ -281,7 +281,7 @@ class FEModel(Frozen):
         FEModel(132 dofs, 44 nodes, 10 hexahedron, 2.027 kg, 66 springs to the ground, free)
         """
         damped, name = damping_or_none(damping), text("name", name)
-        from ..io import read_for  # here, as `io` imports this folder
+        from ..io import read_for  # inside, since `io` imports this folder
 
         solid = read_for(mesh, thin_groups(material), part=part, order=order)
         if part is not None and isinstance(material, Mapping):  # ignore groups of other parts
@@ -352,7 +352,7 @@ class FEModel(Frozen):
         """
         if self.nodes is None or self.free is None:
             raise InputError("with_mesh needs the body's nodes: give FEModel(nodes=)")
-        from ..io import read_for  # here, as `io` imports this folder
+        from ..io import read_for  # inside, since `io` imports this folder
 
         solid = read_for(mesh, ())
         made_of = materials_of(solid, material)
@@ -943,7 +943,7 @@ def _checked_nodes(nodes: Any, free: Any, n_dofs: int) -> tuple[FloatArray | Non
             f"nodes; as many rotations follow, got {dofs.min()} … {dofs.max()}"
         )
     if len(np.unique(dofs)) != n_dofs:
-        raise InputError(f"free must name each dof once, got {n_dofs - len(np.unique(dofs))} again")
+        raise InputError(f"free must not repeat dofs, got {n_dofs - len(np.unique(dofs))} repeated")
     return places, dofs
 
 

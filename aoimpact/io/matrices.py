@@ -340,7 +340,7 @@ def _joined(stiffness: RawMatrix, inertia: RawMatrix, labels: IntArray | None) -
     if K.nnz == M.nnz and not (K - M).data.any():
         raise InputError("K and M have the same entries; give M its own file")
     largest, heaviest = (float(abs(one.diagonal()).max(initial=0.0)) for one in (K, M))
-    if 0.0 < largest < heaviest:  # else, all frequencies are below 1 rad/s
+    if 0.0 < largest < heaviest:  # all frequencies would be below 1 rad/s
         raise InputError(f"K is up to {largest:.3g}, M up to {heaviest:.3g}: are they exchanged?")
     return K, M, labels
 
@@ -398,7 +398,7 @@ def _coordinates(
     labels, size = given["labels"], given["K"].shape[0]
     if labels is None:
         if size != 3 * len(where):
-            raise InputError(f"nodes: {len(where)} nodes for {size} rows of {called}; give dofs")
+            raise InputError(f"nodes: {len(where)} do not fit {size} rows of {called}; give dofs")
         return {"nodes": length * where}
     if (labels[:, 1] < 1).any():
         return {}

@@ -86,8 +86,8 @@ def core_rows(matrix: Any) -> tuple[Any, ...]:
     """
     if matrix.nnz > _MOST_ENTRIES:
         raise InputError(
-            f"a matrix of {matrix.shape[0]} dofs with {matrix.nnz} entries: at most {_MOST_ENTRIES}"
-            " can be computed with; take a coarser mesh, or give the matrices sparse"
+            f"a matrix of {matrix.shape[0]} dofs must have at most {_MOST_ENTRIES} entries, got "
+            f"{matrix.nnz}; take a coarser mesh, or give the matrices sparse"
         )
     csr = matrix.tocsr()
     return (

@@ -245,7 +245,7 @@ def _cost(pencil: Pencil) -> Cost:
 def _aspect(mesh: Mesh) -> float:
     """Return the elements' aspect ratio, longest to shortest extent: the median over the nodes.
 
-    The extents are those of all elements about a node together: tetrahedra cut from cubes have 1.
+    Extents of all elements about a node together: tetrahedra cut from a cube have aspect ratio 1.
     """
     about = np.zeros((mesh.n_nodes, 9))
     for block in mesh.blocks:

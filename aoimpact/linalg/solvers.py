@@ -178,7 +178,7 @@ class LinearSolver:
         return x.astype(np.float64, copy=False)  # refinement makes up for single precision
 
     def _iterated(self, rhs: FloatArray, tolerance: float) -> FloatArray:
-        """Solve by iterations while `most` leaves any, and by a factorisation from then on."""
+        """Solve by iterations until `most` is used up, and by a factorisation from then on."""
         if self.inverse.solve is not None:
             return self.inverse.solve(rhs)
         assert self.inverse.iterate is not None

@@ -16,7 +16,8 @@ from .pencil import Pencil
 # entries of a singular matrix leaves values of this size.
 _SINGULAR = 2e-15
 
-# Safety factor, times √n, on the condition estimated by one inverse iteration from a random vector.
+# Factor, to be multiplied by √n, of safety on the condition number that one inverse iteration from
+# a random vector estimates.
 _UNLUCKY = 100.0
 
 # Dofs up to which the signs of the pivots are checked: SciPy copies all factors for access to them.

@@ -305,7 +305,7 @@ class Signal(Frozen):
 
 
 def force_at(run: Run, contact: int, times: FloatArray) -> FloatArray:
-    """Return the force of a contact, N, at times in the record; linear between fixed steps."""
+    """Return the force of a contact, N, at times in the record; fixed steps are interpolated."""
     return np.asarray(run.recorder.pushes(times)[run.plan.layout.normal][contact])
 
 
