@@ -169,7 +169,7 @@ class Material:
 
     @property
     def plane_strain_modulus(self) -> float:
-        """E / (1−ν²), Pa: the body's part of Hertz's contact modulus (paper, eq. 17)."""
+        """Plane-strain modulus E / (1−ν²), Pa: part of Hertz's contact modulus (paper, eq. 17)."""
         return self.E / (1.0 - self.nu * self.nu)
 
     @property

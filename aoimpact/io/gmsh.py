@@ -146,7 +146,7 @@ def _sections(content: bytes) -> dict[str, bytes]:
         ending = b"$End" + match[1]
         end = content.find(ending, match.end())
         if end < 0:
-            raise ValueError(f"the section ${name} has no end")
+            raise ValueError(f"the section ${name} must end with $End{name}")
         found[name] = content[match.end() : end]
         at = end + len(ending)
     return found

@@ -40,7 +40,7 @@ def read(file: Path) -> RawMesh:
         places = at["NOE/COO"]
         count = int(places.attrs["NBR"])
         if count < 1 or places.size != 3 * count:
-            raise ValueError(f"{places.size} coordinates are there for {count} nodes in x, y and z")
+            raise ValueError(f"{count} nodes need x, y and z, got {places.size} coordinates")
         nodes = np.asarray(places[()], np.float64).reshape(3, count).T
         node_families, cell_families = (
             _families(tree.get(f"FAS/{name}/{of}", {})) for of in ("NOEUD", "ELEME")

@@ -76,7 +76,7 @@ def read(file: Path) -> RawMesh:
         found = [match.groups() for match in re.finditer(pattern, text)]
         announced.append(sum(int(count[:19]) for counts in found for count in counts))
         if not found or announced[-1] > len(content):
-            raise ValueError(f"as {name}, it must announce numbers of nodes and cells that fit it")
+            raise ValueError(f"as {name}, it must announce nodes and cells that fit its size")
     if name == "dolfin-xml":  # where an entry is missing, meshio returns arbitrary numbers
         check_count("entries with an index", sum(announced), len(set(_INDEXED.findall(text))))
     said = io.StringIO()

@@ -302,7 +302,7 @@ def _symmetrised(name: str, csr: sp.csr_array) -> sp.csr_array:
         i, j = int(difference.row[worst]), int(difference.col[worst])
         raise InputError(
             f"{name} must be symmetric: {name}[{i}, {j}] = {csr[i, j]:.10g}, but "
-            f"{name}[{j}, {i}] = {csr[j, i]:.10g}; only up to {PRINTED:g} of the largest entry "
-            "passes for rounding"
+            f"{name}[{j}, {i}] = {csr[j, i]:.10g}; only differences up to {PRINTED:g} of the "
+            "largest entry count as rounding"
         )
     return _canonical(((csr + transposed) * 0.5).tocsr())

@@ -15,10 +15,10 @@ from .pencil import Pencil
 from .superlu import check_condition
 
 # PARDISO's iparm, counted from 0. 1: nested dissection; 23: two-level scheduling of the
-# factorisation; 36: rows of like patterns, such as those of a node, are ordered as one block if at
-# least this percentage of the block are entries. On plates, balls and shells of 14 000 to 224 000
-# dofs, blocks reduce the time of the analysis to 0.2 to 0.5 of the time without blocks, and leave
-# the size of the factors unchanged.
+# factorisation; 36 (`_BLOCKS`): rows of like patterns, such as the rows of a node, are ordered as
+# one block if at least `_ALIKE` percent of the block are entries. On plates, balls and shells of
+# 14 000 to 224 000 dofs, blocks reduce the time of the analysis to 0.2 to 0.5 of the time without
+# blocks, and leave the size of the factors unchanged.
 _OPTIONS = {1: 2, 23: 1}
 _BLOCKS, _ALIKE = 36, 80
 

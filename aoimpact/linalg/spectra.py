@@ -382,7 +382,7 @@ def warn_of_rounding(K: Any, modes: FloatArray, what: str) -> None:
     if len(lost):
         warn(
             f"{len(lost)} of {what} may be wrong by percents, or altogether, the first of them "
-            f"number {lost[0]}, counted from 0: K's digits do not hold stiffness so small. The "
+            f"number {lost[0]}, counted from 0: rounding of K is as large as their stiffness. The "
             "body is too slender, or too thin, for solid elements; take a thicker one, or K and M "
             "of a beam or plate"
         )
