@@ -125,8 +125,8 @@ def _worst_time(quantity: Quantity, run: Run, others: Sequence[Run | float]) -> 
 def _with_models(run: Run) -> Run:
     """Return the same run with reduced models, with which further runs for the estimate are cheap.
 
-    Errors of mesh and contact affect the motion of reduced models in the same way as that of full
-    bodies.
+    Errors of mesh and contact affect the motion of reduced models in the same way as the motion of
+    full bodies.
     """
     times = [end - start for events in run.events for start, end in events.contacts]
     shortest = min((time for time in times if time > 0.0), default=run.duration)
@@ -168,7 +168,7 @@ def _altered_laws(run: Run) -> tuple[Contact, ...] | None:
 
 
 def _is_bare(law: ContactLaw, tip: ContactPoint) -> bool:
-    """Return whether a solid mesh's own indentation at a node adds to that of the law.
+    """Return whether a solid mesh's own indentation at a node adds to the law's indentation.
 
     Only a law like Hertz's contains that indentation already; see `extraction_of`.
     """

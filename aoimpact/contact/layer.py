@@ -290,7 +290,7 @@ def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
 
 @lru_cache(maxsize=8)
 def _laminate_excess(layers: Layers, radius: float, s: float) -> float:
-    """Return a plate's compliance minus that of the elastic laminate beyond a half-space, m/N.
+    """Return a plate's compliance minus the elastic laminate's beyond a half-space, m/N.
 
     The half-space has the material of the top ply. The result is the mean over directions of waves.
     """

@@ -515,8 +515,8 @@ class ContactPoint(Frozen):
     def edge_and_wave(self, s: float) -> tuple[float, float]:
         """Return the edge length at the contact, and the bending length λ for a frequency s, m.
 
-        λ = (D/(m s²))^(1/4) is that of a plate as thick as the body. λ is infinite for beams struck
-        along their axis, and for an unknown thickness.
+        λ = (D/(m s²))^(1/4) is computed for a plate as thick as the body. λ is infinite for beams
+        struck along their axis, and for an unknown thickness.
 
         :meta private:
         """
@@ -581,8 +581,8 @@ def own_contact_time(tip: ContactPoint) -> float:
     """Return an estimate of the contact time, s: half a period of mass and contact stiffness.
 
     The stiffness is that of a half-space under Hertz's pressure on a radius r, r E*/0.6, or,
-    without a mesh, that of K for a displacement of the contact's nodes alone. Without stiffness,
-    the time is infinite.
+    without a mesh, the stiffness of K for a displacement of the contact's nodes alone. Without
+    stiffness, the time is infinite.
     """
     if tip.on_surface:
         assert tip.material is not None

@@ -151,8 +151,8 @@ class Response:
         """Return the ground's virtual work per unit of the k motions in `of`, (n_times, k).
 
         The work is in N for a translation and in N m for a rotation; see `fem.Grounding`. If
-        `motion` is that of the dofs, the forces of the ground are K X + C Ẋ + M Ẍ at constrained
-        dofs.
+        `motion` has the dofs as coordinates, the forces of the ground are K X + C Ẋ + M Ẍ at
+        constrained dofs.
         """
         motion, known = self.motion, self.body.grounding
         alpha, beta = 0.0, 0.0

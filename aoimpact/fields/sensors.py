@@ -168,7 +168,7 @@ class Sensed:
         """Errors due to the body's model, each relative to the largest value, shape (n,), by name.
 
         The names are "displacement", "velocity", "stress" and "strain" for a probe, "force" and
-        "moment" for a reaction. Each error is that of the worst component. See `BodyResult.error`.
+        "moment" for a reaction; the worst component counts. See `BodyResult.error`.
         A full model has no errors.
         """
         return errors_of(self._response, self._histories)

@@ -496,8 +496,8 @@ class Scene:
 
         A contact whose law is stiffer than its meshes gets a wider patch: supports, loads and other
         bodies increase indentations beyond those in an impact of two bodies. If no patch helps, the
-        contact of the bodies as meshed keeps its whole law. The result is then that of the refined
-        bodies, and on a shell only a bound of the motion.
+        contact of the bodies as meshed keeps its whole law. The run with refined bodies is then the
+        result, and on a shell only a bound of the motion.
 
         Parameters
         ----------

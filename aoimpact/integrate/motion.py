@@ -83,8 +83,8 @@ class SteppedMotion(Motion):
         """Return the products of `rows` with q, q̇ and q̈, shape (3, rows, times).
 
         The products are interpolated linearly between the steps. Interpolated values satisfy the
-        linear equations of motion as those at the steps do, and their error is of the order of the
-        rule.
+        linear equations of motion, as do the values at the steps, and have errors of the order of
+        the rule's.
         """
         last = len(self.run.times) - 1
         place = np.clip(times / self.run.dt, 0.0, float(last))

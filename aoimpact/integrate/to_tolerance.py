@@ -51,8 +51,8 @@ ROUNDING = 12.0 * float(np.finfo(float).eps)
 # scenes with a tolerance of 6e-5, and none with tolerances of 1e-6 or less.
 OTHER_STEPS = 1e-7
 
-# Largest number of steps of a repeated run, relative to that of the first run: twice what a method
-# of order 15 needs for fifteen digits. With a value of 3, six of 305 results that another run
+# Ratio of the largest number of steps of a repeated run to the steps of the first run: twice what a
+# method of order 15 needs for fifteen digits. With a value of 3, six of 305 results that another run
 # confirms are lost. Larger values waste proportionally more time on runs that do not reach
 # agreement.
 PATIENCE = 20

@@ -134,7 +134,7 @@ class RoundContact(NamedTuple):
     modulus : float
         Contact modulus E* of the pair, Pa.
     radius : float
-        Relative radius of curvature R, m; for an elliptic contact that of spheres with the same k.
+        Relative radius of curvature R, m; for an elliptic contact, R of spheres with the same k.
     eccentricity : float
         Eccentricity √(1 - b²/a²) of an elliptic contact.
     """

@@ -157,7 +157,7 @@ class BodyModel(ABC):
 
     @property
     def mass(self) -> float | None:
-        """Mass of the whole body, kg; if not known, that of its static mode."""
+        """Mass of the whole body, kg; if not known, the mass of its static mode."""
         return self.centre_of_mass[1] if self.numbers is None else self.numbers.static_mass
 
     @property
@@ -776,7 +776,7 @@ class Body(Frozen, BodyModel):
         return found if self.following is None else found + self.following[:, port]
 
     def extraction_at(self, port: int = 0) -> Compliance | None:
-        """Return the compliances at a port; for natural modes, those of the truncated model.
+        """Return the compliances at a port; for natural modes, of the truncated model.
 
         None for a rigid body, or if they are not known.
 

@@ -264,8 +264,8 @@ class KrylovSpace:
 
         :meta private:
         """
-        # The static mode of a constrained body is one more vector; that of a free body is a rigid
-        # motion.
+        # The static mode of a constrained body is one more vector; the static mode of a free body
+        # is a rigid motion.
         first = self.rigid_count + (0 if moves_rigidly(self.tips[0]) else 1)
         return only_excited(self.of_all(first + integer("n", n, low=0), "AO"))
 

@@ -40,9 +40,9 @@ from .body import AsWhole, Body, in_time, ways_of
 # underflow.
 _LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
-# Largest m a²/I of a body with a contact at the arm a: that of a ball on a rod of 200 times its
-# radius. Above this limit, the effective mass at the contact is so small that its vibration alone
-# limits the time steps.
+# Largest m a²/I of a body with a contact at the arm a: the value of a ball on a rod of 200 times
+# the ball's radius. Above this limit, the effective mass at the contact is so small that its
+# vibration alone limits the time steps.
 _MOST_TURNING = 1e5
 
 # Share of the total participation (or mass) below which a mode (or an oscillator) is not excited.

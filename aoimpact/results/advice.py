@@ -78,8 +78,9 @@ class Advice:
     name : str
         "yield", "deflection", "mass ratio" or "speed".
     value : float
-        Ratio of the peak force to that at first yield, of the deflection to the body's thickness or
-        size, of the projectile's mass to the target's, or of the impact velocity to the wave speed.
+        Ratio of the peak force to the force at first yield, of the deflection to the body's
+        thickness or size, of the projectile's mass to the target's, or of the impact velocity to
+        the wave speed.
     limit : float
         Largest value without a warning; infinite where there is no limit.
     meaning : str
@@ -428,7 +429,7 @@ def _touches(run: Run, body: int) -> list[tuple[float, float]]:
 # are 2e-4 (peak force) and 9e-4 (rebound velocity).
 _LAGS = 1e-4
 # Ratio of the mass that a warning proposes for a massless contact to the body's mass. The effect of
-# this mass is as small as that of dashpots at the ratio _LAGS.
+# this mass is as small as the effect of dashpots at the ratio _LAGS.
 _LIGHT = 1e-6
 
 # Smallest cosine of the angle between a contact's direction and normal at which no warning is

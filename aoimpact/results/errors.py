@@ -57,7 +57,7 @@ class ErrorParts:
     """Relative error of one number or history, split by sources; None for an unknown part.
 
     Errors of a history are relative to its largest value. Errors of a rebound velocity are relative
-    to at least a tenth of the initial velocity, those of a restitution to at least 0.1.
+    to at least a tenth of the initial velocity, errors of a restitution to at least 0.1.
 
     Attributes
     ----------

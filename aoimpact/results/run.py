@@ -52,9 +52,9 @@ class BodyEnergy(Frozen):
     Attributes
     ----------
     kinetic, elastic : (n,) arrays
-        Kinetic energy, and strain energy without that of the indentation, which belongs to the
-        contact law: the paper's nonlocal energy. The strain energy is slightly negative where the
-        law's half-space is more compliant than the body, such as a ball.
+        Kinetic energy, and strain energy without the energy of the indentation, which belongs to
+        the contact law: the paper's nonlocal energy. The strain energy is slightly negative where
+        the law's half-space is more compliant than the body, such as a ball.
     dissipated, work : (n,) arrays
         Energy lost in the body's damping, and work of gravity and applied forces on it, since
         t = 0.
@@ -316,10 +316,11 @@ class ContactResult(Frozen, Eventful):
     law : ContactLaw
         Law given to `connect`, or found from the surfaces.
     friction_force : (n, 3) array or None
-        Friction force on the second body [N], opposite to that on the first; None without friction.
+        Friction force on the second body [N]; the force on the first is opposite. None without
+        friction.
     stuck : (n,) array or None
-        Ratio of the radius of the stick zone to that of the contact: 1 in full stick, 0 in full
-        slip or without contact.
+        Ratio of the radius of the stick zone to the contact radius: 1 in full stick, 0 in full slip
+        or without contact.
     friction_energy : (n,) array or None
         Energy dissipated by friction since t = 0 [J]; None without energies.
     """
@@ -890,7 +891,7 @@ class Run:
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Errors of the quantity of interest; ``error["restitution"]`` are those of a number."""
+        """Errors of the quantity of interest; ``error["restitution"]`` has a number's errors."""
         energy, models = None, self.plan.bodies
         walls = [i for i, body in enumerate(models) if body.wall]
         # The work of a moving wall is not known; without this work the total energy is not
@@ -980,8 +981,8 @@ class Result(Eventful, Run):
         """Indentation of the contact law [m], shape (n,): (F/k)^(2/3) for Hertz's on any mesh.
 
         The indentation is the projectile's minus the target's contact coordinate minus the initial
-        gap, plus c F, where c is the local compliance of the meshes, which replaces that of the
-        half-spaces. It is negative while the bodies are apart.
+        gap, plus c F, where c is the local compliance of the meshes, which replaces the
+        half-spaces' compliance. The indentation is negative while the bodies are apart.
         """
         return self.each_contact[0].indentation
 
@@ -1000,7 +1001,7 @@ class Result(Eventful, Run):
 
     @property
     def stuck(self) -> FloatArray:
-        """Ratio of the radius of the stick zone to that of the contact, shape (n,)."""
+        """Ratio of the radius of the stick zone to the contact radius, shape (n,)."""
         return self._with_friction("stuck")
 
     @property
@@ -1025,7 +1026,7 @@ class Result(Eventful, Run):
 
     @property
     def tangential_restitution(self) -> float:
-        """Ratio of the tangential velocity after the last contact to that before the first one.
+        """Ratio of the tangential velocities after the last contact and before the first one.
 
         The velocity is that of the projectile's centre of mass relative to the target's, along its
         initial direction; the ratio is negative if it reverses. NaN where `restitution` is NaN, and

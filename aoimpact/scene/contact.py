@@ -68,8 +68,8 @@ class Friction(NamedTuple):
     ratio : float
         Ratio G*/E* of tangential to normal stiffness (Mindlin).
     compliance : ndarray, shape (3, 3), or None
-        Local compliance c of the meshes, which replaces that of half-spaces, in the direction of
-        travel and the two tangents, m/N; None for bodies without meshes.
+        Local compliance c of the meshes, which replaces the half-spaces' compliance, along the
+        direction of travel and the two tangents, m/N; None for bodies without meshes.
     """
 
     mu: float
@@ -93,7 +93,7 @@ class Friction(NamedTuple):
         return Friction(self.mu, ratio, np.asarray(sum(removed)) if removed else None)
 
     def for_core(self, law: ContactLaw, precision: float) -> tuple[Any, ...]:
-        """Return the core's tuple; the normal compliance is that of `law`.
+        """Return the core's tuple, with the normal compliance of `law`.
 
         If the compliance of `law` differs from the normal compliance of the meshes, due to the
         contact's width or an altered law, the difference divided by `ratio` is added to the

@@ -45,7 +45,7 @@ _TOO_FAR, _SHORTER = 0.5, (0.1, 0.5)
 # Number of further steps once the forces are balanced to rounding errors: each squares the error.
 _MORE_STEPS = 2
 
-# _BARELY: stiffness, relative to that of the contacts, of springs to the ground at coordinates
+# _BARELY: ratio to the contacts' stiffness of the stiffness of springs to the ground at coordinates
 # without stiffness: negligible, but it keeps matrices regular. _FALLS: smallest relative change of
 # the imbalance in a step with the least damping. Such a step is longer than any gap; if it changes
 # the imbalance by less, only these springs hold a body.

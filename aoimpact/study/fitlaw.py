@@ -101,7 +101,7 @@ class LawFit(Frozen):
     law : ContactLaw
         The law with the parameters that fit best.
     standard_errors : dict of str to float
-        Standard error of each fitted parameter in the parameter's unit, and for a history that of
+        Standard error of each fitted parameter in the parameter's unit, and for a history also of
         `start_time`, s.
     correlation : ndarray
         Correlation matrix of the parameters, in the order of `standard_errors`.
