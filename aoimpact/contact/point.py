@@ -73,9 +73,9 @@ _WIDER = 2.0
 
 # Assumed ratio of the contact radius to the element's edge while the radius is unknown. The
 # compliance R of the body beyond the half-space hardly depends on this ratio: assuming 0.1 or 4
-# times the true radius changes the contact force by 0.2 %. On a curved body,
-# R depends on log a only while a is small compared with the surface's radius of curvature, which
-# does not hold for wide patches.
+# times the true radius changes the contact force by 0.2 %. On a curved body, R depends on log a
+# only while a is small compared with the surface's radius of curvature, which does not hold for
+# wide patches.
 _WITHIN_EDGE = 0.15
 
 # If a patch does not fit on the surface: `_SMALLER`: largest ratio of successive radii. `_WITHIN`:
@@ -260,8 +260,8 @@ class ContactPoint(Frozen):
         alike = self.body.mesh is body.mesh
         with held_warnings():  # the original point gave the same warnings
             if alike and self.patch is None and self.on_surface:
-                # A patch replaces the point, as the deflection of the added shape functions under
-                # a point force is unbounded.
+                # A patch replaces the point, as the deflection of the added shape functions under a
+                # point force is unbounded.
                 return body.functional(self.body.contact(point=point).along(np.array(along)))
             if alike or point is None or along is None or self.node is not None:
                 return body.functional(self.b)

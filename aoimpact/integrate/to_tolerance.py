@@ -27,10 +27,9 @@ LINEAR = 0.03
 
 # Safety factor of the comparison of two adaptive runs: errors are proportional to the tolerance,
 # except that errors of single contacts may be larger by this factor. A second run, whose tolerance
-# is smaller
-# by this factor times the number of touches, meets the tolerance unless errors multiply. Over 61
-# scenes of 2 to 58 touches and five tolerances the largest true error is 0.19 of the tolerance;
-# with a factor of 3 it is 1.7; a factor of 30 costs 8 % more steps.
+# is smaller by this factor times the number of touches, meets the tolerance unless errors multiply.
+# Over 61 scenes of 2 to 58 touches and five tolerances the largest true error is 0.19 of the
+# tolerance; with a factor of 3 it is 1.7; a factor of 30 costs 8 % more steps.
 SPREAD = 10.0
 
 # Share of the tolerance to which a scene of several contacts is run. Bodies that after other
@@ -52,16 +51,15 @@ ROUNDING = 12.0 * float(np.finfo(float).eps)
 OTHER_STEPS = 1e-7
 
 # Ratio of the largest number of steps of a repeated run to the steps of the first run: twice what a
-# method of order 15 needs for fifteen digits. With a value of 3, six of 305 results that another run
-# confirms are lost. Larger values waste proportionally more time on runs that do not reach
+# method of order 15 needs for fifteen digits. With a value of 3, six of 305 results that another
+# run confirms are lost. Larger values waste proportionally more time on runs that do not reach
 # agreement.
 PATIENCE = 20
 
 # Smallest error of friction that is reported, relative to its bound μ F, at any tolerance: the core
 # computes the stretches of friction's springs to 4e-6 if the direction of friction changes. In 40
-# impacts on four bodies, velocities of runs with
-# tolerances of 1e-6 and 1e-8 differ by at most 3e-7 of the speed, and by 7e-6 for a ball that slips
-# from the touch on.
+# impacts on four bodies, velocities of runs with tolerances of 1e-6 and 1e-8 differ by at most 3e-7
+# of the speed, and by 7e-6 for a ball that slips from the touch on.
 FRICTION = 1e-5
 
 # Largest number of steps of a run with a user's law, enough for 200 contacts. A contact takes 10 to

@@ -32,9 +32,8 @@ _EPSILON = float(np.finfo(np.float64).eps)
 _MOST_STEPS = 1000
 
 # _TIGHTER: factor on the damping of Newton steps after a full step; _LOOSER: factor after a
-# shortened step. Values
-# of _TIGHTER from 0.02 to 0.2 and of _LOOSER from 1 to 10 change the number of steps by up to a
-# third. _LEAST_DAMPING: smallest damping.
+# shortened step. Values of _TIGHTER from 0.02 to 0.2 and of _LOOSER from 1 to 10 change the number
+# of steps by up to a third. _LEAST_DAMPING: smallest damping.
 _TIGHTER, _LEAST_DAMPING, _LOOSER = 0.1, 1e-12, 2.0
 
 # _TOO_FAR: a step is too long if the forces at its end oppose it, and their work along it exceeds
