@@ -697,7 +697,7 @@ class FEModel(Frozen):
         return np.arange(0 if self.shapes is None else self.shapes.n_cells)
 
     def alike(self, *motions: FloatArray) -> tuple[FloatArray, Any]:
-        """Return motions of this body or of `given`, each (n, k), on one set of dofs, and its K.
+        """Return motions of this body or of `given`, each (n, k), on common dofs, and their K.
 
         :meta private:
         """
