@@ -113,9 +113,11 @@ def choose_models(
     Raises
     ------
     InputError, InputTypeError
-        If `rtol` is out of range, or the solver does not estimate its error.
+        If `rtol` is out of range, the solver does not estimate its error, or the run does not have
+        a quantity.
     ConvergenceError
-        If neither the largest models tried nor the given solver meet the tolerance.
+        If the errors of the largest models tried and of the given solver exceed a given `rtol`;
+        without `rtol`, if the error of the models is 1 or more.
     """
     tolerance, wanted = checked_rtol(rtol), interest()
     given = rtol is not None

@@ -78,9 +78,10 @@ _WIDER = 2.0
 # wide patches.
 _WITHIN_EDGE = 0.15
 
-# If a patch does not fit on the surface: `_SMALLER`: largest ratio of successive radii. `_WITHIN`:
-# ratio of the next radius to the distance at which the surface ends. `_LEAST_PATCH`: smallest ratio
-# of the radius to the element's edge; for smaller patches a point force is used.
+# A patch that does not fit on the surface is tried again with a smaller radius. `_SMALLER`: largest
+# ratio of the new radius to the one before. `_WITHIN`: largest ratio of the new radius to the
+# distance at which the surface ends. `_LEAST_PATCH`: smallest ratio of the radius to the element's
+# edge; for smaller patches a point force is used.
 _SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
 
 # Largest abs(resultant - 1), and ratio of couple to body size, of a functional without a warning;

@@ -523,7 +523,7 @@ def beam_motion(ends: FloatArray, beam: Beam, place: float) -> FloatArray:
 
 
 def _finite(stiffness: FloatArray) -> FloatArray:
-    """Return the stiffness, with 0 for infinite values: their strain is 0 and stores no energy."""
+    """Return the stiffness with infinite entries set to 0: their strains are 0, without energy."""
     return np.where(np.isinf(stiffness), 0.0, stiffness)
 
 

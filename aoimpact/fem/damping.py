@@ -13,7 +13,7 @@ from ..base import HUGE, InputError, InputTypeError, checked, finite_array, nonn
 
 
 def _coefficient(name: str, value: Any, unit: str = "") -> float:
-    """Return `value` as a float, small enough that products with frequencies do not overflow."""
+    """Return `value` as a float; refuse it if products with frequencies could overflow."""
     number = nonnegative(name, value, unit=unit)
     if number > HUGE:
         raise InputError(f"{name} must be at most {HUGE:g}{unit and ' ' + unit}, got {number:g}")

@@ -134,7 +134,8 @@ _NORMAL = 1.745e-3
 # Rows: axes y and z of a `Beam`. Columns: their components along axes 1 and 2 of Abaqus' section.
 _AXES = np.array([[0.0, -1.0], [1.0, 0.0]])
 
-# Largest permitted variation, rad, of the angle between two orientations among a shell's elements.
+# A ply's orientation must be at one angle to the laminate's reference direction in all elements.
+# Largest permitted difference, rad, of this angle from its value in the first element.
 _ANGLE = 1e-4
 
 # Advice for an orientation that Abaqus and CalculiX interpret differently.

@@ -59,7 +59,7 @@ _DIGITS = 1e-3
 
 
 def is_nastran(content: bytes) -> bool:
-    """Return whether the bytes `content` at the beginning of a file are of a Nastran deck."""
+    """Return whether a file that begins with the bytes `content` is a Nastran deck."""
     return _BULK.search(decoded(content) or "") is not None
 
 

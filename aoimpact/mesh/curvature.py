@@ -198,7 +198,7 @@ def _spacing(surface: Surface, face: IntArray) -> float:
 
 
 def _curved(surface: Surface, face: IntArray) -> BoolArray:
-    """Return which faces are curved: a midside node lies off the straight edge or flat side."""
+    """Return which faces are curved, with any midside node off the straight edge or flat side."""
     gap = np.linalg.norm(surface.bulges(face), axis=2).max(axis=1)
     return np.asarray(gap > _IN_PLANE * surface.edges(face))
 

@@ -107,7 +107,7 @@ class ReferenceElement:
 
     @property
     def lower(self) -> ReferenceElement:
-        """The element before enrichment or, if not enriched, the linear one on its corners."""
+        """The element without its enrichment or, if it has none, the linear one on its corners."""
         return self.own if self.kind[-1] == "+" else self.linear
 
     def shape(self, points: FloatArray) -> FloatArray:

@@ -173,10 +173,10 @@ class BodyModel(ABC):
 
     @property
     def centre_known(self) -> bool:
-        """True if the centre of mass is known, as for a body given by numbers.
+        """True if the displacement of the centre of mass is known, as for a body given by numbers.
 
-        If the centre of mass is not known, the mean over the static mode replaces the centre of
-        mass.
+        If it is not, the mean displacement of the body, weighted with its static mode, stands for
+        it.
         """
         return self.numbers is not None or self.centre_of_mass[2]
 

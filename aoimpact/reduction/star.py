@@ -412,8 +412,8 @@ class AOModel(Frozen):
     def _displaced(self, values: FloatArray) -> FloatArray:
         """Return the displacement of the body for coordinates λ, (n_dofs,) or (n_dofs, times)."""
         assert self.origin is not None
-        # The coordinates of M-orthonormal modes φ are φᵀM times the motion. In the coordinates λ, M
-        # is diagonal.
+        # Modal coordinates are q = φᵀMλ for M-orthonormal modes φ. In the coordinates λ, M is
+        # diagonal (`masses`), and φ is `_moved` times the modes' displacement at the port.
         of, masses = self.origin, np.concatenate([[self.m0], self.m])
         q = of.shape[0] * (self._moved(of.omega**2).T @ (values.T * masses).T).T
         full: FloatArray = of.displaced(q.T)

@@ -255,7 +255,7 @@ class Quantity:
         """Return the numbers by which runs are compared; they are cached in the run.
 
         Unlike `values`, these numbers use the velocities at the record's end if contact has not
-        ended, and the mean velocity over the static mode if a centre of mass is not known.
+        ended, and the mean velocity weighted with the static mode if no centre is known.
         """
         if self.name not in run.compared:
             if self.of_contact is not None:

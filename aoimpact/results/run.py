@@ -694,8 +694,8 @@ class Run:
     def mean_velocities(self, time: float) -> FloatArray:
         """Return the velocities of the centres of mass at a time, s, shape (bodies,), m/s.
 
-        Where a centre of mass is not known, the mean over the static mode replaces its velocity, so
-        that runs can still be compared.
+        Where a centre of mass is not known, the body's mean velocity weighted with its static mode
+        is returned, so that runs can still be compared.
 
         :meta private:
         """

@@ -299,7 +299,10 @@ def _either(hints: Sequence[Any]) -> Reader | None:
 
 
 def _items(hints: Sequence[Any], endless: bool = False) -> Reader | None:
-    """Return the `Reader` of a list; `hints`: annotation of each entry, or of all if `endless`."""
+    """Return the `Reader` of a list; None if an entry cannot be read.
+
+    `hints` are the annotations of the entries or, if `endless`, the one of all entries.
+    """
     each = [found for hint in hints if (found := reader(hint))]
     if len(each) < len(hints):
         return None

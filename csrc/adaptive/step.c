@@ -202,7 +202,7 @@ static void begin_entry(aoi_adaptive *run, size_t s, double h, int with_rates, i
     }
 }
 
-/* Finds the forces of the step on the ports of all bodies in it, and their Legendre coefficients. */
+/* Finds the forces in this step on the ports of all bodies that take part, and their Legendre coefficients. */
 static void gather_forces(aoi_adaptive *run, double h)
 {
     const aoi_system *system = run->system;

@@ -42,7 +42,8 @@ void aoi_collocation_weigh(enum aoi_edge edge, const double *by, const double *c
 int aoi_newton_law(const aoi_system *system, const aoi_newton *newton, const aoi_contact_step *entry, int with_rates,
                    aoi_law_values *law);
 
-/* Adds a residual compliance to the influences on an indentation (displacement) and on its rate (rate, or NULL). */
+/* Adds a residual compliance to the matrices by which a contact's forces at the nodes of a step of length h
+ * influence an indentation (displacement) and its rate (rate, or NULL). */
 void aoi_newton_add_residual(double residual, double h, double *displacement, double *rate);
 
 /* Sets `inverse` to the inverse of 1 + stiffness A + damping B, with slopes at the points where the law is

@@ -176,7 +176,7 @@ static void turn(const path *p, const aoi_stretch *spring, double r1, knot *k)
         cosine0 = (1.0 - f0) * (1.0 + f0) / norm0;
         sine0 = 2.0 * f0 / norm0;
         by_entry = left * (norm0 / norm) * in.share / in.radius;
-        /* written as a product of factors that stay finite */
+        /* (1 - left)/u (1 - f0 f)/norm, written with factors that stay finite as u tends to 0 */
         by_direction = rate * (turned > 0.0 ? -expm1(-turned) / turned : 1.0) * ((1.0 - f0 * f) / norm);
     }
     const double by_along = -by_entry * sine0 - sine * rate, by_across = by_entry * cosine0 + by_direction;

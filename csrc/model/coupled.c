@@ -235,7 +235,7 @@ static int solve_each(newton *s, iterate *at)
     return status;
 }
 
-/* Finds the residuals R and S of contact i, and the magnitudes of their terms. */
+/* Finds the residuals R (off) and S (rate_off) of contact i, and the sums of the magnitudes of their terms. */
 static void find_off(const newton *s, iterate *at, size_t i)
 {
     const aoi_coupled *e = s->e;
