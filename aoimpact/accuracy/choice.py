@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
-from ..base import ConvergenceError, InputError, positive, warn
+from ..base import ConvergenceError, InputError, MemoryLimitError, positive, warn
 from ..integrate import FRICTION, TIGHTEST, Adaptive, Newmark
 from ..linalg import Solver, checked_solver
 from ..reduction import Body
@@ -152,18 +153,19 @@ def choose_models(
         run = search.run
         errors = search.errors.tolist()
         compared = search.compared
-        made = [body.reducible for body in plan.bodies]
-        with_finer = finer_plan(run.plan, linear_solver, made=made)
-        energies = plan.energies and with_finer is None
+        refined = None
+        with suppress(MemoryLimitError):  # the error due to the meshes is then not bounded
+            refined = finer_plan(run.plan, linear_solver, made=[b.reducible for b in plan.bodies])
+        energies = plan.energies and refined is None
         whole = plan.of_models(search.models(), energies=energies)
         if run.recorder.dense or not energies:  # else energies take a new run
             whole = replace(whole, duration=run.duration)
             run = replace(run, plan=whole, recorder=replace(run.recorder, plan=whole))
         else:
             run = record.run(whole, rule)
-        if with_finer is not None:
+        if refined is not None:
             record.settled = False
-            answer = record.run(replace(with_finer, energies=plan.energies), rule)
+            answer = record.run(replace(refined, energies=plan.energies), rule)
             run = replace(answer, beside=run)
     in_steps = run.time_error
     if given and in_steps is not None and in_steps + error > tolerance:
