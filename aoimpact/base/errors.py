@@ -63,7 +63,7 @@ class RoomError(InputError):
     room : float
         Approximate radius of the largest patch that fits, m.
     reason : str
-        What limits the radius, and where.
+        Limit of the radius, and its place.
     cure : str
         Advice for a place where no patch fits.
     """

@@ -129,7 +129,7 @@ _MEMBER = re.compile(
     r"(\d+)(?: THRU (\d+)(?: BY 0*([1-9]\d*))?((?: EXCEPT| \d+(?!\d| THRU))*))?(?: |$)"
 )
 
-# What the numbers in a SET or SET3 of bulk data denote, by its type. Other types are left out.
+# Kinds of the numbers in a SET or SET3 of bulk data, by its type. Other types are left out.
 _BOTH = ("nodes", "elements")
 _MEMBERS = {"GRID": _BOTH[:1], "NODE": _BOTH[:1], "ELEM": _BOTH[1:], "ELEMENT": _BOTH[1:]}
 

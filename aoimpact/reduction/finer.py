@@ -28,7 +28,7 @@ _TERMS = 12
 
 # Largest unbalanced part of a contact force, relative to the force, at the frequency i s of the
 # extraction, up to which a model of at least `_TERMS` vectors per contact counts as containing the
-# sequence. Models made with factors leave 1e-12 unbalanced, models made with multigrid 1e-4.
+# sequence. Models made with factors leave up to 2e-11 unbalanced, with multigrid 1.4e-4.
 _BALANCED = 1e-3
 
 

@@ -194,7 +194,7 @@ class Signal(Frozen):
 
     @property
     def even(self) -> bool:
-        """Whether samples are evenly spaced, with deviations of at most a twentieth of a step."""
+        """True if samples deviate from even spacing by at most a twentieth of a step."""
         grid = np.linspace(self.t[0], self.t[-1], len(self.t))
         return bool((np.abs(self.t - grid) * self.mean_rate <= UNEVEN).all())
 

@@ -15,7 +15,7 @@
 /* AOI_PATHS: number of paths; AOI_SPRINGS: largest number of springs of each path. A trial step uses at most
  * AOI_TRIED_SPRINGS, since accepting the step adds springs at up to 2 MOST_STOPS positions; a step that needs more
  * is shortened. At most AOI_KEPT_SPRINGS are kept after a step, so that the next one has room. */
-enum { AOI_PATHS = 2, AOI_SPRINGS = 2048, AOI_TRIED_SPRINGS = 1792, AOI_KEPT_SPRINGS = 1536 };
+enum { AOI_PATHS = 2, AOI_SPRINGS = 2048, AOI_TRIED_SPRINGS = AOI_SPRINGS - 256, AOI_KEPT_SPRINGS = AOI_SPRINGS - 512 };
 
 /* Largest number of changes recorded in a step. At a change, all springs of a contact begin or cease to slip;
  * further changes are ignored. */
