@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
-from ..base import ConvergenceError, InputError, MemoryLimitError, positive, warn
+from ..base import ConvergenceError, InputError, positive, warn
 from ..integrate import FRICTION, TIGHTEST, Adaptive, Newmark
 from ..linalg import Solver, checked_solver
 from ..reduction import Body
@@ -154,7 +154,7 @@ def choose_models(
         errors = search.errors.tolist()
         compared = search.compared
         refined = None
-        with suppress(MemoryLimitError):  # the error due to the meshes is then not bounded
+        with suppress(MemoryError):  # the error due to the meshes is then not bounded
             refined = finer_plan(run.plan, linear_solver, made=[b.reducible for b in plan.bodies])
         energies = plan.energies and refined is None
         whole = plan.of_models(search.models(), energies=energies)
