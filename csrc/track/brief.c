@@ -56,7 +56,7 @@ static int find_velocities(const aoi_system *system, const parts *of, double tim
     for (size_t b = 0; b < 2; b++) {
         velocity[b] = of->record[aoi_record_body(system, b) + AOI_BODY_CENTRE_VELOCITY];
     }
-    return AOI_OK;
+    return isinf(velocity[0]) || isinf(velocity[1]) ? AOI_ERROR_NOT_FINITE : AOI_OK;
 }
 
 int aoi_brief_run(const aoi_system *system, const aoi_start *start, double rtol, double end, size_t rows,
