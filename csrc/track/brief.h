@@ -17,7 +17,7 @@ typedef struct aoi_brief {
  * aoi_brief. aoi_brief_size: size of its memory, in bytes.
  *   rows    capacity of the run's track, in rows
  *   memory  aoi_brief_size bytes, overwritten
- * Errors as for aoi_adaptive_start and aoi_adaptive_finish. */
+ * Errors as for aoi_adaptive_start and aoi_adaptive_finish; AOI_ERROR_NOT_FINITE if a velocity overflows. */
 size_t aoi_brief_size(const aoi_system *system, size_t rows);
 int aoi_brief_run(const aoi_system *system, const aoi_start *start, double rtol, double end, size_t rows,
                   void *memory, aoi_brief *brief);
