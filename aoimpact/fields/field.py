@@ -356,7 +356,7 @@ class Field:
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit = ao.simulate(ao.rigid(0.01), ao.antioscillators(tip, 4), 0.1, law=ao.Linear(k=1e5))
         >>> stress = hit.target.field([1e-4]).stress()
         >>> stress.von_mises.shape == (1, len(bar.nodes))
         True
@@ -407,7 +407,7 @@ class Field:
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit = ao.simulate(ao.rigid(0.01), ao.antioscillators(tip, 4), 0.1, law=ao.Linear(k=1e5))
         >>> hit.target.field([1e-4]).to_vtu(folder / "bar").name
         'bar.pvd'
         """
@@ -471,7 +471,7 @@ class Field:
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit = ao.simulate(ao.rigid(0.01), ao.antioscillators(tip, 4), 0.1, law=ao.Linear(k=1e5))
         >>> hit.target.field([1e-4]).plot().screenshot("bar.png")  # doctest: +SKIP
         """
         number = integer("which", which, low=0, high=len(self.times) - 1)
@@ -509,7 +509,7 @@ class Field:
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit = ao.simulate(ao.rigid(0.01), ao.antioscillators(tip, 4), 0.1, law=ao.Linear(k=1e5))
         >>> field = hit.target.field([1e-4, 2e-4])
         >>> path = field.movie("bar.gif")  # doctest: +SKIP
         """

@@ -440,8 +440,8 @@ class Probe(Sensed):
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), ao.full(tip), velocity=0.1,
-        ...     law=ao.Linear(k=1e5), duration=2e-3, solver=ao.Newmark(dt=5e-6))
+        >>> hit = ao.simulate(ao.rigid(mass=0.01), ao.antioscillators(tip, 4), velocity=0.1,
+        ...     law=ao.Linear(k=1e5), duration=2e-3)
         >>> probe = hit.target.probe((0.05, 0.005, 0.0), (0, 0, 1), dt=1e-5)
         >>> probe.filtered(cfc=1000).acceleration.shape == probe.t.shape
         True
@@ -727,7 +727,7 @@ class Measured:
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit = ao.simulate(ao.rigid(0.01), ao.antioscillators(tip, 4), 0.1, law=ao.Linear(k=1e5))
         >>> probe = hit.target.probe((0.05, 0.005, 0.0))
         >>> probe.stress["xx"].shape == probe.t.shape
         True
@@ -799,7 +799,7 @@ class Measured:
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit = ao.simulate(ao.rigid(0.01), ao.antioscillators(tip, 4), 0.1, law=ao.Linear(k=1e5))
         >>> gauge = hit.target.gauge((0.02, 0.005, 0.0), (1, 0, 0), length=3e-3)
         >>> gauge.strain.shape == hit.t.shape
         True
@@ -844,7 +844,7 @@ class Measured:
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit = ao.simulate(ao.rigid(0.01), ao.antioscillators(tip, 4), 0.1, law=ao.Linear(k=1e5))
         >>> hit.target.reaction("xmin").force.shape == (len(hit.t), 3)
         True
         """
@@ -893,7 +893,7 @@ class Measured:
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit = ao.simulate(ao.rigid(0.01), ao.antioscillators(tip, 4), 0.1, law=ao.Linear(k=1e5))
         >>> hit.target.field([1e-4]).displacement.shape == (1, len(bar.nodes), 3)
         True
         """
@@ -909,7 +909,7 @@ class Measured:
         >>> mesh = ao.box_mesh((0.1, 0.01, 0.01), (5, 1, 1), kind="hexahedron20")
         >>> bar = ao.FEModel.from_mesh(mesh, ao.Material(70e9, 0.3, 2700), fixed=[("xmin", "xyz")])
         >>> tip = bar.contact(point=(0.09, 0.005, 0.01), radius=0)
-        >>> hit = ao.simulate(ao.rigid(mass=0.01), tip, velocity=0.1, law=ao.Linear(k=1e5))
+        >>> hit = ao.simulate(ao.rigid(0.01), ao.antioscillators(tip, 4), 0.1, law=ao.Linear(k=1e5))
         >>> hit.target.to_vtu(folder / "bar", times=[1e-4]).name
         'bar.pvd'
         """

@@ -250,11 +250,11 @@ def compare(
     A plate of 4 mm by solid elements, and by shells:
 
     >>> steel = ao.Material(E=210e9, nu=0.3, rho=7800)
-    >>> box = ao.box_mesh((0.06, 0.06, 0.004), (10, 10, 1), kind="hexahedron20")
+    >>> box = ao.box_mesh((0.06, 0.06, 0.004), (6, 6, 1), kind="hexahedron20")
     >>> solid = ao.FEModel.from_mesh(box, steel, fixed=[("xmin", "xyz"), ("xmax", "xyz")])
     >>> rims = [("xmin", "xyz", "xyz"), ("xmax", "xyz", "xyz")]
     >>> sheet = ao.Shell(0.004, steel)
-    >>> shell = ao.FEModel.from_mesh(ao.sheet_mesh((0.06, 0.06), (10, 10)), sheet, fixed=rims)
+    >>> shell = ao.FEModel.from_mesh(ao.sheet_mesh((0.06, 0.06), (8, 8)), sheet, fixed=rims)
     >>> table = ao.compare(
     ...     ao.ball(0.005, steel), solid.contact(point=(0.03, 0.03, 0.004)), 1.0, duration=5e-5,
     ...     oscillators=(16,), modes=(), full=False,

@@ -71,6 +71,7 @@ def test_a_rigid_sphere_gives_the_beams_displacement_but_not_the_force(paper, co
 
 
 def test_quantity_and_tolerance_have_defaults(paper):
+    paper = functools.partial(paper, target=beam(ENDS))
     by_default = paper(duration=250e-6)
     assert by_default.error.quantity == "force"
     assert by_default.error.model <= by_default.error.rtol <= 1.1e-2
@@ -207,6 +208,7 @@ def test_a_body_too_large_to_be_known_whole(rtol):
     assert hit.models[1].n <= 150
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*may be off by")  # of elements that both runs share
 def test_a_named_point():
     """A quarter of the beam's length from the contact point, for six contact times."""

@@ -17,6 +17,7 @@ NUMBERS = {name: one for name, one in QUANTITIES.items() if not (one.is_history 
 STRUCK = ("tip of a cantilever, for long", "held plate", "rod on rod", "slow")
 
 
+@cache
 def strike(name, **options):
     projectile, target, law, velocity, duration = IMPACTS[name]()
     case = {"projectile": projectile, "target": target, "law": law, "velocity": velocity}
@@ -127,19 +128,18 @@ def test_a_number_that_there_is_not_has_no_error():
 
 
 def test_an_error_says_first_what_a_user_asks_first():
-    hit = strike("held plate", quantity="peak_force")
+    hit = strike("held plate", quantity="peak_force", rtol=1e-2)
     told = repr(hit.error)
     assert float(
         re.match(r"ErrorEstimate\(peak_force: at least (\S+) % \(mesh ", told)[1]
     ) == pytest.approx(100.0 * hit.error.least, rel=0.05)
     assert len(told) < 250
-
-
-def test_a_number_that_the_run_has_not_is_refused_with_one_that_it_has():
-    hit = strike("held plate")
     with pytest.raises(ao.InputError, match=r"^error"):
         hit.error["restituion"]
     assert "restituion" not in hit.error
+
+
+def test_a_run_without_errors_refuses_the_name_of_any():
     scene = ao.Scene()
     balls = [scene.add(ao.rigid(mass=1.0), velocity=v) for v in (1.0, 0.0)]
     scene.connect(*balls, ao.Linear(k=1e6))

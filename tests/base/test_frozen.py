@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from rows import each
 
 import aoimpact as ao
 from aoimpact.batch import SweepTable
@@ -52,10 +53,8 @@ def arrays(model: Any) -> Iterator[npt.NDArray[Any]]:
         )
 
 
-@pytest.mark.parametrize("name", MADE)
-@pytest.mark.parametrize(
-    "again", [lambda m: m, copy.deepcopy, lambda m: pickle.loads(pickle.dumps(m))]
-)
+@each("name", MADE)
+@each("again", [lambda m: m, copy.deepcopy, lambda m: pickle.loads(pickle.dumps(m))])
 def test_arrays_are_read_only(name: str, again: Any) -> None:
     model = MADE[name]()
     found, wanted = list(arrays(again(model))), list(arrays(model))

@@ -85,7 +85,7 @@ def test_the_same_bits_from_any_executor() -> None:
     cases = 2 * mixed()
     alone = ao.simulate_many(cases, keep=NAMES)
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(2, mp_context=context) as executor:
+    with ProcessPoolExecutor(1, mp_context=context) as executor:
         assert same(ao.simulate_many(cases, executor, keep=NAMES), alone)
         whole = ao.simulate_many(cases[:2], executor)
         assert [result.peak_force for result in whole] == [item["peak_force"] for item in alone[:2]]

@@ -16,6 +16,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import skfem
 from bodies import distorted_box, interior, no_solid, rigid_motions
+from rows import each
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
 
 from aoimpact import Material, Mesh, box_mesh, read_mesh
@@ -48,9 +49,7 @@ def curved_file(name: str) -> Mesh:
 
 
 BODIES = [*((distorted_box, kind) for kind in KINDS), *((curved_file, name) for name in FILES)]
-every_body = pytest.mark.parametrize(
-    "mesh", [make(name) for make, name in BODIES], ids=[name for _, name in BODIES]
-)
+every_body = each("mesh", [make(name) for make, name in BODIES])
 
 
 def elastic_energy(gradient: FloatArray, material: Material) -> float:
@@ -164,7 +163,7 @@ ORDERS = {
 }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_frequencies_converge_with_twice_the_order_of_the_element(kind: str) -> None:
     order, sizes = ORDERS[kind]
     errors = [bar_frequency(kind, n) - math.pi / 2.0 for n in sizes]
@@ -173,7 +172,7 @@ def test_frequencies_converge_with_twice_the_order_of_the_element(kind: str) -> 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["hexahedron27", "tetra10"])
+@each("kind", ["hexahedron27", "tetra10"])
 def test_curved_elements_keep_the_order(kind: str) -> None:
     errors = [bar_frequency(kind, n, twisted=True) - math.pi / 2.0 for n in (8, 12)]
     assert errors[1] > 0.0

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rows import each
 
 from aoimpact import (
     AOImpactWarning,
@@ -74,8 +75,8 @@ def fine_block(kind: str) -> FEModel:
     return FEModel.from_mesh(box_mesh((0.04, 0.02, 0.02), (12, 8, 3), kind=kind), STEEL)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("radius", [0.0, 0.009])
+@each("kind", KINDS)
+@each("radius", [0.0, 0.009])
 def test_a_contact_sees_rigid_motions_as_its_point_does(kind: str, radius: float) -> None:
     # u = bᵀX of a translation t and rotation w is d·(t + w × point): resultant and moment in one.
     body = fine_block(kind)
@@ -96,7 +97,7 @@ def test_a_point_at_a_node_is_that_node_along_the_surface_s_own_normal() -> None
     np.testing.assert_array_equal(tip.direction, DOWN)
 
 
-@pytest.mark.parametrize("radius", [0.0, 0.004])
+@each("radius", [0.0, 0.004])
 def test_the_direction_is_the_inward_normal_by_default(radius: float) -> None:
     tip = BALL.contact(point=0.01 * SLANTED, radius=radius)
     np.testing.assert_allclose(tip.direction, -SLANTED, atol=2e-3)
@@ -143,7 +144,7 @@ def test_automatic_radius_is_an_element_s_where_the_contact_is_not_known() -> No
 # ------------------------------------------------------------------------- bad input
 
 
-@pytest.mark.parametrize("x", [0.02, 0.023])  # a node, and none
+@each("x", [0.02, 0.023])  # a node, and none
 def test_an_edge_is_struck_in_any_direction_but_along_it(x: float) -> None:
     place = (x, 0.0, 0.02)
     words = r"^direction"

@@ -31,7 +31,9 @@ UNIT = ALU.plane_strain_modulus * A
 BOX, ON_TOP = (0.06, 0.06, 0.03), (0.0311, 0.0287, 0.03)
 S2 = 4.5e9  # of an impact of some 150 µs
 LINEAR = ("hexahedron", "tetra", "wedge", "pyramid")
-MARKS = dict.fromkeys(("hexahedron", "hexahedron27", "wedge15", "pyramid"), pytest.mark.slow)
+MARKS = dict.fromkeys(
+    ("hexahedron", "hexahedron27", "wedge", "wedge15", "pyramid"), pytest.mark.slow
+)
 
 
 def block(kind: str, divisions: tuple[int, int, int], **more: Any) -> ao.FEModel:
@@ -67,8 +69,8 @@ def with_error(*at: Any, a: float = A, **more: Any) -> tuple[float, float]:
 
 @cache
 def fine() -> Compliance:
-    """The compliances of the free block, by 256 bricks of 27 nodes."""
-    return extraction(block("hexahedron27", (8, 8, 4)))
+    """The compliances of the free block, by 108 bricks of 27 nodes."""
+    return extraction(block("hexahedron27", (6, 6, 3)))
 
 
 # ------------------------------------------------------------- the same on every mesh
@@ -146,16 +148,17 @@ def test_its_error_falls_with_twice_the_order_of_the_elements(
     assert math.log2(errors[0] / errors[1]) > 2.0 * order - 1.0
 
 
-@pytest.mark.parametrize("radius", [0.0, 1.0 * A, 1.4 * A, 3.0 * A])
-def test_what_is_removed_and_what_is_beyond_are_the_compliance_of_any_patch(radius: float) -> None:
+def test_what_is_removed_and_what_is_beyond_are_the_compliance_of_any_patch() -> None:
     """c + R = G; R does not know over which nodes the force is spread, and c has all of that."""
     body = block("hexahedron20", (4, 4, 2))
-    tip = tip_at(body, radius=radius)
-    found = tip.extraction
-    assert found is not None
-    G = float(tip.b @ body.inverse(S2).solve(tip.b))
-    assert found.removed + found.beyond == pytest.approx(G, rel=1e-10)
-    assert found.beyond == pytest.approx(extraction(body).beyond, rel=1e-6)
+    solver, at_node = body.inverse(S2), extraction(body)
+    for radius in (0.0, 1.0 * A, 1.4 * A, 3.0 * A):
+        tip = body.contact(point=ON_TOP, radius=radius).at_impact(A, solver)
+        found = tip.extraction
+        assert found is not None
+        G = float(tip.b @ solver.solve(tip.b))
+        assert found.removed + found.beyond == pytest.approx(G, rel=1e-10)
+        assert found.beyond == pytest.approx(at_node.beyond, rel=1e-6)
 
 
 def test_the_contact_s_own_radius_hardly_matters() -> None:

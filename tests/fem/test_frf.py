@@ -91,7 +91,7 @@ def test_few_frequencies_above_many_modes_are_solved_for_directly() -> None:
     )  # and SciPy's rounding
 
 
-@pytest.mark.parametrize("off", [1e-3, 1e-9])
+@pytest.mark.parametrize("off", [pytest.param(1e-3, marks=pytest.mark.slow), 1e-9])
 def test_the_bound_holds_beside_a_resonance_without_damping(off: float) -> None:
     body, first, second = plate(None, "clamped", 10)
     frequency = (1.0 + off) * float(body.frequencies(1)[0])

@@ -38,9 +38,6 @@ def bottom_edge(x: float) -> Callable[[FloatArray], npt.NDArray[np.bool_]]:
     return lambda nodes: (np.abs(nodes[:, 0] - x) < 1e-9) & (np.abs(nodes[:, 2]) < 1e-9)
 
 
-PAPER_SUPPORTS = [(bottom_edge(0.0), "xyz"), (bottom_edge(1.0), "yz")]
-
-
 def chain(n: int, k: float = 4.0, m: float = 9.0) -> tuple[sp.csr_array, sp.csr_array]:
     """`n` equal masses in a row, free at both ends."""
     K = sp.diags_array([-k, 2.0 * k, -k], offsets=[-1, 0, 1], shape=(n, n)).tolil()
@@ -237,9 +234,9 @@ def test_asymmetry_of_rounding_is_averaged_away() -> None:
     assert body.K[0, 1] == pytest.approx(-4.0 + 2e-9, abs=1e-15)
 
 
-@pytest.mark.parametrize("n", [1000])
-def test_energy_that_a_motion_gives_back_is_refused_at_any_size(n: int) -> None:
+def test_energy_that_a_motion_gives_back_is_refused() -> None:
     """Every diagonal entry and every pair of dofs is right; only all of them together are not."""
+    n = 600
     K = sp.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n)).tolil()
     M = sp.diags_array([0.6, 1.0, 0.6], offsets=[-1, 0, 1], shape=(n, n))  # 1 − 1.2 cos at least
     with pytest.raises(InputError, match=r"^M"):
@@ -277,7 +274,7 @@ def test_null_space_of_any_matrix_is_found(n: int, rank_loss: int, seed: int) ->
 
 @pytest.mark.parametrize("fixed", [None, [("xmin", "xyz")]])
 def test_a_pickle_carries_the_mesh_and_not_what_is_assembled_from_it(fixed: Any) -> None:
-    body = FEModel.from_mesh(box_mesh((0.1, 0.1, 0.02), (10, 10, 2)), STEEL, fixed=fixed)
+    body = FEModel.from_mesh(box_mesh((0.1, 0.1, 0.02), (6, 6, 2)), STEEL, fixed=fixed)
     tip = body.contact(point=(0.05, 0.05, 0.02))
     body.inverse(1e10).solve(tip.b)  # what is kept on the way does not travel, either
     packed = pickle.dumps(body)

@@ -100,7 +100,7 @@ def test_dashpots_to_the_ground_take_their_share_of_the_momentum(reduced: bool) 
 def test_supports_carry_the_weight_at_rest(held: str) -> None:
     scene = ao.Scene(gravity=9.81)
     tip = plate(held)
-    target = scene.add(tip)
+    target = scene.add(tip if held == "supports" else ao.antioscillators(tip, 6))
     ball = scene.add(ao.rigid(mass=0.2))
     scene.connect(ball, target, LAW)
     run = scene.simulate(duration=1e-4, preload=True)
@@ -259,9 +259,9 @@ def test_the_acceleration_of_a_light_cube() -> None:
 
 def test_the_end_of_a_record_is_not_the_largest_acceleration() -> None:
     """Of a record that is cut in the middle of vibration, as of a longer one."""
-    tip = plate("supports")
+    target = ao.antioscillators(plate("supports"), 12)
     hits = [
-        ao.simulate(ao.rigid(mass=0.1), ao.antioscillators(tip, 12), 1.0, law=LAW, duration=length)
+        ao.simulate(ao.rigid(mass=0.1), target, 1.0, law=LAW, duration=length)
         for length in (3e-3, 6e-3)
     ]
     t = np.arange(0.0, 3e-3 - Channel(cfc=1000.0).settling_time, 5e-6)

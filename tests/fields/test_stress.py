@@ -11,6 +11,7 @@ import scipy.sparse
 from bodies import distorted_box, rigid_motions
 from hypothesis import given
 from hypothesis import strategies as st
+from rows import each
 from scipy.spatial.transform import Rotation
 
 import aoimpact as ao
@@ -32,8 +33,8 @@ def hooke(gradient: FloatArray, material: ao.Material = STEEL) -> FloatArray:
     return material.E / (1.0 + nu) * (strain + bulk)
 
 
-@pytest.mark.parametrize("evaluate", EVALUATE)
-@pytest.mark.parametrize("kind", KINDS)
+@each("evaluate", EVALUATE)
+@each("kind", KINDS)
 def test_linear_displacements_have_their_constant_stress_in_any_element(
     kind: str, evaluate: Any
 ) -> None:
@@ -46,8 +47,8 @@ def test_linear_displacements_have_their_constant_stress_in_any_element(
         assert np.abs(found - exact).max() < 1e-12 * np.abs(exact).max()
 
 
-@pytest.mark.parametrize("evaluate", EVALUATE)
-@pytest.mark.parametrize("kind", KINDS)
+@each("evaluate", EVALUATE)
+@each("kind", KINDS)
 def test_rigid_motions_are_free_of_stress(kind: str, evaluate: Any) -> None:
     mesh = distorted_box(kind)
     motions = rigid_motions(mesh.nodes).T.reshape(6, -1, 3)
@@ -90,8 +91,8 @@ def bent_cantilever(kind: str, fineness: int, evaluate: Any) -> float:
 
 # Strains of elements of order p are of order p. At the nodes of equal bricks, where errors of both
 # sides cancel, those of first order gain one.
-@pytest.mark.parametrize(
-    ("kind", "evaluate", "order"),
+@each(
+    "kind, evaluate, order",
     [
         ("hexahedron", gauss_stress, 1),
         ("tetra", gauss_stress, 1),
@@ -112,7 +113,7 @@ def test_stress_of_a_bent_beam_converges_to_beam_theory(
     assert np.log2(coarse / fine) > order - 0.25
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_rows_give_the_stress_at_their_nodes(kind: str) -> None:
     mesh = distorted_box(kind)
     displacement = np.random.default_rng(1).standard_normal((mesh.n_nodes, 3))

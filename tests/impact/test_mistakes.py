@@ -29,7 +29,7 @@ LAW = ao.PowerLaw(ao.Hertz.between(STEEL, 0.01, ALU, math.inf).k, 1.5)
 
 
 def plate(size: Any = SIZE, fixed: Any = ENDS) -> ao.FEModel:
-    return ao.FEModel.from_mesh(ao.box_mesh(size, (10, 8, 1)), ALU, fixed=fixed)
+    return ao.FEModel.from_mesh(ao.box_mesh(size, (6, 4, 1)), ALU, fixed=fixed)
 
 
 def star(body: ao.FEModel) -> ao.AOModel:

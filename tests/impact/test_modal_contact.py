@@ -48,12 +48,13 @@ def modes(request: pytest.FixtureRequest) -> ao.Body:
     return ao.modal(tip, made.n_dofs - massless)
 
 
-@pytest.mark.parametrize("n", [20, 100])
-def test_its_force_is_that_of_all_modes_within_its_error(modes: ao.Body, n: int) -> None:
-    whole, hit = struck(modes), struck(modes.truncated(n))
-    error = hit.error["peak_force"]
-    assert abs(hit.peak_force / whole.peak_force - 1.0) < min(error.mesh + error.contact, 3e-3)
-    assert hit.contact_duration == pytest.approx(whole.contact_duration, rel=3e-3)
+def test_its_force_is_that_of_all_modes_within_its_error(modes: ao.Body) -> None:
+    whole = struck(modes)
+    for n in (20, 100):
+        hit = struck(modes.truncated(n))
+        error = hit.error["peak_force"]
+        assert abs(hit.peak_force / whole.peak_force - 1.0) < min(error.mesh + error.contact, 3e-3)
+        assert hit.contact_duration == pytest.approx(whole.contact_duration, rel=3e-3)
 
 
 def test_it_yields_with_the_law_as_the_body_does(modes: ao.Body) -> None:

@@ -162,7 +162,8 @@ def test_a_curved_shell_is_touched_outside_and_inside(side: float) -> None:
     body = ao.FEModel.from_mesh(ao.Mesh(nodes, mesh.cells[:, ::-1], "quad"), ao.Shell(2e-3, STEEL))
     tip = body.contact(point=(0, 0.05, R), direction=(0, 0, -side))
     assert tip.normal == pytest.approx([0, 0, side], abs=1e-9)
-    hit = ao.simulate(BALL, tip, 1.0, duration=150e-6, quantity="peak_force", rtol=0.05)
+    model = ao.antioscillators(tip, 8, method="krylov", contact_time=50e-6, duration=150e-6)
+    hit = ao.simulate(BALL, model, 1.0, duration=150e-6)
     expected = ao.Hertz.between(STEEL, 0.005, STEEL, (side * R, math.inf))
     assert hit.law.k == pytest.approx(expected.k, rel=2e-3)
 
@@ -236,35 +237,35 @@ def test_the_mesh_error_of_a_spring_at_a_node_of_a_shell() -> None:
     assert 0.0 < apart < coarse.error["peak_force"].total
 
 
+def thrown_off(n: int, kind: str = "quad", **given: Any) -> ao.Result:
+    """The waves of a held sheet throw a ball off: small elements have three touches."""
+    held = [(edge, "xyz", "xyz") for edge in ("xmin", "xmax", "ymin", "ymax")]
+    light = ao.Material(E=70e9, nu=0.33, rho=2700)
+    tip = sheet(2e-3, n, 0.1, kind, light, fixed=held).contact(point=(0.05, 0.05, 0))
+    return ao.simulate(BALL, tip, 1.0, **given)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*mesh makes an error")
+def test_numbers_of_all_touches_are_off_where_there_is_one_less() -> None:
+    exact, rough = thrown_off(32), thrown_off(8, "triangle")
+    for name in ("impulse", "rebound_velocity"):
+        assert abs(rough.value(name) / exact.value(name) - 1.0) > 0.2
+        assert math.isfinite(exact.error[name].mesh)
+
+
 @pytest.mark.filterwarnings("ignore:.*mesh makes an error")
 def test_numbers_of_all_touches_have_no_bound_where_one_run_has_more_of_them() -> None:
-    """The waves of a held sheet throw a ball off: small elements have three touches."""
-    light = ao.Material(E=70e9, nu=0.33, rho=2700)
-
-    def strike(n: int, kind: str = "quad", **given: Any) -> ao.Result:
-        held = [(edge, "xyz", "xyz") for edge in ("xmin", "xmax", "ymin", "ymax")]
-        tip = sheet(2e-3, n, 0.1, kind, light, fixed=held).contact(point=(0.05, 0.05, 0))
-        return ao.simulate(BALL, tip, 1.0, **given)
-
-    exact, *rough = strike(32), strike(8, "triangle"), strike(12)
-    for name in ("impulse", "rebound_velocity"):
-        assert abs(rough[0].value(name) / exact.value(name) - 1.0) > 0.2
-        assert [math.isinf(hit.error[name].mesh) for hit in (exact, *rough)] == [False, True, True]
-    apart = strike(12, duration=86e-6)  # and as meshed still in touch
+    for hit in (thrown_off(8, "triangle"), thrown_off(12)):
+        assert hit.error["impulse"].mesh == hit.error["rebound_velocity"].mesh == math.inf
+    apart = thrown_off(12, duration=86e-6)  # and as meshed still in touch
     assert apart.error["rebound_velocity"].total == math.inf > apart.rebound_velocity
     assert math.isnan(apart.beside.rebound_velocity)
 
 
 @pytest.mark.filterwarnings("ignore:.*mesh makes an error", "ignore:the contact makes an error")
 @pytest.mark.parametrize(
-    ("n", "kind"),
-    [
-        (8, "hexahedron"),
-        *(
-            pytest.param(*of, marks=pytest.mark.slow)
-            for of in ((10, "hexahedron20"), (8, "tetra10"))
-        ),
-    ],
+    ("n", "kind"), [(8, "hexahedron"), pytest.param(10, "hexahedron20", marks=pytest.mark.slow)]
 )
 def test_a_heavy_tup_is_thrown_back_with_all_its_momentum(n: int, kind: str) -> None:
     """But for the waves that it leaves in the plate, and known as well as these are."""

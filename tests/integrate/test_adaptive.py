@@ -10,6 +10,7 @@ import pytest
 from campaign.case import Body, Case, Contact, Law
 from campaign.oracle import Oracle
 from rigid_pair import on_a_wall, rigid_power
+from rows import each
 
 import aoimpact as ao
 from aoimpact.base import held_warnings
@@ -107,8 +108,8 @@ def test_a_contact_longer_than_the_record():
 
 
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
-@pytest.mark.parametrize("duration", [1e-12, 1e-9, 1e-7])
-@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
+@each("duration", [1e-12, 1e-9, 1e-7])
+@each("rtol", [1e-3, 1e-6, 1e-10])
 def test_a_record_of_the_first_moments_is_as_exact_relative_to_itself(duration, rtol):
     """x = t - K t^3.5 / 8.75 + …, K = k / m: the next term is of order 1e-12 there."""
     cut = hit(rtol, target=WALL, duration=duration)
@@ -120,7 +121,7 @@ def test_a_record_of_the_first_moments_is_as_exact_relative_to_itself(duration, 
     assert cut.contacts == [(0.0, duration)]
 
 
-@pytest.mark.parametrize("gap", [0.0, 1e-5])
+@each("gap", [0.0, 1e-5])
 def test_a_moving_wall_drives_what_it_meets_to_twice_its_speed(gap):
     peak, time = rigid_power(HERTZ.k, 1.5, MASS, 1.0)
     result = hit(projectile=WALL, target=BALL, gap=gap)
@@ -139,7 +140,7 @@ def test_a_run_without_end_is_refused_before_memory_is_full():
         hit(1e-3, projectile=swing, target=WALL, law=ao.Hertz(k=1e10), duration=1e5)
 
 
-@pytest.mark.parametrize("gap", [1.0, 30.0, 1e4])
+@each("gap", [1.0, 30.0, 1e4])
 def test_the_way_to_the_first_touch_costs_no_digits_of_the_contact(gap):
     """A place of 30 m is rounded by 4e-15 m, an indentation of 20 µm must not be."""
     sphere = ao.AOModel(m0=0.001 * MASS, m=[0.999 * MASS], k=[275.7e6])
@@ -149,8 +150,8 @@ def test_the_way_to_the_first_touch_costs_no_digits_of_the_contact(gap):
     assert far.contact_duration == pytest.approx(near.contact_duration, abs=1e-15 * gap + 1e-14)
 
 
-@pytest.mark.parametrize("n", [5.0, 10.0, 20.0])
-@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9])
+@each("n", [5.0, 10.0, 20.0])
+@each("rtol", [1e-3, 1e-6, 1e-9])
 def test_steep_laws_keep_the_tolerance_of_the_force(n, rtol):
     assert power_law_errors(rtol, 10.0 ** (5.0 * n), n, 0.5) <= rtol
 
@@ -204,7 +205,7 @@ def test_newmark_has_no_dense_output():
 # ------------------------------------------------------------------------------ other solvers
 
 
-@pytest.mark.parametrize("held", [True, False])
+@each("held", [True, False])
 def test_newmark_converges_to_the_adaptive_run(held):
     star = ao.AOModel(m0=2e-3, k0=3e5 if held else 0.0, m=[0.01, 0.02], k=[4e6, 9e7])
     exact = hit(1e-10, target=star, duration=400e-6)
@@ -224,8 +225,8 @@ def test_newmark_converges_to_the_adaptive_run(held):
     np.testing.assert_allclose(right, final, atol=1e-3 * np.abs(final).max())
 
 
-@pytest.mark.parametrize("k", [1e15, 1e25, 1e30, 1e35, 1e40, 1e45, 1e60, 1e100])
-@pytest.mark.parametrize("unit", [1.0, 1e-15])
+@each("k", [1e15, 1e25, 1e30, 1e35, 1e40, 1e45, 1e60, 1e100])
+@each("unit", [1.0, 1e-15])
 def test_absurdly_stiff_laws_are_solved_or_named_at_once(k, unit):
     """m0 meets m0 like two rigid bodies: with √(k m0/2) V; in units of another mass, too."""
     star = ao.AOModel(m0=1e-3 * unit, k0=0.0, m=[unit], k=[1e8 * unit])
@@ -247,8 +248,8 @@ def test_absurdly_stiff_laws_are_solved_or_named_at_once(k, unit):
     assert bool(said) == (result.error.time != 1e-8)  # what is not kept is said
 
 
-@pytest.mark.parametrize("share", [0.5, 0.9, 0.98, 0.99])
-@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-8])
+@each("share", [0.5, 0.9, 0.98, 0.99])
+@each("rtol", [1e-3, 1e-5, 1e-8])
 def test_a_contact_that_pulls_ends_when_its_indentation_is_zero(share, rtol):
     """m d'' + c d' + k d = 0: after π/ω_d, however slowly the bodies move there."""
     mass, k = 0.1, 1e6
@@ -264,7 +265,7 @@ def test_a_contact_that_pulls_ends_when_its_indentation_is_zero(share, rtol):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("beside", [False, True])
+@each("beside", [False, True])
 def test_a_load_of_very_many_points_moves_a_body_as_it_says(beside):
     """Closed form; its own contact comes at the end, with and without one of others meanwhile."""
     times = np.linspace(0.0, 1.0, 100_001)

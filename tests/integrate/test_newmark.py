@@ -9,6 +9,7 @@ import scipy.integrate
 import scipy.linalg
 import scipy.optimize
 from rigid_pair import against_a_wall, on_a_wall, rigid_power
+from rows import each
 
 import aoimpact as ao
 
@@ -59,9 +60,7 @@ def ringing_star():
 DAMPED = ao.Rayleigh(alpha=0.05, beta=0.02), ao.ModalDamping(0.05)
 
 
-@pytest.mark.parametrize(
-    ("fixed", "damping"), [([0, 24], None), ([], None), *(([0, 24], of) for of in DAMPED)]
-)
+@each("fixed, damping", [([0, 24], None), ([], None), *(([0, 24], of) for of in DAMPED)])
 def test_star_modal_and_full_model_of_one_body_are_one(fixed, damping):
     """In exact arithmetic Newmark does not depend on the coordinates."""
     K, M = beam(12, fixed=fixed)
@@ -112,8 +111,8 @@ def test_full_models_as_projectile_and_target():
 # ------------------------------------------------------------------------------- hard cases
 
 
-@pytest.mark.parametrize("dt", [1e-2, 1e-1, 1.0])
-@pytest.mark.parametrize("velocity", [1e-6, 1e3])
+@each("dt", [1e-2, 1e-1, 1.0])
+@each("velocity", [1e-6, 1e3])
 def test_far_too_large_a_step_is_solved_and_called_far_too_large(dt, velocity):
     with pytest.warns(ao.AOImpactWarning, match=r"^dt"):
         hit = pair(dt, velocity=velocity, duration=20 * dt)
@@ -136,8 +135,8 @@ def test_without_a_step_the_tolerance_is_met():
         assert hit.peak_force == pytest.approx(peak, rel=rtol)
 
 
-@pytest.mark.parametrize("damping", [20.0, 200.0, 1000.0, 1900.0])
-@pytest.mark.parametrize("gap", [0.0, 1e-5, 1.234e-5, 3.3e-5])
+@each("damping", [20.0, 200.0, 1000.0, 1900.0])
+@each("gap", [0.0, 1e-5, 1.234e-5, 3.3e-5])
 def test_the_error_estimate_knows_of_a_force_that_jumps_at_touch(damping, gap):
     """A damped spring in closed form: its force begins with c V, at a time within a step."""
     mass, k = 0.1, 1e7
@@ -197,8 +196,8 @@ def dampers_in_series(k: float, c: float, mass: float, spring: float, t: np.ndar
     return spring * found.y[0]
 
 
-@pytest.mark.parametrize("count", [1, 2, 3])
-@pytest.mark.parametrize("dt", [1e-7, 1e-6, 1e-5])
+@each("count", [1, 2, 3])
+@each("dt", [1e-7, 1e-6, 1e-5])
 def test_dampers_in_touch_with_a_massless_point_begin_as_its_springs_allow(count, dt):
     """Masses of 1, 2 … kg under laws as strong move as one; and so heavy a body stands still."""
     k, c, spring, still = 1e6, 3000.0, 1e4, 1e9
@@ -221,7 +220,7 @@ def test_dampers_in_touch_with_a_massless_point_begin_as_its_springs_allow(count
         assert run.error.time < 1e-3
 
 
-@pytest.mark.parametrize("damping", [None, ao.ModalDamping(0.0)])
+@each("damping", [None, ao.ModalDamping(0.0)])
 def test_a_load_on_a_free_massless_point_has_moved_it_at_the_start(damping):
     scene = ao.Scene()
     body = scene.add(ao.AOModel(m0=0.0, m=[1.0], k=[1e5], damping=damping), velocity=2.0)
@@ -235,8 +234,8 @@ def test_a_load_on_a_free_massless_point_has_moved_it_at_the_start(damping):
 
 
 @pytest.mark.filterwarnings("ignore:the record of")
-@pytest.mark.parametrize("solver", [{"dt": 3e-6}, {"rtol": 1e-3}, {"rtol": 1e-5}])
-@pytest.mark.parametrize("duration", [1e-4, 1.37e-4, 2.1e-4])
+@each("solver", [{"dt": 3e-6}, {"rtol": 1e-3}, {"rtol": 1e-5}])
+@each("duration", [1e-4, 1.37e-4, 2.1e-4])
 def test_a_contact_that_the_record_cuts_is_as_exact_as_claimed(solver, duration):
     scene = {
         "projectile": ao.rigid(mass=1.0),
@@ -320,7 +319,7 @@ def shaken(onset: float, ramp: float) -> ao.Scene:
 SHAKEN = 2.0 * math.pi * 1e4  # rad/s
 
 
-@pytest.mark.parametrize("onset", [1.1e-3, 1.73e-3, 5.02e-3])
+@each("onset", [1.1e-3, 1.73e-3, 5.02e-3])
 def test_vibration_that_first_steps_do_not_resolve_is_not_missed(onset):
     """A load at once makes the spring swing to 2 F/k, though its mean place is F/k."""
     run = shaken(onset, 1e-7).simulate(duration=1e-2, solver=ao.Newmark(rtol=1e-2))
@@ -337,7 +336,7 @@ def thrown(k, solver):
     return scene.simulate(duration=19.97e-3, solver=solver)
 
 
-@pytest.mark.parametrize("k", [1e5, 1e9])
+@each("k", [1e5, 1e9])
 def test_a_touch_between_steps_is_not_missed(k):
     touch = 1e-3  # m/s, v² = 1 - 2 · 100 N/kg · gap
     peak = -100.0 + math.sqrt(100.0**2 + touch**2 * k)
@@ -359,7 +358,7 @@ def test_a_load_that_steps_on_a_massless_point_is_seen_at_the_ends_of_a_step():
     assert abs(run.events[0].peak_force / peak - 1.0) < run.error.time < 1e-4
 
 
-@pytest.mark.parametrize("dt", [4e-4, 1e-4, 1e-6])
+@each("dt", [4e-4, 1e-4, 1e-6])
 def test_vibration_of_a_pressed_body_that_steps_do_not_resolve_is_in_the_error(dt):
     """A load at once on a mass behind k on a contact K: x swings to 2 F/K, in 1.9e-4 s."""
     mass, k, stiff, load = 0.0062, 8.7e6, 4.7e7, 70.0
@@ -394,7 +393,7 @@ def test_a_slow_load_needs_no_steps_for_what_it_does_not_excite():
 
 
 @pytest.mark.filterwarnings("ignore:.*no contact in", "ignore:.*a single node")
-@pytest.mark.parametrize("gravity", [0.0, 1000.0])
+@each("gravity", [0.0, 1000.0])
 def test_vibration_of_a_mesh_that_steps_do_not_resolve_is_said(gravity):
     """A cantilever that a load, or its own weight, bends at once, and steps beside its period."""
     mesh = ao.box_mesh((0.1, 0.01, 0.01), (6, 1, 1), kind="hexahedron20")
@@ -417,7 +416,7 @@ def test_vibration_of_a_mesh_that_steps_do_not_resolve_is_said(gravity):
         assert scene.simulate(duration=1e-2, solver=ao.Newmark(dt=1e-3)).error.time == 1.0
 
 
-@pytest.mark.parametrize("solver", [ao.Newmark(rtol=1e-2), ao.Newmark(dt=1e-5)])
+@each("solver", [ao.Newmark(rtol=1e-2), ao.Newmark(dt=1e-5)])
 def test_a_damper_on_a_massless_point_carries_all_of_a_load_at_first(solver):
     """Whatever its springs: they have not moved yet. It fades within c / (k + K) = 0.1 µs."""
     body = ao.AOModel(m0=0.0, m=[0.06], k=[1e8])

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from rigid_pair import against_a_wall
+from rows import each
 
 import aoimpact as ao
 
@@ -17,9 +18,9 @@ BODIES = {
 }
 
 
-@pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-8])
-@pytest.mark.parametrize("law", [ao.Hertz(1e8), ao.Linear(1e6), ao.KelvinVoigt(1e6, 10.0)])
-@pytest.mark.parametrize("body", BODIES)
+@each("rtol", [1e-3, 1e-6, 1e-8])
+@each("law", [ao.Hertz(1e8), ao.Linear(1e6), ao.KelvinVoigt(1e6, 10.0)])
+@each("body", BODIES)
 def test_a_pressed_contact_that_is_let_go_has_its_peak_at_the_start(body, law, rtol):
     scene, _ = against_a_wall(BODIES[body], law, ([0.0, 1e-3], [LOAD, 0.0]))
     run = scene.simulate(duration=2e-3, solver=ao.Adaptive(rtol=rtol), preload=True)
@@ -57,7 +58,7 @@ PARTED = {
 
 
 @pytest.mark.filterwarnings("ignore:.*no contact")
-@pytest.mark.parametrize("name", PARTED)
+@each("name", PARTED)
 def test_a_load_that_rises_from_nothing_pulls_touching_bodies_apart(name):
     one, other, moved = PARTED[name]
     scene = ao.Scene()

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rows import each
 
 import aoimpact as ao
 from aoimpact import AOImpactWarning, InputError, MeshError
@@ -55,9 +56,7 @@ def sets(mesh: ao.Mesh) -> dict[str, list[int]]:
     return {name: mesh.node_labels[of].tolist() for name, of in mesh.node_sets.items()}
 
 
-@pytest.mark.parametrize(
-    ("deck", "name", "members"),
-    [
+@each("deck, name, members", [
         (f"{C3D8},ELSET=P\n{cubes(1, 2, 3)}{C3D8},ELSET=P\n{cube(4)}", "P", [1, 2, 3, 4]),
         (f"{C3D8}\n{cubes(1, 2, 3)}{C3D8},ELSET=TIP\n{cube(4)}", "TIP", [4]),
         (f"{C3D8},ELSET=A\n{cubes(1, 2)}{C3D8},ELSET=B\n{cubes(3, 4)}*ELSET,ELSET=C\nB\n",
@@ -75,8 +74,7 @@ def sets(mesh: ao.Mesh) -> dict[str, list[int]]:
         (f"{C3D8}\n{cubes(1, 2, 3, 4)}*Elset, elset = g , Generate\n 1 , 4 , 2 ,\n", "g", [1, 3]),
         (f"{C3D8}\n{cubes(1, 2, 3, 4)}*ELSET,ELSET=U,UNSORTED,INTERNAL\n4,1\n", "U", [1, 4]),
         (f'{C3D8}\n{cubes(1, 2)}*ELSET,ELSET="a, b"\n2\n*ELSET,ELSET=Q\n"a, b"\n', "Q", [2]),
-    ],
-)  # fmt: skip
+    ])  # fmt: skip
 def test_groups_have_the_elements_that_abaqus_puts_into_them(
     tmp_path: Path, deck: str, name: str, members: list[int]
 ) -> None:
@@ -89,8 +87,8 @@ def test_groups_have_the_elements_that_abaqus_puts_into_them(
     assert part.cell_labels.tolist() == members
 
 
-@pytest.mark.parametrize(
-    ("deck", "members"),
+@each(
+    "deck, members",
     [
         ("*NSET,NSET=S\n1 , 2 , 3\n4, 5\n", [1, 2, 3, 4, 5]),
         ("*NSET,NSET=S\n1,2,\n** upper edge\n\n 13,14\n", [1, 2, 13, 14]),
@@ -113,7 +111,7 @@ def test_a_set_of_nodes_is_not_mixed_with_a_group_of_elements_of_its_name(tmp_pa
     assert groups(mesh)["FIX"] == [1, 2, 3, 4]
 
 
-@pytest.mark.parametrize(
+@each(
     "deck",
     [
         "*NODE\n" + "".join(LINES[:4]) + "*NODE\n" + "".join(LINES[4:]) + BRICK,
@@ -150,9 +148,7 @@ def test_a_brick_is_read_however_it_is_written(tmp_path: Path, deck: str | bytes
     assert ao.FEModel.from_mesh(mesh, STEEL).mass == pytest.approx(1e-6 * 7800.0)
 
 
-@pytest.mark.parametrize(
-    ("main", "others"),
-    [
+@each("main, others", [
         ("*INCLUDE,FILE=mesh.inc\n*NSET,NSET=FIX\n1,3\n", {"mesh.inc": NODES + BRICK}),
         (NODES + BRICK + "*INCLUDE,INPUT=fix.nam\n", {"fix.nam": "*NSET,NSET=FIX\n1,3\n"}),
         (
@@ -168,8 +164,7 @@ def test_a_brick_is_read_however_it_is_written(tmp_path: Path, deck: str | bytes
             "*NODE,INPUT=n.txt\n*ELEMENT,TYPE=C3D8,ELSET=BAR,INPUT=e.txt\n*NSET,NSET=FIX\n1,3\n",
             {"n.txt": "".join(LINES), "e.txt": BRICK.partition("\n")[2]},
         ),
-    ],
-)  # fmt: skip
+    ])  # fmt: skip
 def test_included_files_stand_in_their_places(
     tmp_path: Path, main: str, others: dict[str, str]
 ) -> None:
@@ -195,15 +190,15 @@ def wedge_nodes(system: str) -> str:
     return f"*NODE, SYSTEM={system}\n" + "\n".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("system", ["R", "C", "S", "CYLINDRICAL"])
+@each("system", ["R", "C", "S", "CYLINDRICAL"])
 def test_nodes_in_cylindrical_and_spherical_coordinates(tmp_path: Path, system: str) -> None:
     mesh = read(tmp_path, wedge_nodes(system) + BRICK)
     expected = read(tmp_path, wedge_nodes("R") + BRICK)
     assert np.allclose(mesh.nodes, expected.nodes, atol=1e-15)
 
 
-@pytest.mark.parametrize(
-    ("system", "axes"),
+@each(
+    "system, axes",
     [
         ("1,2,3\n", np.eye(3)),
         ("1,2,3, 1,5,3\n", [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]),
@@ -292,7 +287,7 @@ def test_a_part_without_an_instance_is_left_out(tmp_path: Path) -> None:
     assert mesh.n_cells == 1
 
 
-@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27",
+@each("kind", ["tetra", "tetra10", "hexahedron", "hexahedron20", "hexahedron27",
                                   "wedge", "wedge15", "pyramid", "pyramid13"])  # fmt: skip
 def test_solids_of_every_kind(tmp_path: Path, kind: str) -> None:
     """Nodes in the order of Abaqus' figures: edges of a face, of the other one, then between."""
@@ -313,9 +308,7 @@ def test_solids_of_every_kind(tmp_path: Path, kind: str) -> None:
     assert np.array_equal(mesh.cells, box.cells)
 
 
-@pytest.mark.parametrize(
-    ("more", "said"),
-    [
+@each("more, said", [
         ("*ELEMENT,TYPE=R3D4,ELSET=G\n9,1,2,4,3\n", "1 R3D4"),
         ("*ELEMENT,TYPE=S4R,ELSET=G\n9,1,2,4,3\n*ELEMENT,TYPE=MASS,ELSET=G\n10,1\n",
          "1 MASS, 1 S4R"),
@@ -323,8 +316,7 @@ def test_solids_of_every_kind(tmp_path: Path, kind: str) -> None:
         ("*ELEMENT,TYPE=GAPUNI,ELSET=G\n9,1,2\n", "1 GAPUNI"),
         ("*ELEMENT,TYPE=SC8R,ELSET=G\n9,1,2,4,3,5,6,8,7\n", "1 SC8R"),
         ("*ELEMENT,TYPE=B31,ELSET=G\n9,1,2\n", "1 B31"),
-    ],
-)  # fmt: skip
+    ])  # fmt: skip
 def test_other_elements_are_listed_and_ignored_unless_a_group_needs_them(
     tmp_path: Path, more: str, said: str
 ) -> None:
@@ -360,9 +352,7 @@ def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
     assert sets(mesh)["T"] == list(range(1, 9))
 
 
-@pytest.mark.parametrize(
-    ("deck", "words"),
-    [
+@each("deck, words", [
         ("1,0,0,0\n" + NODES, r"line 1\b"),
         ("*NOED\n1,0,0,0\n" + NODES + BRICK, r"line 1\b"),
         (NODES + "*NCOPY,CHANGE NUMBER=9\n", r"line 10\b"),
@@ -418,8 +408,7 @@ def test_members_that_are_not_there_are_named(tmp_path: Path) -> None:
         (NODES + "*ELEMENT,TYPE=B32\n1,1,2\n", r"line 11\b"),
         (PART.replace("*End Part\n", "*INSTANCE,NAME=I,PART=BAR\n*END INSTANCE\n*End Part\n"),
          r"line 17\b"),
-    ],
-)  # fmt: skip
+    ])  # fmt: skip
 def test_what_is_not_understood_is_refused_by_line_and_keyword(
     tmp_path: Path, deck: str, words: str
 ) -> None:

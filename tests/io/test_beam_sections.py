@@ -6,6 +6,7 @@ Reference Guide (PBARL) show, as inequalities in mm: h to the right, v upwards.
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import scipy.ndimage
 import scipy.sparse as sp
 import scipy.sparse.linalg
 from decks import deck
+from rows import each
 from thinmeshes import line
 
 import aoimpact as ao
@@ -134,6 +136,7 @@ def membrane(cells: Any, filled: Any, cell: float) -> float:
     return 2.0 * float(load @ phi) * (1e-3 * cell) ** 4
 
 
+@cache
 def twisted(sides: Any, within: Any) -> float:
     """The torsion constant in the limit of small cells, of the first order about a lid."""
     found = []
@@ -169,9 +172,7 @@ def compared(path: Path, axes: Any, sides: Any, within: Any, rel: float) -> tupl
     return beam, (np.array(beam.offset) @ own, centre)
 
 
-@pytest.mark.parametrize(
-    ("entry", "name"), [*(("PBARL", name) for name in NASTRAN), ("PBEAML", "T"), ("PBEAML", "BOX")]
-)
+@each("entry, name", [*(("PBARL", name) for name in NASTRAN), ("PBEAML", "T"), ("PBEAML", "BOX")])
 def test_bars_of_nastran_s_shapes(name: str, entry: str, tmp_path: Path) -> None:
     """Plane 1 holds v: its y is along (0, 3, 4), and z along x × y."""
     dims, sides, within = NASTRAN[name]
@@ -182,8 +183,8 @@ def test_bars_of_nastran_s_shapes(name: str, entry: str, tmp_path: Path) -> None
     compared(path, [[0, -0.8, 0.6], [0, 0.6, 0.8]], sides, within, 1e-3 if name == "HEXA" else 1e-9)
 
 
-@pytest.mark.parametrize("name", ABAQUS)
-@pytest.mark.parametrize("keyword", ["BEAM SECTION", "BEAM GENERAL SECTION"])
+@each("name", ABAQUS)
+@each("keyword", ["BEAM SECTION", "BEAM GENERAL SECTION"])
 def test_beams_of_abaqus_shapes(name: str, keyword: str, tmp_path: Path) -> None:
     """Axis 1, along (0, 0.6, 0.8), holds h; axis 2 is x × axis 1. Nodes are as in the figure."""
     numbers, sides, node, within = ABAQUS[name]
@@ -196,8 +197,8 @@ def test_beams_of_abaqus_shapes(name: str, keyword: str, tmp_path: Path) -> None
     assert offset == pytest.approx(centre - 1e-3 * np.array(node), abs=2e-5)
 
 
-@pytest.mark.parametrize(
-    ("numbers", "exact"),
+@each(
+    "numbers, exact",
     [
         (".02, .0173205080757, 0., .002", 3**0.5 / 80 * 0.02**4),
         (".01, .01, .01, .002", 0.1405770 * 0.01**4),

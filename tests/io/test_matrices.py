@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from rows import each
 from writers import LABELLED, PRINTED, written
 
 import aoimpact as ao
@@ -48,7 +49,7 @@ def expected(digits: int) -> Any:
     return force(body, node=TIP)
 
 
-@pytest.mark.parametrize("kind", PRINTED)
+@each("kind", PRINTED)
 def test_every_format_gives_the_same_matrices_and_the_same_force(kind: str, tmp_path: Path) -> None:
     files = written(kind, tmp_path, K, M, LABELS)
     dofs = None if kind in LABELLED else LABELS

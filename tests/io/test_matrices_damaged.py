@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from rows import each
 from test_matrices import BAR, LABELS, NODES, K, M
 from writers import market, written
 
@@ -30,8 +31,8 @@ def edited(file: Path, line: int, text: str | None) -> Path:
     return file
 
 
-@pytest.mark.parametrize(
-    ("kind", "line", "text", "named"),
+@each(
+    "kind, line, text, named",
     [
         ("market", 50, None, 3),
         ("market", 1000, None, 999),
@@ -62,8 +63,8 @@ def test_a_spoilt_file_is_named_with_its_line(
         ao.read_matrices(*files)
 
 
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
-@pytest.mark.parametrize("kind", ["calculix", "coordinate", "op4", "op4-sparse", "npz", "abaqus"])
+@each("share", [0.2, 0.5, 0.9])
+@each("kind", ["calculix", "coordinate", "op4", "op4-sparse", "npz", "abaqus"])
 def test_a_file_cut_short_is_refused(kind: str, share: float, tmp_path: Path) -> None:
     files = written(kind, tmp_path, K, M, LABELS)
     content = files[0].read_bytes()
@@ -74,9 +75,9 @@ def test_a_file_cut_short_is_refused(kind: str, share: float, tmp_path: Path) ->
             ao.read_matrices(*files)
 
 
-@pytest.mark.parametrize("which", [0, 1])
-@pytest.mark.parametrize("lines", [1, 2, 30])
-@pytest.mark.parametrize("kind", ["calculix", "coordinate", "abaqus", "labels", "dmig", "op4-text"])
+@each("which", [0, 1])
+@each("lines", [1, 2, 30])
+@each("kind", ["calculix", "coordinate", "abaqus", "labels", "dmig", "op4-text"])
 def test_a_file_without_its_last_lines_is_refused(
     kind: str, lines: int, which: int, tmp_path: Path
 ) -> None:
@@ -115,8 +116,8 @@ def test_a_last_line_without_an_end_is_said(tmp_path: Path) -> None:
         ao.read_matrices(*files)
 
 
-@pytest.mark.parametrize(
-    ("kind", "given", "words"),
+@each(
+    "kind, given, words",
     [
         *((kind, lambda K, M: (M, K), "^inertia") for kind in ("market", "calculix", "npz")),
         ("op4", lambda K, M: (M, K), "^matrix"),  # by their names
@@ -171,7 +172,7 @@ def test_other_nodes_are_refused(tmp_path: Path) -> None:
         ao.read_matrices(*files, nodes=NODES + np.array([1000.0, 0, 0, 0]))
 
 
-@pytest.mark.parametrize(
+@each(
     "content",
     [
         b"",
@@ -227,8 +228,8 @@ def single(matrix: Any) -> Any:
     return 0.5 * (rounded + rounded.T)
 
 
-@pytest.mark.parametrize(
-    ("changed", "words"),
+@each(
+    "changed, words",
     [
         (lambda K, M, x: (K, M, 1e3 * x), r"waves at 5\.91e\+06 m/s: coordinates in millimetres"),
         (lambda K, M, x: (K / 1e3, M / 1e3, 1e3 * x), "Give length=1e-3 and mass=1e3"),
@@ -259,8 +260,8 @@ def test_waves_are_those_of_the_material() -> None:
         assert body.audit(frequencies=0).speed == pytest.approx(exact, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("length", "mass", "words"),
+@each(
+    "length, mass, words",
     [
         (1e-3, 1e3, ""),
         (1e-3, 1.0, r"is \S+ kg/m³: M in tonnes and K in N/mm\? Give mass=1e3"),
@@ -294,7 +295,7 @@ def test_a_body_of_soft_rubber_is_taken_at_its_word() -> None:
 # ----------------------------------------------------------------------- order and digits
 
 
-@pytest.mark.parametrize(("nu", "digits"), [(0.33, 9), (0.25, 10)])
+@each("nu, digits", [(0.33, 9), (0.25, 10)])
 def test_few_digits_are_enough_for_the_elastic_frequencies(nu: float, digits: int) -> None:
     """Rounding leaves rigid motions a stiffness below zero; the elastic ones do not feel it."""
     mesh = ao.box_mesh((0.1, 0.03, 0.01), (10, 3, 1), kind="hexahedron20")
@@ -355,7 +356,7 @@ def test_displacements_without_mass_are_refused(tmp_path: Path) -> None:
         ao.read_matrices(*written("abaqus", tmp_path, K, light, LABELS))
 
 
-@pytest.mark.parametrize("units", [(1.0, 1.0), (1e-3, 1e3)])
+@each("units", [(1.0, 1.0), (1e-3, 1e3)])
 def test_rotations_scale_with_the_length_squared(
     units: tuple[float, float], tmp_path: Path
 ) -> None:

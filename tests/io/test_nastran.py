@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from bodies import no_solid
+from rows import each
 
 import aoimpact as ao
 
@@ -123,7 +124,7 @@ def shuffled() -> str:
 DECKS["continuations in any order"] = shuffled()
 
 
-@pytest.mark.parametrize("text", DECKS.values(), ids=DECKS.keys())
+@each("text", DECKS.values())
 def test_a_mesh_may_be_written_in_many_ways(text: str, tmp_path: Path) -> None:
     mesh = read(tmp_path, text)
     assert_two_bricks(mesh)
@@ -133,16 +134,14 @@ def test_a_mesh_may_be_written_in_many_ways(text: str, tmp_path: Path) -> None:
     }
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "utf-8-sig", "utf-16"])
-@pytest.mark.parametrize(
-    "name", ["deck.nas", "deck.inp", "deck.dat", "deck.fem", "deck.blk", "DECK.BDF"]
-)
+@each("encoding", ["latin-1", "utf-8-sig", "utf-16"])
+@each("name", ["deck.nas", "deck.inp", "deck.dat", "deck.fem", "deck.blk", "DECK.BDF"])
 def test_a_deck_is_known_by_its_content(name: str, encoding: str, tmp_path: Path) -> None:
     assert_two_bricks(read(tmp_path, "$ Größe in Metern\n" + PLAIN, name, encoding))
 
 
-@pytest.mark.parametrize(
-    ("written", "value"),
+@each(
+    "written, value",
     [
         ("1.5", 1.5),
         (".5", 0.5),
@@ -228,7 +227,7 @@ def points(axes: FloatArray, origin: FloatArray) -> str:
 SYSTEMS = [("R", rectangular), ("C", cylindrical), ("S", spherical)]
 
 
-@pytest.mark.parametrize(("kind", "local"), SYSTEMS)
+@each("kind, local", SYSTEMS)
 def test_coordinates_in_systems_of_points(
     kind: str, local: Callable[[FloatArray], FloatArray], tmp_path: Path
 ) -> None:
@@ -238,8 +237,8 @@ def test_coordinates_in_systems_of_points(
     assert_two_bricks(read(tmp_path, "GRDSET,,5\n" + in_system(local, "") + system + cells))
 
 
-@pytest.mark.parametrize(("kind", "local"), SYSTEMS)
-@pytest.mark.parametrize("second", [False, True])
+@each("kind, local", SYSTEMS)
+@each("second", [False, True])
 def test_coordinates_in_systems_of_nodes(
     second: bool, kind: str, local: Callable[[FloatArray], FloatArray], tmp_path: Path
 ) -> None:
@@ -302,8 +301,8 @@ def element(name: str, quadratic: bool, *, nodes: int | None = None) -> str:
     return text + f"{name}," + "\n,".join(lines) + "\n"
 
 
-@pytest.mark.parametrize("quadratic", [False, True])
-@pytest.mark.parametrize("name", ELEMENTS)
+@each("quadratic", [False, True])
+@each("name", ELEMENTS)
 def test_solids(name: str, quadratic: bool, tmp_path: Path) -> None:
     """Curved midside nodes that were out of order would change the volume, or be warned of."""
     mesh = read(tmp_path, element(name, quadratic))
@@ -313,9 +312,9 @@ def test_solids(name: str, quadratic: bool, tmp_path: Path) -> None:
     assert volume(mesh) == pytest.approx(VOLUMES[name], rel=1e-12)
 
 
-@pytest.mark.parametrize("points", ["free", "fixed-small", "fixed-large"])
-@pytest.mark.parametrize(
-    ("kind", "cells"),
+@each("points", ["free", "fixed-small", "fixed-large"])
+@each(
+    "kind, cells",
     [("tetra10", "fixed-small"), ("tetra10", "fixed-large"), ("hexahedron20", "fixed-small")],
 )
 def test_what_meshio_writes(kind: str, points: str, cells: str, tmp_path: Path) -> None:
@@ -388,7 +387,7 @@ def test_a_set_given_twice_is_left_out(tmp_path: Path) -> None:
     assert "SET 2 nodes" in mesh.node_sets
 
 
-@pytest.mark.parametrize(
+@each(
     "entries",
     [
         "CELAS2,9,1.,1,1\nCELAS2,10,1.,2,1\nCONM2,11,1,,5.\n",
@@ -405,7 +404,7 @@ def test_what_is_left_out_is_said(entries: str, tmp_path: Path) -> None:
         assert_two_bricks(read(tmp_path, head + PLAIN.replace("ENDDATA", entries + "ENDDATA")))
 
 
-@pytest.mark.parametrize("name", ["CROD", "CTUBE"])
+@each("name", ["CROD", "CTUBE"])
 def test_an_entry_may_have_two_rods(name: str, tmp_path: Path) -> None:
     """NASTRAN-95's manual: one or two elements may be defined on a single card."""
     mesh = read(tmp_path, f"GRID,1\nGRID,2,,1.\nGRID,3,,2.\n{name},5,8,1,2,6,9,2,3\nCBAR,4,7,1,3\n")
@@ -478,14 +477,14 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(("entries", "line"), REFUSED.values(), ids=REFUSED.keys())
+@each("entries, line", REFUSED.values())
 def test_what_is_not_understood_is_refused_by_line(entries: str, line: int, tmp_path: Path) -> None:
     with pytest.raises(ao.MeshError, match=rf"deck\.bdf', line {line}, "):
         read(tmp_path, PLAIN.replace("ENDDATA", entries.rstrip() + "\nENDDATA"))
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
+@each(
+    "text, words",
     [
         ("SOL 101\nCEND\n" + grids(), r"line 2\b"),
         ("BEGIN BULK\n,1,2\n" + grids(), r"line 2\b"),

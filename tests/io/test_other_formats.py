@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import scipy.io
 from bodies import mixed_box, no_solid
+from rows import each
 from test_gmsh import DAMAGED, TWO
 
 import aoimpact as ao
@@ -49,8 +50,8 @@ def assert_same(found: ao.Mesh, wanted: ao.Mesh) -> None:
 # ------------------------------------------------------------------------------------------ VTK
 
 
-@pytest.mark.parametrize(
-    ("name", "end", "how"),
+@each(
+    "name, end, how",
     [
         ("vtk42", ".vtk", {"binary": False}),
         ("vtk42", ".vtk", {"binary": True}),
@@ -145,8 +146,8 @@ def block(values: np.ndarray, compressed: bool) -> bytes:
     return struct.pack("<4I", 1, len(content), len(content), len(packed)) + packed
 
 
-@pytest.mark.parametrize("compressed", [False, True])
-@pytest.mark.parametrize("encoding", ["raw", "base64"])
+@each("compressed", [False, True])
+@each("encoding", ["raw", "base64"])
 def test_appended_data_as_paraview_writes_them(
     tmp_path: Path, encoding: str, compressed: bool
 ) -> None:
@@ -196,8 +197,8 @@ GRIDS = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("name", "text"),
+@each(
+    "name, text",
     [
         *(("a.vtk", (HEADER + BRICK).replace(*change, 1)) for change in LEGACY),
         *(("a.vtu", text) for text in GRIDS),
@@ -261,9 +262,7 @@ def exodus(file: Path, box: ao.Mesh, types: list[str], **more: Any) -> None:
             put(f"side_ss{i}", np.array([more.get("side", i)], "i4"))
 
 
-@pytest.mark.parametrize(
-    ("kind", "types"), [("hexahedron", ["HEX", "HEX8"]), ("hexahedron20", ["HEX20", "hex"])]
-)
+@each("kind, types", [("hexahedron", ["HEX", "HEX8"]), ("hexahedron20", ["HEX20", "hex"])])
 def test_blocks_and_sets_of_exodus(tmp_path: Path, kind: str, types: list[str]) -> None:
     box = ao.box_mesh(LENGTHS, (2, 1, 1), kind=kind)
     exodus(tmp_path / "a.exo", box, types)
@@ -283,8 +282,8 @@ def test_blocks_and_sets_of_exodus(tmp_path: Path, kind: str, types: list[str]) 
         assert np.array_equal(mesh.node_sets[f"side {i}"], on)
 
 
-@pytest.mark.parametrize(
-    ("kind", "type_"),
+@each(
+    "kind, type_",
     [("tetra", "TETRA4"), ("tetra", "TET"), ("wedge", "WEDGE6"), ("pyramid", "PYRAMID5")],
 )
 def test_names_of_elements_of_exodus(tmp_path: Path, kind: str, type_: str) -> None:
@@ -297,7 +296,7 @@ def test_names_of_elements_of_exodus(tmp_path: Path, kind: str, type_: str) -> N
     assert len(mesh.node_sets["side 1"]) in (3, 4)
 
 
-@pytest.mark.parametrize(("type_", "side"), [("NSIDED", 1), ("HEX", 7)])
+@each("type_, side", [("NSIDED", 1), ("HEX", 7)])
 def test_what_exodus_readers_do_not_know(tmp_path: Path, type_: str, side: int) -> None:
     exodus(tmp_path / "a.exo", ao.box_mesh(LENGTHS, (1, 1, 1)), [type_], side=side)
     with pytest.raises(MeshError, match=r"^mesh"):
@@ -325,8 +324,8 @@ def test_groups_and_numbers_of_med(gmsh: Any, tmp_path: Path) -> None:
         assert mesh.node_labels is not None
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
+@each(
+    "change, words",
     [
         (lambda f: f.__delitem__("ENS_MAA"), r"no mesh \(ENS_MAA\)"),
         (lambda f: f["ENS_MAA"].copy("mesh", "other"), "2 meshes"),
@@ -353,7 +352,7 @@ def test_an_array_beyond_the_file_is_refused_before_it_is_read(tmp_path: Path) -
 # ---------------------------------------------------------------------------------------- meshio
 
 
-@pytest.mark.parametrize(("name", "end"), [("su2", ".su2"), ("medit", ".mesh"), ("avsucd", ".avs")])
+@each("name, end", [("su2", ".su2"), ("medit", ".mesh"), ("avsucd", ".avs")])
 def test_meshes_that_meshio_reads_are_counted(tmp_path: Path, name: str, end: str) -> None:
     box = ao.box_mesh(LENGTHS, (2, 1, 1))
     write(box, tmp_path / f"a{end}", name)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from decks import MAT1, PLY, STEEL, abaqus, deck
+from rows import each
 from thinmeshes import line
 
 import aoimpact as ao
@@ -144,9 +145,7 @@ BARS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("keyword", "cards"), [(name, one) for name, cards in KEYWORDS.items() for one in cards]
-)
+@each("keyword, cards", [(name, one) for name, cards in KEYWORDS.items() for one in cards])
 def test_a_keyword_is_refused(keyword: str, cards: str, tmp_path: Path) -> None:
     mesh, kind = (line(), "B31") if "*BEAM" in cards else (SHEET, "S4")
     path = abaqus(tmp_path / "a.inp", mesh, [cards], kind)
@@ -155,8 +154,8 @@ def test_a_keyword_is_refused(keyword: str, cards: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*have no E3")
-@pytest.mark.parametrize(
-    ("entry", "cards", "mesh", "after"),
+@each(
+    "entry, cards, mesh, after",
     [
         (name, *((one, mesh, after) if isinstance(one, str) else (one[0], mesh, one[1])))
         for of, mesh, after in ((ENTRIES, SHEET, ""), (BARS, line(), ",0.,0.,1."))
@@ -177,8 +176,8 @@ def test_rods_alone_are_no_body(tmp_path: Path) -> None:
         ao.read_sections(deck(tmp_path, line(), "PROD,7,1,.1", after=",0.,0.,1."))
 
 
-@pytest.mark.parametrize(
-    ("mesh", "card", "old", "new", "words"),
+@each(
+    "mesh, card, old, new, words",
     [
         (SHEET, "PSHELL,7,2,.001,2", "\nCQUAD4,4", ",20.\nCQUAD4,4", "PSHELL"),
         (SHEET, "PSHELL,7,2,.001,2", "\nCQUAD4,4", ",,.001\nCQUAD4,4", "ZOFFS"),

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg
 from decks import CARBON, ELASTIC, MAT1, PLY, STEEL, abaqus, deck, nastran
+from rows import each
 from thinmeshes import line
 
 import aoimpact as ao
@@ -39,8 +40,8 @@ def read(path: Path, **given: Any) -> Any:
 # ---------------------------------------------------------------------------------- units
 
 
-@pytest.mark.parametrize(
-    ("E", "rho", "units"),
+@each(
+    "E, rho, units",
     [
         ("2.1E11", "7800.", {}),
         ("210000.", "7.8E-9", {"scale": 1e-3}),  # mm, N, t, s
@@ -62,8 +63,8 @@ def test_a_sheet_is_the_same_in_every_system_of_units(
     assert body.frequencies(8)[6:] == pytest.approx(true.frequencies(8)[6:], rel=1e-4)
 
 
-@pytest.mark.parametrize("text", ["PARAM,WTMASS,.101972", "PARAM   WTMASS  .101972"])
-@pytest.mark.parametrize("before", ["", "SOL 103\nCEND\n"])
+@each("text", ["PARAM,WTMASS,.101972", "PARAM   WTMASS  .101972"])
+@each("before", ["", "SOL 103\nCEND\n"])
 def test_weights_are_masses_by_wtmass(text: str, before: str, tmp_path: Path) -> None:
     """In bulk data, and in case control."""
     path = deck(tmp_path, SHEET, "PSHELL,7,1,.002,1", MAT1.replace("7800.", "76492."))
@@ -115,8 +116,8 @@ PLIES = "*SHELL SECTION, COMPOSITE, ELSET=ALL"
 GENERAL_PLIES = "*SHELL GENERAL SECTION, COMPOSITE, ELSET=ALL, OFFSET=SNEG"
 
 
-@pytest.mark.parametrize(
-    ("cards", "z0"),
+@each(
+    "cards, z0",
     [
         (PCOMP.format(z0=""), -2e-3),
         (PCOMP.format(z0="0."), 0.0),
@@ -138,7 +139,7 @@ def test_the_stiffness_of_plies_is_that_of_the_closed_form(
     assert laminate.interfaces[0] == pytest.approx(z0)
 
 
-@pytest.mark.parametrize(
+@each(
     "cards",
     [
         "PCOMP,7,,,,,,,SYM\n,2,.001,0.,,2,.001,90.",
@@ -157,8 +158,8 @@ ORIENTED = "*SHELL SECTION, ELSET=ALL, MATERIAL=PLY, ORIENTATION=O\n.001\n*ORIEN
 SIXTY = "CORD2R,5,,0.,0.,0.,0.,0.,1.\n,.5,.8660254038,0."
 
 
-@pytest.mark.parametrize(
-    ("cards", "after", "degrees"),
+@each(
+    "cards, after, degrees",
     [
         (ORIENTED + "1,0,0, 0,1,0", "", 0),
         (ORIENTED + "1,0,0, 0,1,0\n3, 20.", "", 20),
@@ -185,7 +186,7 @@ def test_fibres_lie_as_the_cards_say(
 LAMINA = "*ELASTIC, TYPE=LAMINA\n60E9, 58E9, .05, 4.5E9, 4E9, 4E9\n*DENSITY\n1550."
 
 
-@pytest.mark.parametrize(
+@each(
     "cards",
     [
         f"*SHELL SECTION, ELSET=ALL, MATERIAL=F\n.001\n*MATERIAL, NAME=F\n{LAMINA}",
@@ -206,7 +207,7 @@ def test_a_fabric_is_stiff_along_both_fibres_and_soft_across(cards: str, tmp_pat
 # ------------------------------------------------------------------------- beams and solids
 
 
-@pytest.mark.parametrize("shape", ["BAR\n,.02,.01", "T\n,.02,.01,.002,.002"])
+@each("shape", ["BAR\n,.02,.01", "T\n,.02,.01,.002,.002"])
 def test_offsets_of_bars_lead_from_their_nodes_to_the_centroid(shape: str, tmp_path: Path) -> None:
     after = ",0.,1.,0.\n,,,0.,.03,.05,0.,.03,.05"
     beam = read(deck(tmp_path, line(), f"PBARL,7,1,,{shape}", after=after))
@@ -256,8 +257,8 @@ GENERAL = (
 AREA, ALONG, OTHER = "2.E-4", "1.6666667E-9", "6.6666667E-9"  # of 10 mm along z, 20 mm along y
 
 
-@pytest.mark.parametrize(
-    ("card", "after"),
+@each(
+    "card, after",
     [
         (RECT, ""),
         (RECT.replace(".01, .02\n0, 0, 1", ".02, .01\n0, 1, 0"), ""),
@@ -295,8 +296,8 @@ def test_a_cantilever_rings_across_each_of_its_sides(card: str, after: str, tmp_
     )
 
 
-@pytest.mark.parametrize(
-    ("card", "factors"),
+@each(
+    "card, factors",
     [  # K1 is of shear along z, K2 along y
         ("PBAR,7,1,1.E-2,8.E-6,8.E-6,1.E-5", (math.inf, math.inf)),
         ("PBAR,7,1,1.E-2,8.E-6,8.E-6,1.E-5\n,\n,0.,.8", (0.8, math.inf)),
@@ -315,8 +316,8 @@ def test_bars_are_rigid_in_shear_unless_they_have_factors(
 BEAM = "*BEAM SECTION, ELSET=ALL, MATERIAL=STEEL, SECTION="
 
 
-@pytest.mark.parametrize(
-    ("card", "section"),
+@each(
+    "card, section",
     [
         (BEAM + "CIRC\n.01\n0,1,0", ao.CircularSection(0.01)),
         (BEAM + "CIRC\n.02, .02", ao.CircularSection(0.01)),  # diameters, of CalculiX
@@ -366,7 +367,7 @@ CORD2R,5,,0.,0.,0.,0.,0.,1.
 ,0.,1.,0."""
 
 
-@pytest.mark.parametrize("cards", [WOODEN, MAT11])
+@each("cards", [WOODEN, MAT11])
 def test_solids_have_the_stiffness_of_nine_constants_in_axes_of_their_own(
     cards: str, tmp_path: Path
 ) -> None:
@@ -419,7 +420,7 @@ def test_a_group_and_its_material_may_have_one_name(tmp_path: Path) -> None:
     assert read(path, given={"ALL": other}) == ao.Shell(1e-3, other)
 
 
-@pytest.mark.parametrize(
+@each(
     "cards",
     [
         f"{STEEL_SHELL}\n{STEEL}*PLASTIC\n3E8, 0.\n*DAMPING, BETA=1E-6",
@@ -456,9 +457,9 @@ def test_a_section_that_is_given_holds_what_cards_add(tmp_path: Path) -> None:
         ao.read_sections(tmp_path / "b.inp", given={"a.ALL": heavy})
 
 
-@pytest.mark.parametrize("kind", ["BAR", "BEAM"])
-@pytest.mark.parametrize(
-    ("written", "defaults", "whole"),
+@each("kind", ["BAR", "BEAM"])
+@each(
+    "written, defaults, whole",
     [
         (",,1,2", ",9,,,0.,3.,4.", ",9,1,2,0.,3.,4."),
         (",9,1,2,,3.", ",8,,,0.,5.,4.", ",9,1,2,0.,3.,4."),  # each field by itself
@@ -480,7 +481,7 @@ def test_blank_fields_of_bars_are_those_of_their_defaults(
     assert found[0] == found[1]
 
 
-@pytest.mark.parametrize(
+@each(
     "card",
     ["PBAR,7,1,1.E-4,1.E-9,1.E-9,2.E-9", "PBARL,7,1,,ROD\n,.01", "PBARL,7,1,,TUBE\n,.01,.009"],
 )

@@ -62,7 +62,7 @@ def test_a_single_node_under_a_law_that_leaves_out_its_indentation_is_a_sixth_of
 )
 def test_any_law_forgets_the_mesh(law: ao.ContactLaw) -> None:
     peaks = []
-    for mesh, radius in (("coarse", 0.0045), ("paper", 0.003), ("paper", 0.004)):
+    for mesh, radius in (("coarse", 0.0045), ("paper", 0.003)):
         body = sphere(mesh, radius)
         hit = ao.simulate(
             projectile=body, target=body, law=law, solver=ao.Newmark(dt=0.05e-6), **SCENE
@@ -117,7 +117,7 @@ def test_a_contact_wider_than_its_patch_is_refused_with_a_radius_that_will_do(
 
     def strike(radius: float) -> float:
         return ao.simulate(
-            projectile=BALL, target=block((8, 8, 3), radius), **scene
+            projectile=BALL, target=block((6, 6, 3), radius), **scene
         ).indentation.max()
 
     words = r"leaves nothing of the law; give .* radius=(\S+) m or more"
@@ -129,7 +129,7 @@ def test_a_contact_wider_than_its_patch_is_refused_with_a_radius_that_will_do(
 
 
 def test_a_law_stiffer_than_the_meshes_is_refused() -> None:
-    body = sphere("paper", 0.004)
+    body = sphere("paper", 0.003)
     words = r"^law"
     with pytest.raises(ao.InputError, match=words):
         ao.simulate(projectile=body, target=body, law=ao.Linear(k=1e10), **SCENE)

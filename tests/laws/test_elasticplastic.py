@@ -254,9 +254,7 @@ def test_leebs_dents(vickers, diameter):
     assert law.dent(deepest).diameter == pytest.approx(diameter, rel=0.08)
 
 
-@pytest.mark.parametrize(
-    ("E", "strength"), [(200e9, 600e6), (76e9, 276e6)], ids=["steel", "aluminium"]
-)
+@pytest.mark.parametrize(("E", "strength"), [(200e9, 600e6), (76e9, 276e6)])  # steel, aluminium
 def test_restitution_is_elastic_then_falls_with_a_quarter_power_of_the_velocity(E, strength):
     """From 1 mm/s to 10 m/s and beyond; Johnson, *Contact Mechanics*, eq. (11.46)."""
     metal = ao.Material(E=E, nu=0.3, rho=7800, yield_strength=strength)

@@ -11,6 +11,7 @@ import pytest
 from every_law import LAWS, law_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rows import each
 
 import aoimpact as ao
 from aoimpact.laws import LAWS as REGISTERED
@@ -24,7 +25,7 @@ parameters = st.tuples(
 )
 depths = st.floats(1e-9, 2e-5)
 rates = st.floats(-3.0, 3.0)
-over_laws = pytest.mark.parametrize("name", NAMES)
+over_laws = each("name", NAMES)
 
 
 def test_every_law_has_an_example_and_a_public_name():
@@ -33,7 +34,7 @@ def test_every_law_has_an_example_and_a_public_name():
     assert laws == {getattr(ao, name) for name in REGISTERED}  # aoimpact/__init__.pyi
 
 
-@pytest.mark.parametrize("name", sorted(set(REGISTERED) - {"UserLaw"}))
+@each("name", sorted(set(REGISTERED) - {"UserLaw"}))
 def test_every_law_is_documented_for_scene_files(name):
     page = Path(__file__).parents[2] / "docs" / "scene-files.md"
     text = page.read_text(encoding="utf-8")
@@ -44,7 +45,7 @@ def test_every_law_is_documented_for_scene_files(name):
     assert takes_none == (f"`{name}`" in without[1]), "the sentence on `relative_radius`"
 
 
-@pytest.mark.parametrize("name", sorted(set(REGISTERED) - {"Tabulated", "UserLaw"}))
+@each("name", sorted(set(REGISTERED) - {"Tabulated", "UserLaw"}))
 def test_a_summary_writes_every_parameter_with_its_unit(name):
     assert str(law_of(name)).startswith(f"{name}, "), "name the units in the fields of the class"
 
@@ -167,7 +168,7 @@ HYSTERESIS = {
 }
 
 
-@pytest.mark.parametrize(("formula", "product"), HYSTERESIS.items())
+@each("formula, product", HYSTERESIS.items())
 def test_published_hysteresis_factors(formula, product):
     made = ao.HuntCrossley.from_restitution(1e9, 0.4, 2.0, 1.3, formula=formula)
     assert made.damping == pytest.approx(product / 2.0)

@@ -9,6 +9,7 @@ from every_law import LAWS, law_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rigid_pair import on_a_wall
+from rows import each
 
 import aoimpact as ao
 from aoimpact.laws import PatchLaw
@@ -77,8 +78,8 @@ def test_a_plastic_law_stands_while_its_unloading_does():
     assert 2e-8 * 1.5 * K * math.sqrt(own) == pytest.approx(0.95, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", sorted(LAWS))
-@pytest.mark.parametrize("energy", [1e-20, 1e-8, 1.0])
+@each("name", sorted(LAWS))
+@each("energy", [1e-20, 1e-8, 1.0])
 def test_the_stroke_of_an_energy_is_where_the_work_is_that(name, energy):
     law = law_of(name)
     depth = law.stroke(energy)
@@ -93,7 +94,7 @@ def test_the_stroke_ends_where_the_law_does():
     assert law.stroke(100.0) == pytest.approx(law.limit, rel=1e-9)
 
 
-@pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-8), ao.Adaptive(rtol=1e-9)])
+@each("solver", [ao.Newmark(dt=2e-8), ao.Adaptive(rtol=1e-9)])
 def test_an_elastic_impact_on_a_patch_keeps_its_energy(solver):
     mass, speed, law = 0.016, 1.0, ao.Hertz(K).within_patch(C)
     hit = on_a_wall(law, mass, speed, solver)
@@ -105,7 +106,7 @@ def test_an_elastic_impact_on_a_patch_keeps_its_energy(solver):
     assert hit.peak_force == pytest.approx(ao.Hertz(K).force(deepest), rel=1e-3)
 
 
-@pytest.mark.parametrize("solver", [ao.Newmark(dt=2e-8), ao.Adaptive(rtol=1e-9)])
+@each("solver", [ao.Newmark(dt=2e-8), ao.Adaptive(rtol=1e-9)])
 def test_a_spring_in_series_is_a_compliance_below_zero(solver):
     """Linear in series with 1/k is (1/K + 1/k)⁻¹: peak force v √(k m); and F = law(δ - F/k)."""
     law = ao.Linear(1e8).within_patch(-1e-8)

@@ -7,6 +7,7 @@ import scipy.special
 from hypothesis import example, given
 from hypothesis import strategies as st
 from rigid_pair import rebound
+from rows import each
 
 import aoimpact as ao
 
@@ -26,7 +27,7 @@ def test_hunt_crossley_is_lamberts_w(damping):
     assert hunt_crossley(damping) == pytest.approx(e, rel=1e-13 / min(damping, 1.0) ** 2)
 
 
-@pytest.mark.parametrize("damping", [1e-12, 1e-9, 1e-6, 1e-4, 1e-2])
+@each("damping", [1e-12, 1e-9, 1e-6, 1e-4, 1e-2])
 def test_hunt_crossley_of_little_damping_is_its_series(damping):
     """e = 1 - 2/3 u + 4/9 u² + O(u³), from the same relation."""
     lost = 1.0 - hunt_crossley(damping)
@@ -64,8 +65,8 @@ MADE = {
 }
 
 
-@pytest.mark.parametrize("e", [0.01, 0.03, 0.1, 0.3, 0.5, 0.8, 0.95, 0.999, 1.0])
-@pytest.mark.parametrize("name", MADE)
+@each("e", [0.01, 0.1, 0.5, 0.8, 0.999, 1.0])
+@each("name", MADE)
 def test_a_law_delivers_what_was_asked(name, e):
     make, force, pulls = MADE[name]
     law = make(e)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from rows import each
 
 import aoimpact as ao
 from aoimpact.linalg import core_rows
@@ -75,8 +76,8 @@ BROKEN: list[Any] = [
 ]
 
 
-@pytest.mark.parametrize("name", ["K", "M"])
-@pytest.mark.parametrize("what", BROKEN)
+@each("name", ["K", "M"])
+@each("what", BROKEN)
 def test_broken_structures_are_refused_by_name(what: Any, name: str) -> None:
     made = what() if callable(what) else with_number(CHAIN.asformat(what[0], copy=True), *what[1:])
     matrices = {"K": CHAIN, "M": sp.eye_array(N, format="csr")} | {name: made}
@@ -95,8 +96,8 @@ def test_the_real_part_of_a_complex_matrix_is_a_matrix() -> None:
     assert found[0] == pytest.approx(found[1], rel=1e-12)
 
 
-@pytest.mark.parametrize("kind", ["array", "matrix"])
-@pytest.mark.parametrize("format", FORMATS)
+@each("kind", ["array", "matrix"])
+@each("format", FORMATS)
 def test_every_format_is_the_same_matrix(format: str, kind: str) -> None:
     """Whatever its flags say, and in whatever order its entries are."""
     K = getattr(sp, f"{format}_{kind}")(CHAIN)

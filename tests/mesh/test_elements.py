@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 import skfem
+from rows import each
 from skfem import refdom
 from skfem.quadrature import get_quadrature
 
@@ -22,7 +23,7 @@ THEIRS = {
 }
 
 
-@pytest.mark.parametrize("kind", THEIRS)
+@each("kind", THEIRS)
 def test_values_and_derivatives(kind: str) -> None:
     element, theirs = reference_element(kind), THEIRS[kind]
     points = np.random.default_rng(1).uniform(-0.2, 1.2, (50, 3))
@@ -67,8 +68,8 @@ def integral(kind: str, powers: tuple[int, int, int]) -> float:
     return along[0] * along[1] * float(w_line @ ((1 - z) ** (i + j + 2) * z**k))
 
 
-@pytest.mark.parametrize("which", [0, 1], ids=["stiffness", "mass"])
-@pytest.mark.parametrize("kind", KINDS)
+@each("which", [0, 1])
+@each("kind", KINDS)
 def test_quadrature_is_exact_to_its_degree(kind: str, which: int) -> None:
     element, degree = reference_element(kind), DEGREES[kind][which]
     rule: Rule = (element.stiffness_rule, element.mass_rule)[which]

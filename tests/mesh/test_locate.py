@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from bodies import distorted_box, mixed_box
+from rows import each
 
 import aoimpact as ao
 from aoimpact.mesh import KINDS, weights_at
@@ -12,7 +13,7 @@ from aoimpact.mesh import KINDS, weights_at
 MIXED = [mixed_box((2.0, 1.5, 1.0), (2, 2, 3), order=order) for order in (1, 2)]
 
 
-@pytest.mark.parametrize("mesh", [*map(distorted_box, KINDS), *MIXED], ids=lambda of: of.contents)
+@each("mesh", [*map(distorted_box, KINDS), *MIXED])
 def test_coordinates_interpolated_at_a_point_are_the_point(mesh: ao.Mesh) -> None:
     for point in np.random.default_rng(0).uniform(0.0, 1.0, (15, 3)) * [2.0, 1.5, 1.0]:
         nodes, weights = weights_at(mesh, point)
@@ -20,7 +21,7 @@ def test_coordinates_interpolated_at_a_point_are_the_point(mesh: ao.Mesh) -> Non
         assert weights.sum() == pytest.approx(1.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_a_node_is_itself(kind: str) -> None:
     mesh = distorted_box(kind)
     for node in (0, mesh.n_nodes // 2, mesh.n_nodes - 1):
@@ -36,8 +37,8 @@ def test_points_of_a_sphere_are_on_its_faceted_surface() -> None:
         assert np.linalg.norm(weights @ mesh.nodes[nodes] - point) < 2e-3 * 0.01
 
 
-@pytest.mark.parametrize("point", [(2.1, 0.5, 0.5), (-1e3, 0.0, 0.0), (1.0, 0.7, 1.05)])
-@pytest.mark.parametrize("kind", ["tetra10", "hexahedron", "wedge"])
+@each("point", [(2.1, 0.5, 0.5), (-1e3, 0.0, 0.0), (1.0, 0.7, 1.05)])
+@each("kind", ["tetra10", "hexahedron", "wedge"])
 def test_a_point_off_the_body_is_refused(kind: str, point: tuple[float, ...]) -> None:
     with pytest.raises(ao.InputError, match=r"^point"):
         weights_at(distorted_box(kind), np.array(point))

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from bodies import distorted_box
+from rows import each
 
 import aoimpact as ao
 from aoimpact.base import (
@@ -67,7 +68,7 @@ def test_nodes_of_no_volume_element_are_dropped_with_a_count() -> None:
     assert {name: ids.tolist() for name, ids in mesh.node_sets.items()} == {"some": [2]}
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if reference_element(kind).quadratic])
+@each("kind", [kind for kind in KINDS if reference_element(kind).quadratic])
 def test_midside_nodes_in_another_order_are_put_right(kind: str) -> None:
     mesh = distorted_box(kind)
     n = reference_element(kind).n_corners
@@ -78,7 +79,7 @@ def test_midside_nodes_in_another_order_are_put_right(kind: str) -> None:
     assert np.array_equal(repaired.cells, mesh.cells)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_left_handed_numbering_throughout_is_put_right(kind: str) -> None:
     mesh = distorted_box(kind)
     mirrored = mesh.cells[:, reference_element(kind).mirror]
@@ -91,13 +92,13 @@ def test_a_warning_points_at_the_line_that_led_to_it() -> None:
     assert record[0].filename == __file__
 
 
-@pytest.mark.parametrize("factor", [1e-9, 1e-3, 1e6])
+@each("factor", [1e-9, 1e-3, 1e6])
 def test_shape_of_elements_is_judged_at_any_scale(factor: float) -> None:
     thin = TWO * [1.0, 1.0, 1e-3] * factor  # thin, but not flat
     assert read_mesh(solid(thin)).size == pytest.approx(2.0 * factor)
 
 
-@pytest.mark.parametrize("factor", [1e308, 1e200, 1e-120, 1e-320])
+@each("factor", [1e308, 1e200, 1e-120, 1e-320])
 def test_bodies_whose_volumes_cannot_be_computed(factor: float) -> None:
     steel = ao.Material(E=210e9, nu=0.3, rho=7800)
     with pytest.raises(InputError, match="E="):
@@ -126,8 +127,8 @@ TURNED = TWO_CELLS[0, [1, 2, 3, 0, 5, 6, 7, 4]]  # the same cube, begun at anoth
 UPSIDE_DOWN = TWO_CELLS[0, [4, 5, 6, 7, 0, 1, 2, 3]]
 
 
-@pytest.mark.parametrize(
-    ("points", "cells", "words"),
+@each(
+    "points, cells, words",
     [
         (TWO, [], "elements"),
         (TWO, [("triangle10", np.arange(10)[None])], "order"),
@@ -151,7 +152,7 @@ def test_what_is_no_body_is_refused(
         read_mesh(meshio.Mesh(points, cells))
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e200])
+@each("bad", [np.nan, np.inf, 1e200])
 def test_nodes_of_no_element_may_have_any_coordinates(bad: float) -> None:
     points = np.vstack([[[bad, 0.0, bad]], TWO])
     with pytest.warns(AOImpactWarning, match="nodes"):

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from bodies import distorted_box, mixed_box, no_solid
+from rows import each
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTri
 
@@ -36,7 +37,7 @@ def integrals(surface: Surface) -> tuple[float, FloatArray, float]:
 MIXED = [mixed_box((2.0, 1.5, 1.0), (3, 2, 4), order=order) for order in (1, 2)]
 
 
-@pytest.mark.parametrize("mesh", [*map(distorted_box, KINDS), *MIXED], ids=lambda of: of.contents)
+@each("mesh", [*map(distorted_box, KINDS), *MIXED])
 def test_the_surface_of_a_box_is_closed_and_one_part(mesh: Mesh) -> None:
     surface = boundary(mesh)
     area, normal, volume = integrals(surface)
@@ -56,7 +57,7 @@ def test_surface_of_a_ball() -> None:
     np.testing.assert_allclose(normal, 0.0, atol=1e-13)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_a_point_of_the_surface_is_found_where_it_is(kind: str) -> None:
     surface = boundary(distorted_box(kind))
     for point in ([1.3, 0.7, 1.0], [2.0, 0.11, 0.2], [0.4, 0.0, 0.63]):
@@ -80,7 +81,7 @@ def test_the_nearest_place_to_a_point_off_a_ball_lies_on_its_radius() -> None:
         assert place.distance[0] == pytest.approx(abs(distance - 1.0), abs=1e-3)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_lines_pierce_the_side_that_is_asked_for(kind: str) -> None:
     surface = boundary(distorted_box(kind))
     points = np.random.default_rng(1).uniform([0, 0, 0.9], [2.0, 1.5, 1.1], (200, 3))
@@ -93,7 +94,7 @@ def test_lines_pierce_the_side_that_is_asked_for(kind: str) -> None:
         np.testing.assert_allclose(surface.at(place.face, place.uv)[0], wanted, atol=1e-12)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@each("kind", KINDS)
 def test_faces_lie_within_their_bounds(kind: str) -> None:
     """Curved ones too, and along any axes; those of a box are its planes."""
     frame = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
@@ -119,7 +120,7 @@ def test_lines_beside_the_body_and_beyond_reach_pierce_nothing() -> None:
     assert (surface.pierced(points, UP, reach=0.1).face >= 0).tolist() == [False, False, True]
 
 
-@pytest.mark.parametrize("kind", ["pyramid", "pyramid13"])
+@each("kind", ["pyramid", "pyramid13"])
 def test_a_flat_side_of_a_pyramid_goes_straight_on_beyond_the_apex(kind: str) -> None:
     """Newton's steps lead there, where the functions of the element have no value."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.4, 0.7, 0.8]])

@@ -20,6 +20,7 @@ import pytest
 import scipy.sparse
 from every_law import LAWS as EVERY_LAW
 from every_law import law_of
+from rows import each
 
 import aoimpact as ao
 from aoimpact import testrig
@@ -55,16 +56,12 @@ ODD: dict[str, Any] = {
     "half": 0.5,
     "fraction": Fraction(1, 3),
     "empty": [],
-    "tuple": (),
     "table": {},
     "set": set(),
     "object": object(),
     "function": len,
-    "class": int,
-    "module": math,
     "ragged": [[1.0], [1.0, 2.0]],
     "words": ["a", "b"],
-    "nones": [None, None],
     "bools": [True, False],
     "range": range(3),
     "generator": (x for x in ()),
@@ -86,7 +83,6 @@ ODD: dict[str, Any] = {
     "path": Path("no such file"),
     "half a character": "\ud800",
     "null character": "a\0b",
-    "no text": "",
     "folder": ".",
     "index": Index(),
     "sparse": scipy.sparse.eye(3),
@@ -488,8 +484,8 @@ ALSO = {
 
 # A function of the user's has errors of its own, and may be slow; a value of a sweep may be a list.
 NOT = {
-    "solver": ("function", "class"),
-    "linear_solver": ("function", "class"),
+    "solver": ("function",),
+    "linear_solver": ("function",),
     "velocity": ("recursive",),
     "gap": ("recursive",),
 }
@@ -620,7 +616,7 @@ def tried(name: str, argument: str, kind: str, value: Any) -> str:
     return ""
 
 
-@pytest.mark.parametrize("name", CALLS)
+@each("name", CALLS)
 def test_every_argument_takes_odd_values_or_names_them(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

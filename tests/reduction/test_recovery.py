@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import pytest
 import scipy.linalg as la
+from rows import each
 
 import aoimpact as ao
 from aoimpact.reduction import Recovery
@@ -59,7 +59,7 @@ def recovery_of(model: ao.Body, s: float) -> Recovery:
     return Recovery(model, model.loads(), s)
 
 
-@pytest.mark.parametrize("fixed", SUPPORTS)
+@each("fixed", SUPPORTS)
 def test_a_star_with_all_its_oscillators_leaves_nothing_to_correct(fixed: Any) -> None:
     star = ao.antioscillators(tip_of(fixed)).modal
     coordinates, force = some_motion(star), np.array([[1e3, -2e3]])
@@ -70,9 +70,9 @@ def test_a_star_with_all_its_oscillators_leaves_nothing_to_correct(fixed: Any) -
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
 
 
-@pytest.mark.parametrize("s", [1e3, 1e5])
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("fixed", SUPPORTS)
+@each("s", [1e3, 1e5])
+@each("model", MODELS)
+@each("fixed", SUPPORTS)
 def test_growth_at_its_own_pace_is_exact_with_any_model(fixed: Any, model: Any, s: float) -> None:
     # Under F e^{st}: X = (K + s²M)⁻¹ b F, and the modes' amplitudes from their own equations.
     tip = tip_of(fixed)
@@ -83,7 +83,7 @@ def test_growth_at_its_own_pace_is_exact_with_any_model(fixed: Any, model: Any, 
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
 
 
-@pytest.mark.parametrize("fixed", SUPPORTS)
+@each("fixed", SUPPORTS)
 def test_growth_under_several_forces_is_exact_with_few_modes(fixed: Any) -> None:
     tip, s = tip_of(fixed), 5e4
     other = tip.body.contact(point=(0.1, 0.01, 0.02), direction=(0, 0, -1), radius=0)
@@ -96,7 +96,7 @@ def test_growth_under_several_forces_is_exact_with_few_modes(fixed: Any) -> None
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
 
 
-@pytest.mark.parametrize("model", MODELS)
+@each("model", MODELS)
 def test_a_steady_push_deforms_a_free_body_as_inertia_relief_says(model: Any) -> None:
     tip = tip_of(None)
     reduced, force, place = model(tip), 1e3, 1e-5
@@ -112,7 +112,7 @@ def test_a_steady_push_deforms_a_free_body_as_inertia_relief_says(model: Any) ->
     np.testing.assert_allclose(rigid, only_rigid, atol=1e-6 * np.abs(found).max())
 
 
-@pytest.mark.parametrize("model", MODELS)
+@each("model", MODELS)
 def test_the_momentum_of_a_free_body_needs_no_correction(model: Any) -> None:
     tip = tip_of(None)
     star = model(tip)

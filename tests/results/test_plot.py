@@ -10,6 +10,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from records import HalfSine
+from rows import each
 
 import aoimpact as ao
 
@@ -27,7 +28,7 @@ def _close_figures() -> Iterator[None]:
 METHODS = ["plot_force", "plot_indentation", "plot_energy", "plot_displacement", "plot_interaction"]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@each("method", METHODS)
 def test_draws_on_the_axes_given_and_returns_them(method: str) -> None:
     result = HalfSine().result()
     _, ax = plt.subplots()
@@ -39,8 +40,8 @@ def test_draws_on_the_axes_given_and_returns_them(method: str) -> None:
     getattr(result.at([]), method)()  # without times
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("ax", [3, "red", plt.Figure(), np.empty(2, dtype=object)])
+@each("method", METHODS)
+@each("ax", [3, "red", plt.Figure(), np.empty(2, dtype=object)])
 def test_what_is_no_axes_is_refused(method: str, ax: Any) -> None:
     with pytest.raises(ao.InputTypeError, match=r"^ax"):
         getattr(HalfSine().result(), method)(ax)
@@ -121,7 +122,7 @@ def test_no_indentation_is_drawn_while_the_bodies_are_apart() -> None:
     assert np.nanmax(depth) == pytest.approx(1e6 * hit.indentation.max(), rel=1e-3)  # µm
 
 
-@pytest.mark.parametrize("during", ["contacts", (2e-3, 1e-3), (0.0, 1.0), (0.0,), 3])
+@each("during", ["contacts", (2e-3, 1e-3), (0.0, 1.0), (0.0,), 3])
 def test_a_span_that_is_none_is_refused(during: Any) -> None:
     with pytest.raises(ao.AOImpactError, match="during"):
         ringing().plot_force(during=during)

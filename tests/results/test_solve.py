@@ -23,7 +23,7 @@ SOLVERS = [ao.Adaptive(), ao.Newmark(dt=2e-8, estimate=False)]
 @cache
 def block(radius: float) -> ao.AOModel:
     """A block of 100 by 100 by 50 mm, touched in the middle of its top."""
-    mesh = ao.box_mesh((0.1, 0.1, 0.05), (8, 8, 3), kind="hexahedron20")
+    mesh = ao.box_mesh((0.1, 0.1, 0.05), (6, 6, 2), kind="hexahedron20")
     place = ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.05, 0.05, 0.05), radius=radius)
     return ao.antioscillators(place, n=5, method="krylov", contact_time=30e-6)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import tomllib
 from itertools import accumulate
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rows import each
 
 from aoimpact.scenefile import Place, line_of
 
@@ -69,8 +69,8 @@ LINES: dict[Place, int | None] = {
 }
 
 
-@pytest.mark.parametrize("ends", ["\n", "\r\n"])
-@pytest.mark.parametrize("place", LINES, ids=str)
+@each("ends", ["\n", "\r\n"])
+@each("place", LINES)
 def test_every_key_has_its_line(place: Place, ends: str) -> None:
     assert line_of(TEXT.replace("\n", ends), place) == LINES[place]
 

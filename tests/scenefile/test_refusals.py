@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rows import each
 
 import aoimpact as ao
 from aoimpact.base import SceneFileError
@@ -127,11 +128,7 @@ MADE = {
 
 
 def rows(table: dict[str, list[Any]]) -> list[Any]:
-    return [
-        pytest.param(right, *row, id=f"{row[0][:20]} -> {row[1][:40]}")
-        for right, cases in table.items()
-        for row in cases
-    ]
+    return [(right, *row) for right, cases in table.items() for row in cases]
 
 
 def refused(folder: Path, text: str, at: str, name: str, *, run: bool) -> None:
@@ -147,7 +144,7 @@ def refused(folder: Path, text: str, at: str, name: str, *, run: bool) -> None:
     assert re.search(rf"(?<!\w)({name})(?!\w)" if name.isidentifier() else name, str(error.value))
 
 
-@pytest.mark.parametrize(("right", "old", "new", "at", "name"), rows(READ))
+@each("right, old, new, at, name", rows(READ))
 def test_when_it_is_read(
     right: str, old: str, new: str, at: str, name: str, tmp_path: Path
 ) -> None:
@@ -156,7 +153,7 @@ def test_when_it_is_read(
     refused(tmp_path, right.replace(old, new, 1), at, name, run=False)
 
 
-@pytest.mark.parametrize(("right", "old", "new", "at", "name"), rows(MADE))
+@each("right, old, new, at, name", rows(MADE))
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
 def test_when_it_is_run(right: str, old: str, new: str, at: str, name: str, tmp_path: Path) -> None:
     assert old in right
@@ -179,7 +176,7 @@ def test_all_wrong_values_at_once(tmp_path: Path) -> None:
     assert len(str(error.value).splitlines()) == 2
 
 
-@pytest.mark.parametrize("key", ["velocity", '"velocity"', '"impact.velocity"', "impact.velocity"])
+@each("key", ["velocity", '"velocity"', '"impact.velocity"', "impact.velocity"])
 def test_a_key_of_a_sweep_has_its_line_however_it_is_written(key: str, tmp_path: Path) -> None:
     text = f'{STARS}[sweep.over]\n"bodies.ball.mass" = [1.0]\n{key} = ["x"]\n'
     (tmp_path / "a.toml").write_text(text)
@@ -187,14 +184,14 @@ def test_a_key_of_a_sweep_has_its_line_however_it_is_written(key: str, tmp_path:
         ao.read_scene(tmp_path / "a.toml")
 
 
-@pytest.mark.parametrize("name", ["contacts.3.peak_force", "bodies.bal.label", "error.x", "bodies"])
+@each("name", ["contacts.3.peak_force", "bodies.bal.label", "error.x", "bodies"])
 def test_names_of_no_numbers_are_refused_before_the_run(name: str, tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text(ROW.replace("[scene]", f'[scene]\nreport = ["{name}"]'))
     with pytest.raises(SceneFileError, match="report"):
         ao.read_scene(tmp_path / "a.toml")
 
 
-@pytest.mark.parametrize("count", [3000, 30_000])
+@each("count", [3000, 30_000])
 def test_the_first_of_thousands_of_problems_are_shown(count: int, tmp_path: Path) -> None:
     """Where the text is long as well, without lines, which would take minutes to find."""
     unknown = "\n".join(f"x{i} = {i}" for i in range(count))
@@ -206,7 +203,7 @@ def test_the_first_of_thousands_of_problems_are_shown(count: int, tmp_path: Path
     assert str(count - 20) in more
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
     [
         b"",
@@ -220,7 +217,6 @@ def test_the_first_of_thousands_of_problems_are_shown(count: int, tmp_path: Path
         b"a = 1" + 5000 * b"0",
         b"a = '\0'",
     ],
-    ids=range(10),
 )
 def test_files_that_are_no_scenes(text: bytes, tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_bytes(text)
@@ -228,7 +224,7 @@ def test_files_that_are_no_scenes(text: bytes, tmp_path: Path) -> None:
         ao.read_scene(tmp_path / "a.toml")
 
 
-@pytest.mark.parametrize("path", [None, 3, b"a.toml", ["a.toml"]])
+@each("path", [None, 3, b"a.toml", ["a.toml"]])
 def test_what_is_no_path_is_refused(path: Any) -> None:
     with pytest.raises(ao.InputTypeError, match="path"):
         ao.read_scene(path)

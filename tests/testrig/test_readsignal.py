@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rows import each
 
 import aoimpact as ao
 from aoimpact import testrig
@@ -15,8 +16,8 @@ COMMA = {"decimal": ","}
 TIMES, FORCES = [0.0, 1e-4, 2e-4], [0.0, 1500.0, 300.0]
 
 
-@pytest.mark.parametrize(
-    ("text", "given"),
+@each(
+    "text, given",
     [
         ("0,0\n0.0001,1500\n0.0002,300\n", {}),
         ("t [s],force [N]\n0,0\n1e-4,1.5e3\n2e-4,300\n", {"values": "force", "time": "t"}),
@@ -51,8 +52,8 @@ def test_dialects(tmp_path: Path, text: str, given: dict[str, Any]) -> None:
     assert signal.unit == "N"
 
 
-@pytest.mark.parametrize(
-    ("unit", "factor", "base"),
+@each(
+    "unit, factor, base",
     [
         ("kN", 1e3, "N"),
         ("mN", 1e-3, "N"),
@@ -71,8 +72,8 @@ def test_units(tmp_path: Path, unit: str, factor: float, base: str) -> None:
     assert (signal.unit, signal.name) == (base, "channel")
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "latin-1"])
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@each("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "latin-1"])
+@each("end", ["\n", "\r\n", "\r"])
 def test_encodings(tmp_path: Path, encoding: str, end: str) -> None:
     """Excel's Unicode text is UTF-16 with a mark; without one it is binary to others."""
     content = end.join(["t [µs]\tF", "0\t0", "100\t1500", "200\t300"]).encode(encoding)
@@ -94,8 +95,8 @@ def test_what_the_package_writes_is_read_back(tmp_path: Path) -> None:
     np.testing.assert_array_equal(signal.values, hit.force)
 
 
-@pytest.mark.parametrize(
-    ("text", "given", "words"),
+@each(
+    "text, given, words",
     [
         ("t,F\n0,0\n1,x\n", {}, r"line 3\b"),
         ("t,F\n0,0\n1,1,1\n", {}, r"line 3\b"),

@@ -8,6 +8,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from rows import each
 
 import aoimpact as ao
 from aoimpact import testrig
@@ -32,15 +33,15 @@ def gain(cfc: float, frequency: float, rate: float = 50e3) -> float:
     return found
 
 
-@pytest.mark.parametrize("cfc", CLASSES)
-@pytest.mark.parametrize("share", [0.02, 0.5, 1.0, 1.65, 2.0775, 4.0])
+@each("cfc", CLASSES)
+@each("share", [0.02, 0.5, 1.0, 1.65, 2.0775, 4.0])
 def test_gain_is_that_of_two_butterworth_passes(cfc: float, share: float) -> None:
     rate = 50e3
     w, corner = np.tan(np.pi * np.array([share, 2.0775]) * cfc / rate)
     assert gain(cfc, share * cfc, rate) == pytest.approx(1.0 / (1.0 + (w / corner) ** 4), rel=1e-9)
 
 
-@pytest.mark.parametrize("cfc", CLASSES)
+@each("cfc", CLASSES)
 def test_it_stays_in_the_corridor_of_the_standard(cfc: float) -> None:
     """J211-1, figure 1: ±0.5 dB, then to +0.5 and -1 dB at F_H = CFC and -4 dB at F_N = 1.65 CFC.
 
@@ -58,7 +59,7 @@ def test_it_stays_in_the_corridor_of_the_standard(cfc: float) -> None:
         assert -4.0 - 24.0 * octaves < at[share] < 0.5 - 9.0 * octaves
 
 
-@pytest.mark.parametrize("cfc", CLASSES)
+@each("cfc", CLASSES)
 def test_it_is_the_recursion_that_the_standard_prints(cfc: float) -> None:
     raw = pulse(length=0.03)
     x, step = raw.values, 1.0 / raw.rate
@@ -88,7 +89,7 @@ def test_it_shifts_nothing_and_keeps_the_impulse() -> None:
     assert smooth.raw is hill
 
 
-@pytest.mark.parametrize("values", [lambda t: 0.0 * t + 7.0, lambda t: 3.0 + 100.0 * t])
+@each("values", [lambda t: 0.0 * t + 7.0, lambda t: 3.0 + 100.0 * t])
 def test_a_line_passes_up_to_its_ends(values: Any) -> None:
     t = np.arange(2000) / 20e3
     line = testrig.Signal(t, values(t))

@@ -21,7 +21,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits a proces
 
 @pytest.mark.parametrize(
     ("kind", "count"),
-    [("mesh", 5), *(pytest.param(*case, marks=pytest.mark.slow) for case in LONG)],
+    [("mesh", 2), *(pytest.param(*case, marks=pytest.mark.slow) for case in LONG)],
 )
 def test_malformed_inputs_are_refused_by_name(kind: str, count: int) -> None:
     command = [sys.executable, "-m", "campaign", kind, "--count", str(count)]

@@ -37,13 +37,12 @@ def impacts() -> list[dict[str, Any]]:
     ]
 
 
-@pytest.mark.parametrize("number", ["peak_force"])
-def test_true_errors_are_within_their_claims(number: str) -> None:
+def test_true_errors_are_within_their_claims() -> None:
     rows, own = impacts(), known("own_error")
-    true, claim = (np.array([row[f"{number}_{of}"] for row in rows]) for of in ("error", "claim"))
+    true, claim = (np.array([row[f"peak_force_{of}"] for row in rows]) for of in ("error", "claim"))
     told = np.isfinite(claim)
     assert told.mean() > 0.9
-    truths = np.array([own[row["body"], number] for row in rows])
+    truths = np.array([own[row["body"], "peak_force"] for row in rows])
     assert (true <= claim + truths)[told].mean() >= 0.95
     large = told & (true > 1e-3)
     assert np.median(claim[large] / true[large]) < 4.0

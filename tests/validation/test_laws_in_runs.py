@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from every_law import LAWS, MASS, law_of
 from rigid_pair import on_a_wall
+from rows import each
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import brentq
@@ -32,8 +33,8 @@ def scene(name: str, velocity: float) -> tuple[ao.ContactLaw, float, dict[str, A
     return law, time, {"law": law, "velocity": velocity, "duration": 2.5 * time}
 
 
-@pytest.mark.parametrize("velocity", VELOCITIES)
-@pytest.mark.parametrize("name", sorted(LAWS))
+@each("velocity", VELOCITIES)
+@each("name", sorted(LAWS))
 def test_a_rigid_ball_on_a_wall_gets_its_restitution_back(name: str, velocity: float) -> None:
     law, time, options = scene(name, velocity)
     delivered = ao.restitution(law, MASS, velocity)
@@ -47,8 +48,8 @@ def test_a_rigid_ball_on_a_wall_gets_its_restitution_back(name: str, velocity: f
 
 
 @pytest.mark.filterwarnings("ignore:.*ends in contact")
-@pytest.mark.parametrize("velocity", VELOCITIES)
-@pytest.mark.parametrize("name", sorted(LAWS))
+@each("velocity", VELOCITIES)
+@each("name", sorted(LAWS))
 def test_bodies_that_ring_lose_what_the_law_takes_and_gain_nothing(
     name: str, velocity: float
 ) -> None:
@@ -69,9 +70,7 @@ def test_bodies_that_ring_lose_what_the_law_takes_and_gain_nothing(
         assert hit.peak_force == pytest.approx(exact.peak_force, rel=1e-4)
 
 
-@pytest.mark.parametrize(
-    "law", [ao.Tsuji(k=1e10, alpha=0.3, mass=0.015), ao.KuwabaraKono(k=1e10, A=2e-6)], ids=repr
-)
+@each("law", [ao.Tsuji(k=1e10, alpha=0.3, mass=0.015), ao.KuwabaraKono(k=1e10, A=2e-6)])
 def test_a_massless_contact_lets_go_when_the_force_ends(law):
     """Not later, when the bodies part: as the least of masses does, whatever the tolerance."""
 
@@ -94,8 +93,8 @@ def test_a_massless_contact_lets_go_when_the_force_ends(law):
 
 
 @pytest.mark.filterwarnings("ignore:.*ends in contact")  # the force falls for ever
-@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-9])
-@pytest.mark.parametrize("lag", [0.01, 0.07, 0.15])
+@each("rtol", [1e-2, 1e-4, 1e-6, 1e-9])
+@each("lag", [0.01, 0.07, 0.15])
 def test_a_massless_contact_follows_a_damper_within_its_own_time(lag, rtol):
     """The force peaks within a thousandth of the record, while the indentation is smooth.
 
@@ -136,9 +135,9 @@ def damped_peak(law: ao.ContactLaw, mass: float, velocity: float, deep: float) -
     return peak
 
 
-@pytest.mark.parametrize("damping", [0.7, 0.7354597560950398, 1.1, 7.0, 10.7, 30.0])
-@pytest.mark.parametrize("kind", [ao.KuwabaraKono, ao.Tsuji])
-@pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5, 1e-6, 1e-8])
+@each("damping", [0.7, 0.7354597560950398, 1.1, 7.0, 10.7, 30.0])
+@each("kind", [ao.KuwabaraKono, ao.Tsuji])
+@each("rtol", [1e-3, 1e-4, 1e-5, 1e-6, 1e-8])
 def test_a_damped_force_that_is_largest_right_after_the_touch_is_found(kind, damping, rtol):
     mass, k, velocity = 1e-3, 1e6, 1.0
     time = (mass**2 / (k**2 * velocity)) ** 0.2
@@ -148,7 +147,7 @@ def test_a_damped_force_that_is_largest_right_after_the_touch_is_found(kind, dam
     assert result.peak_force == pytest.approx(peak, rel=rtol)
 
 
-@pytest.mark.parametrize("rtol", [1e-4, 1e-7, 1e-10])
+@each("rtol", [1e-4, 1e-7, 1e-10])
 def test_a_spring_without_mass_that_a_pull_lets_go_of_loses_what_it_held(rtol):
     """A ball on a spring in series with a spring and a damper that pulls until its depth is zero.
 

@@ -124,7 +124,7 @@ def test_contact_point_rebounds_as_by_maw_barber_and_fawcett(psi):
 
 
 @pytest.mark.parametrize("rule", [ao.Newmark(dt=2e-9, estimate=False), ao.Adaptive()], ids=repr)
-@pytest.mark.parametrize("beyond", [1.01, pytest.param(2.0, marks=pytest.mark.slow), 6.0])
+@pytest.mark.parametrize("beyond", [1.01, pytest.param(6.0, marks=pytest.mark.slow)])
 def test_gross_slip_is_the_closed_form(beyond, rule):
     mu, v = 0.15, 1.0
     along = beyond * (7.0 * LIKE - 1.0) * mu * v / LIKE
@@ -176,7 +176,7 @@ def test_a_slow_slide_rebounds_as_one_that_sticks(share, mu):
 
 def test_claimed_errors_of_friction_are_those_there_are():
     ball, wall = ao.ball(0.01, STEEL), ao.wall(STEEL)
-    for along in (0.02, 0.3, 0.5, 0.9, 1.2):
+    for along in (0.02, 0.5, 1.2):
         exact = ao.simulate(
             ball, wall, (along, 0, -1), friction=0.3, duration=7e-5, solver=ao.Newmark(dt=5e-8)
         )
@@ -359,7 +359,7 @@ def test_a_free_block_struck_at_a_node_moves_as_all_of_its_dofs_do():
 @pytest.fixture(scope="module")
 def struck():
     """A steel ball on a free aluminium block near its edge, at 30°."""
-    mesh = ao.box_mesh((0.06, 0.06, 0.03), (6, 6, 3), kind="hexahedron20")
+    mesh = ao.box_mesh((0.06, 0.06, 0.03), (4, 4, 2), kind="hexahedron20")
     block = ao.FEModel.from_mesh(mesh, ALU)
     way = np.array([0.3, 0.4, -math.sqrt(0.75)])
     place = block.contact(point=(0.0311, 0.003, 0.03))
