@@ -58,7 +58,7 @@ def off(body: Any, exact: Any, name: str) -> float:
 
 @pytest.mark.parametrize("name", ["cantilever", pytest.param("held plate", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("fit", [{}, {"duration": LONG}], ids=["short", "long"])
-@pytest.mark.parametrize("n", [3, 8, 16])
+@pytest.mark.parametrize("n", [3, pytest.param(8, marks=pytest.mark.slow), 16])
 def test_the_error_said_of_every_history_is_about_twice_the_true_one(
     name: str, n: int, fit: dict[str, float]
 ) -> None:

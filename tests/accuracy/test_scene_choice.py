@@ -206,10 +206,11 @@ def test_restitution_compares_with_the_speed_at_which_bodies_meet():
 
 
 def test_a_body_that_touches_nothing_changes_no_force():
-    ball, tip, runs = ao.ball(0.01, STEEL), free_plate(), []
+    ball, runs = ao.ball(0.01, STEEL), []
+    model = ao.antioscillators(free_plate(), 12, method="krylov", contact_time=5e-5)
     for speed in (0.0, 1000.0):
         scene = ao.Scene()
-        contact = scene.connect(scene.add(ball, velocity=1.0), scene.add(tip))
+        contact = scene.connect(scene.add(ball, velocity=1.0), scene.add(model))
         scene.add(ao.rigid(mass=1.0), velocity=speed)
         runs.append(scene.simulate(duration=1e-4).contacts[contact].peak_force)
     assert runs[0] == pytest.approx(runs[1], rel=1e-9)

@@ -109,7 +109,7 @@ def test_without_a_filter_a_warning_says_why(plate: Any) -> None:
         assert ao.AccelerationAt(POINT, DOWN).cfc == 1000.0
 
 
-@pytest.mark.parametrize("name", ["reaction", "stress"])
+@pytest.mark.parametrize("name", [pytest.param("reaction", marks=pytest.mark.slow), "stress"])
 def test_in_a_scene_the_body_is_found(plate: Any, name: str) -> None:
     quantity, read, duration = WANTED[name]
     scene = ao.Scene()

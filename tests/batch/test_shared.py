@@ -23,7 +23,7 @@ def tip() -> ao.ContactPoint:
     return ao.FEModel.from_mesh(mesh, STEEL).contact(point=(0.03, 0.024, 0.01))
 
 
-def balls(count: int = 4, **changes: Any) -> list[dict[str, Any]]:
+def balls(count: int = 3, **changes: Any) -> list[dict[str, Any]]:
     """Random balls at random speeds."""
     rng = np.random.default_rng(1)
     return [
