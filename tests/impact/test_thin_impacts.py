@@ -256,8 +256,8 @@ def test_numbers_of_all_touches_are_off_where_there_is_one_less() -> None:
 
 @pytest.mark.filterwarnings("ignore:.*mesh makes an error")
 def test_numbers_of_all_touches_have_no_bound_where_one_run_has_more_of_them() -> None:
-    for hit in (thrown_off(8, "triangle"), thrown_off(12)):
-        assert hit.error["impulse"].mesh == hit.error["rebound_velocity"].mesh == math.inf
+    hit = thrown_off(8, "triangle")
+    assert hit.error["impulse"].mesh == hit.error["rebound_velocity"].mesh == math.inf
     apart = thrown_off(12, duration=86e-6)  # and as meshed still in touch
     assert apart.error["rebound_velocity"].total == math.inf > apart.rebound_velocity
     assert math.isnan(apart.beside.rebound_velocity)
@@ -464,7 +464,7 @@ def test_a_foil_is_no_mechanism() -> None:
     """Forces of balls that are as small as the foil is thin go with the square of that."""
 
     def force(t: float) -> float:
-        tip = sheet(t, 10, 0.1).contact(point=(0.05, 0.05, 0))
+        tip = sheet(t, 6, 0.1).contact(point=(0.05, 0.05, 0))
         return ao.simulate(ao.ball(0.1 * t, STEEL), tip, 1e-3).peak_force / t**2
 
     assert force(1e-7) == pytest.approx(force(1e-5), rel=1e-3)

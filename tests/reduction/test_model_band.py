@@ -38,7 +38,7 @@ def test_the_error_of_the_receptance_is_bounded_and_in_the_band_it_is_small(
     model = ao.interface(tips(body), 20, contact_time=SHORT, duration=duration)
     low, high = model.band
     assert high > 4e4
-    for frequency in (300.0, 1e3, 3e3, 1e4, 3e4, 1e5):
+    for frequency in (300.0, 3e3, 3e4, 1e5):
         omega = 2.0 * np.pi * frequency
         ours = (model.participation**2 / (model.omega**2 + omega**2)).sum(axis=1)
         error = float((1.0 - ours / averaged(body, frequency)).max())
