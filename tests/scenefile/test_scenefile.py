@@ -369,7 +369,9 @@ def test_probes_read_what_the_sensors_of_a_result_read(
         )
 
 
-@pytest.mark.parametrize("name", ["stress", "shock", "held", "moved"])
+@pytest.mark.parametrize(
+    "name", ["stress", pytest.param("shock", marks=pytest.mark.slow), "held", "moved"]
+)
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
 def test_a_sensor_may_be_what_is_asked_for(name: str, tmp_path: Path) -> None:
     sensor = re.search(rf"{name} = (.*)", SENSORS)[1].replace("4000", "10000")  # type: ignore[index]
