@@ -62,7 +62,7 @@ def test_a_ball_on_a_thin_sheet() -> None:
     assert hit.peak_force == pytest.approx(83.64, rel=0.015)
 
 
-@pytest.mark.parametrize("n", [2, 16, *(pytest.param(of, marks=pytest.mark.slow) for of in (4, 8))])
+@pytest.mark.parametrize("n", [2, *(pytest.param(of, marks=pytest.mark.slow) for of in (4, 16))])
 def test_elements_that_outgrow_the_wave_have_an_error_without_bound(n: int) -> None:
     """A beam of 2 m: its peak is up to 58 % off those of 256 elements, and finer ones miss that."""
     peaks = []
@@ -510,7 +510,7 @@ def test_solids_as_flat_as_a_tenth_of_their_width_should_be_shells(
 
 
 @pytest.mark.filterwarnings("ignore::aoimpact.AOImpactWarning")
-@pytest.mark.parametrize(("t", "n", "exact"), [(1e-3, 5, 83.6), (2e-3, 5, 215.1), (2e-3, 3, 215.1)])
+@pytest.mark.parametrize(("t", "n", "exact"), [(1e-3, 5, 83.6), (2e-3, 3, 215.1)])
 def test_the_error_of_solids_that_do_not_carry_bending_waves_has_no_bound(
     t: float, n: int, exact: float
 ) -> None:

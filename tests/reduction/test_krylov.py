@@ -75,6 +75,7 @@ def test_the_bodys_own_contact_time_does_as_well(paper_beam):
     assert np.abs(beam_force(star) - full).max() <= 0.012 * full.max()
 
 
+@pytest.mark.slow
 def test_contact_time_need_not_be_known_well(paper_beam):
     """Half and twice the true one, 90 µs."""
     tip, full, _ = paper_beam
