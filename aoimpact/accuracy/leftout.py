@@ -260,7 +260,7 @@ def _tried(
             if (wanted := plan()) is None:
                 return []
             return [solve(replace(wanted, duration=run.duration, energies=False), solver)]
-    except AOImpactError:  # e.g. a contact wider than its patch, or beyond the range of its law
+    except (AOImpactError, MemoryError):  # such as a contact beyond the range of its law
         return [math.inf]
 
 

@@ -45,6 +45,21 @@ def test_where_only_bodies_as_meshed_leave_nothing_of_a_law_the_finer_ones_answe
         assert math.isfinite(hits[1].error[name].mesh)
 
 
+def test_bodies_as_meshed_answer_where_finer_ones_do_not_fit_into_memory(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(body: ao.FEModel) -> None:
+        raise MemoryError
+
+    struck = plate(8, "hexahedron20")
+    usual = strike(struck)
+    monkeypatch.setattr(type(struck.finer), "K", property(refuse), raising=False)
+    hit = strike(plate(8, "hexahedron20"))
+    with pytest.warns(ao.AOImpactWarning, match="error without bound"):
+        assert hit.error["peak_force"].mesh == math.inf
+    assert hit.peak_force == pytest.approx(usual.peak_force, rel=2.0 * usual.error.total)
+
+
 @pytest.mark.filterwarnings("ignore:.*the mesh makes an error")
 def test_the_sum_of_all_parts_is_the_total_and_travels() -> None:
     hit = strike(plate(8, "hexahedron20"))
