@@ -53,18 +53,20 @@ static void solve(input *in, const aoi_law *law, const double *memory)
         return;
     }
     const double left = indentation + equation.compliance * force - free_end;
-    const double size = fabs(free_end) + fabs(indentation) + equation.compliance * force;
     const double rate = equation.rate_free - equation.rate_compliance * force;
     aoi_law_value value, beyond;
     aoi_law_push(law, memory, indentation, rate, &value);
     aoi_law_push(law, memory, nextafter(indentation, HUGE_VAL), rate, &beyond);
     /* To rounding, of what the law's slopes make of it: a table may have knots next to each other. */
-    const double slopes = 1.0 + equation.compliance * fmax(value.stiffness, beyond.stiffness) +
-                          equation.rate_compliance * value.damping;
+    const double secant = value.force / (indentation - rest); /* of all digits that a deep dent leaves */
+    const double slopes = 1.0 + equation.rate_compliance * value.damping +
+                          equation.compliance * fmax(fmax(value.stiffness, beyond.stiffness), secant);
     const double rates = equation.compliance * value.damping *
                          (fabs(equation.rate_free) + equation.rate_compliance * force);
-    const double stored = 4.0 * DBL_EPSILON * memory[0] * slopes; /* rounding of the deepest indentation */
-    REQUIRE(force == 0.0 || fabs(left) <= 1e-12 * (size * slopes + rates) + stored + DBL_MIN);
+    /* memory[0]: the deepest indentation, with its rounding */
+    const double places = 1e-12 * (fabs(free_end) + fabs(indentation) + equation.compliance * force) +
+                          4.0 * DBL_EPSILON * memory[0];
+    REQUIRE(force == 0.0 || fabs(left) <= places * slopes + 1e-12 * rates + DBL_MIN);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
