@@ -179,7 +179,7 @@ void aoi_contact_note_peak(aoi_adaptive *run, size_t c, double force, double aft
     aoi_adaptive_contact *contact = &run->contact[c];
     if (force > contact->ledger.peak.force) {
         contact->ledger.peak.force = force;
-        contact->ledger.peak.time = aoi_run_now(run) + after;
+        contact->ledger.peak.time = fmin(aoi_run_now(run) + after, run->end);
     }
 }
 

@@ -51,8 +51,7 @@ def test_bodies_as_meshed_answer_where_finer_ones_do_not_fit_into_memory(
     def refuse(body: ao.FEModel) -> None:
         raise MemoryError
 
-    struck = plate(8, "hexahedron20")
-    usual = strike(struck)
+    usual = strike(struck := plate(8, "hexahedron20"))
     monkeypatch.setattr(type(struck.finer), "K", property(refuse), raising=False)
     hit = strike(plate(8, "hexahedron20"))
     with pytest.warns(ao.AOImpactWarning, match="error without bound"):
