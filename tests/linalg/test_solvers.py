@@ -134,7 +134,7 @@ def test_a_users_solver_may_overwrite_what_it_got_or_gave(bar, returned):
     [
         ((0.5, 0.02, 0.02), (40, 2, 2), True),  # slender
         ((0.02, 0.02, 0.02), (5, 5, 5), True),  # small
-        ((0.3, 0.3, 0.3), (7, 7, 7), False),  # compact
+        ((0.3, 0.3, 0.3), (10, 10, 10), False),  # compact
         ((0.3, 0.3, 0.003), (7, 7, 7), True),  # flat elements
     ],
 )
