@@ -37,9 +37,8 @@ class Inverse:
         Approximation of (K + s²M)⁻¹ r by an iterative method, from r, shape (n, m); symmetric and
         positive definite, and much cheaper than a solution.
     at : callable or None
-        s² ↦ the inverse at another shift, for less than a new set-up. An iterative method saves
-        time at smaller shifts only, and both inverses remain usable. A direct method holds factors
-        for one shift at a time: do not alternate between shifts.
+        s² ↦ the inverse at another shift by a direct method, for less than a new set-up. The method
+        holds factors for one shift at a time: do not alternate between shifts.
     """
 
     solve: Solve | None = None

@@ -7,7 +7,6 @@ preconditioner works in single precision, the iteration in double.
 
 from __future__ import annotations
 
-import copy
 import threading
 from typing import Any
 
@@ -16,9 +15,8 @@ import numpy.typing as npt
 
 from ..base import ROUNDING, ConvergenceError, FloatArray, bar, record, sp
 from ..mesh import Mesh
-from .blocks import Blocks, congruent, product
+from .blocks import Blocks, congruent
 from .coarsening import (
-    add,
     add_to_diagonal,
     aggregated,
     corners_of,
@@ -108,7 +106,7 @@ class Multigrid:
     def __init__(self, pencil: Pencil) -> None:
         self.pencil = pencil
         self._levels: list[_Level] = []
-        self._in_use, self._stored = threading.RLock(), pencil.s2
+        self._in_use = threading.RLock()
         with bar(f"multigrid, {pencil.n} dofs", unit="level") as progress:
             A, motions, places, self._place = finest_level(pencil)
             self._scale, self._length = pencil.scale, A.shape[0]
@@ -120,15 +118,13 @@ class Multigrid:
     @property
     def inverse(self) -> Inverse:
         """(K + s²M)⁻¹ as the `Inverse` that `LinearSolver` takes."""
-        return Inverse(None, self.iterate, by_columns(self.precondition), self._at)
+        return Inverse(None, self.iterate, by_columns(self.precondition))
 
     def _coarsen(self, A: Any, motions: FloatArray, places: Any, progress: Any) -> None:
         """Build the levels, from the level of the matrix A to the coarsest."""
         pencil, affordable = self.pencil, _most_in_coarsest(self.pencil)
         while True:
             first = not self._levels
-            if len(self._levels) == 1:
-                self._second = A, motions, places
             corners = corners_of(pencil) if first else None
             few = corners is None and 0.5 * A.nnz <= affordable and fill(A).entries <= affordable
             if few or (corners is None and A.shape[0] <= _DENSE):
@@ -158,25 +154,6 @@ class Multigrid:
             progress.update()
         self._coarsest = factorize(A / self._scale, what=pencil.what)
 
-    def _at(self, s2: float) -> Inverse:
-        """Return (K + s²M)⁻¹ at another shift; at a smaller shift, it shares the finest smoother.
-
-        The smoother, set up for the larger matrix, also damps at smaller shifts, but not at larger
-        shifts. Threads take turns, since both inverses share the work space.
-        """
-        if not self._levels or s2 > self._stored:
-            return Multigrid(self.pencil.at(s2)).inverse
-        other, level = copy.copy(self), self._levels[0]
-        other.pencil, other._levels = self.pencil.at(s2), [level]
-        A, motions, places = self._second
-        with bar(f"multigrid, {self.pencil.n} dofs", unit="level") as progress:
-            P = level.prolongation.astype(np.float64)
-            P = sp.kron(P, np.eye(3), format="csr") if level.width == 3 else P.tocsr()
-            masses = congruent(self.pencil.M, P[self._place])
-            A = add(A.copy(), s2 - self.pencil.s2, masses)
-            other._coarsen(A, motions, places, progress)
-        return other.inverse
-
     def iterate(self, rhs: FloatArray, tolerance: float, most: float) -> tuple[FloatArray, int]:
         """Return (K + s²M)⁻¹ `rhs`, each column bit for bit as if solved alone; see `Inverse`."""
         operators = by_columns(self.product), by_columns(self.precondition)
@@ -188,9 +165,7 @@ class Multigrid:
         """Return (K + s²M) x."""
         padded = np.zeros(self._length)
         padded[self._place] = x
-        found = self._blocks.multiply(padded, self._work)[self._place]
-        change = self.pencil.s2 - self._stored
-        return found + change * product(self.pencil.M, x) if change else found
+        return self._blocks.multiply(padded, self._work)[self._place]
 
     def precondition(self, r: FloatArray) -> FloatArray:
         """Return one V-cycle applied to `r`."""
@@ -210,26 +185,12 @@ class Multigrid:
         level = self._levels[depth]
         x = np.zeros_like(r)
         level.smoother.smooth(x, r, finish=True)
-        if depth == 0:
-            self._shift(x, r)
         below = self._cycle(depth + 1, level.moved(r, level.restriction))
         correction = level.moved(below, level.prolongation)
         x += correction
         level.smoother.subtract(correction, r)
-        if depth == 0:
-            self._shift(correction, r)
         level.smoother.smooth(x, r, finish=False)
         return x
-
-    def _shift(self, x: Single, r: Single) -> None:
-        """Convert the residual `r` of `x` from the smoother's shift to this inverse's shift.
-
-        Without this, corrections along motions in which s²M dominates are far too large or small.
-        """
-        change = (self.pencil.s2 - self._stored) / self._scale
-        if change:
-            momentum = product(self.pencil.M, x[self._place].astype(np.float64))
-            r[self._place] -= (change * momentum).astype(np.float32)
 
 
 def _cost(pencil: Pencil) -> Cost:

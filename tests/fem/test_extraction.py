@@ -69,8 +69,8 @@ def with_error(*at: Any, a: float = A, **more: Any) -> tuple[float, float]:
 
 @cache
 def fine() -> Compliance:
-    """The compliances of the free block, by 108 bricks of 27 nodes."""
-    return extraction(block("hexahedron27", (6, 6, 3)))
+    """The compliances of the free block, by 256 bricks of 27 nodes."""
+    return extraction(block("hexahedron27", (8, 8, 4)))
 
 
 # ------------------------------------------------------------- the same on every mesh

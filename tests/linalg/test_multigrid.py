@@ -185,29 +185,6 @@ def test_the_number_of_cores_changes_no_bit():
     assert len(found[0].split()) == 3
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["bar, coarse", "hexahedron", "partly held", "few dofs"])
-def test_a_smaller_shift_has_the_finest_level_of_the_first(name):
-    """Solutions at each are those of a multigrid of its own, also where the two alternate."""
-    if name == "partly held":
-        mesh = box_mesh((0.2, 0.02, 0.02), (30, 3, 3), kind="tetra10")
-        body = ao.FEModel.from_mesh(mesh, STEEL, fixed=[("xmin", "xyz"), ("zmin", "y")])
-    else:
-        body = BODIES["tetra" if name == "few dofs" else name]()
-    load = load_on(body)
-    first = multigrid(pencil_of(body, SHIFT))
-    shifts = (0.0, 0.25 * SHIFT, 0.0, 2000.0 * SHIFT, SHIFT)  # one is larger, and has its own
-    half = first.at(shifts[1])
-    others = (first.at(0.0), half, half.at(0.0), first.at(shifts[3]), first)
-    own = {s2: multigrid(pencil_of(body, s2)) for s2 in set(shifts)}
-    alone = {s2: solver.inverse.iterate(load, 1e-10, np.inf) for s2, solver in own.items()}
-    for other, s2 in 2 * list(zip(others, shifts, strict=True)):
-        x, iterations = alone[s2]
-        found, taken = other.inverse.iterate(load, 1e-10, np.inf)
-        np.testing.assert_allclose(found, x, atol=1e-7 * np.abs(x).max())
-        assert taken <= iterations + 3
-
-
 def test_masses_between_nodes_without_stiffness_between_them_count():
     body = held_bar((30, 2, 2))
     places = [500, body.n_dofs - 1]
