@@ -19,14 +19,14 @@ def each(names: str, rows: Iterable[Any]) -> Callable[[Any], Any]:
     def decorate(test: Any) -> Any:
         @functools.wraps(test)
         def run(**fixtures: Any) -> None:
-            folder = fixtures.get("tmp_path")
+            assert rows
             for index, row in enumerate(rows):
+                given, own = dict(zip(keys, row if len(keys) > 1 else [row], strict=True)), fixtures
                 if "tmp_path" in fixtures:
-                    fixtures["tmp_path"] = folder / str(index)
-                    fixtures["tmp_path"].mkdir()
-                given = dict(zip(keys, row if len(keys) > 1 else [row], strict=True))
+                    own = fixtures | {"tmp_path": fixtures["tmp_path"] / str(index)}
+                    own["tmp_path"].mkdir()
                 try:
-                    test(**fixtures, **given)
+                    test(**own, **given)
                 except BaseException as failure:
                     failure.add_note(f"Row: {given}")
                     raise

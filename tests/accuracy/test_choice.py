@@ -232,18 +232,14 @@ def test_a_named_point():
 
 
 def test_the_linear_solver_is_the_users_and_named(own_solver, monkeypatch):
-    hit = ao.simulate(
-        projectile=cube(STEEL, 0.02),
-        target=beam(ENDS),
-        law=law(STEEL, 0.01, ALUMINIUM),
-        velocity=1.0,
-        duration=2e-4,
-        rtol=5e-2,
-        linear_solver=own_solver,
-    )
+    bodies, known = (cube(STEEL, 0.02), beam(ENDS), 1.0), law(STEEL, 0.01, ALUMINIUM)
+    run = functools.partial(ao.simulate, *bodies, law=known, duration=2e-4, rtol=5e-2)
+    hit = run(linear_solver=own_solver)
     assert set(own_solver.calls) == {375, 513}  # dofs of both bodies
     assert {model.linear_solver for model in hit.models} == {"Own"}
-    assert "Own" in str(hit)
+    assert {"linear", "solver", "Own"} <= set(str(hit).split())
+    assert "superlu" in str(same := run(linear_solver="superlu"))
+    assert hit.peak_force == pytest.approx(same.peak_force, rel=5e-2)
     monkeypatch.setattr("aoimpact.linalg.solvers._quickest", None)  # nor for the patch of a contact
     tip = cube(STEEL, 0.02).body.contact(point=(0.01, 0.01, 0.02))
     ao.simulate(ao.ball(0.01, STEEL), tip, 1.0, rtol=5e-2, linear_solver=own_solver)

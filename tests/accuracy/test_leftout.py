@@ -6,6 +6,7 @@ import math
 import pickle
 import re
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -45,14 +46,9 @@ def test_where_only_bodies_as_meshed_leave_nothing_of_a_law_the_finer_ones_answe
         assert math.isfinite(hits[1].error[name].mesh)
 
 
-def test_bodies_as_meshed_answer_where_finer_ones_do_not_fit_into_memory(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def refuse(body: ao.FEModel) -> None:
-        raise MemoryError
-
-    usual = strike(struck := plate(8, "hexahedron20"))
-    monkeypatch.setattr(type(struck.finer), "K", property(refuse), raising=False)
+def test_bodies_as_meshed_answer_where_memory_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    usual, short = strike(struck := plate(8, "hexahedron20")), Mock(side_effect=MemoryError)
+    monkeypatch.setattr(type(struck.finer), "K", property(short), raising=False)
     hit = strike(plate(8, "hexahedron20"))
     with pytest.warns(ao.AOImpactWarning, match="error without bound"):
         assert hit.error["peak_force"].mesh == math.inf

@@ -31,9 +31,7 @@ UNIT = ALU.plane_strain_modulus * A
 BOX, ON_TOP = (0.06, 0.06, 0.03), (0.0311, 0.0287, 0.03)
 S2 = 4.5e9  # of an impact of some 150 µs
 LINEAR = ("hexahedron", "tetra", "wedge", "pyramid")
-MARKS = dict.fromkeys(
-    ("hexahedron", "hexahedron27", "wedge", "wedge15", "pyramid"), pytest.mark.slow
-)
+MARKS = dict.fromkeys(("hexahedron", "hexahedron27", "wedge15", "pyramid"), pytest.mark.slow)
 
 
 def block(kind: str, divisions: tuple[int, int, int], **more: Any) -> ao.FEModel:
