@@ -45,7 +45,7 @@ _SERIES = 1e-2
 
 # For the excess compliance of laminates. `_FEW_WAVES`: number of wave numbers. `_TURNS`: number of
 # directions. `_GRADES`: number of elements through the thickness. `_FINEST`: ratio of the finest
-# element's thickness to t.
+# element's thickness to t, unless the shortest wave needs less.
 _FEW_WAVES, _TURNS, _GRADES, _FINEST = 60, 4, 24, 5e-3
 
 # For the motion of a laminate's plate. `_AROUND`, `_RINGS`: numbers of directions and of wave
@@ -331,7 +331,8 @@ def _layer_waves(layers: Layers, turn: float, k: FloatArray, s: float) -> FloatA
     Roësset, Bull. Seism. Soc. Am. 71, 1743, 1981).
     """
     t, z = layers.total_thickness, layers.interfaces
-    ends = np.concatenate([z, z[-1] - np.geomspace(_FINEST * t, t, _GRADES)])
+    finest = min(_FINEST * t, np.pi / k[-1])  # half of the shortest wave
+    ends = np.concatenate([z, z[-1] - np.geomspace(finest, t, _GRADES)])
     ends = np.unique(np.round(ends / t, 6)) * t
     n = 3 * (2 * len(ends) - 1)
     bands = np.zeros((4, 9, n))  # lower diagonals of K0, K1, K2 and M
