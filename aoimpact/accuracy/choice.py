@@ -10,7 +10,7 @@ from functools import cache, partial
 from typing import Any
 
 from ..base import ConvergenceError, InputError, positive, warn
-from ..integrate import FRICTION, TIGHTEST, Adaptive, Newmark
+from ..integrate import DRAWN, TIGHTEST, Adaptive, Newmark
 from ..linalg import Solver, checked_solver
 from ..reduction import Body
 from ..results import Chosen, Quantity, RecordLength, Run, number_errors
@@ -174,7 +174,7 @@ def choose_models(
             finer = rule.dt * min(0.5, math.sqrt(in_time / in_steps))
             cure = f"take dt={finer:.1g} or less, or Newmark() without dt"
         else:
-            least = in_time if plan.oblique is None else max(in_time, FRICTION)
+            least = in_time if plan.oblique is None else max(in_time, DRAWN)
             if (reached := in_steps if rule.rtol <= in_time else least) + error > tolerance:
                 cure = f"give rtol={EASED * (reached + error):.1e} or more"
         raise ConvergenceError(

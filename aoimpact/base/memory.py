@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
 from .errors import MemoryLimitError
 
 GIB = 2.0**30
+
+# Size of the temporary arrays of one batch, bytes: fits into the processor's caches.
+_BATCH = 4e6
 
 # Folder of a container's memory limit and use (control groups, version 2).
 _CGROUP = Path("/sys/fs/cgroup")
@@ -56,3 +60,10 @@ def require(n_bytes: float, what: str, cure: str) -> None:
         raise MemoryLimitError(
             f"{what} needs {n_bytes / GIB:.3g} GiB of memory, {free / GIB:.3g} are free: {cure}"
         )
+
+
+def in_batches(count: int, each: float) -> Iterator[slice]:
+    """Yield slices of `count` items, each with temporary arrays of `each` bytes."""
+    step = max(1, int(_BATCH / max(each, 1.0)))
+    for start in range(0, count, step):
+        yield slice(start, start + step)

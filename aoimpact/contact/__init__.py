@@ -4,7 +4,7 @@
 """
 
 from .compliance import Compliance
-from .extraction import Splitting
+from .extraction import DIFFERENCE, Splitting
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .layer import layer_compliance, layer_compliance_of, mesh_compliance
 from .point import (

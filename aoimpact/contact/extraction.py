@@ -38,7 +38,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, IntArray, RoomError
+from ..base import PRINTED, ArrayPair, FloatArray, IntArray, RoomError
 from ..fem import (
     Material,
     each_of,
@@ -46,18 +46,12 @@ from ..fem import (
     pieces,
     stiffness_mass,
 )
-from ..linalg import LinearSolver
-from ..mesh import plane_of
+from ..linalg import ROUGH, LinearSolver
+from ..mesh import AT_NODE, plane_of
 from .compliance import SPAN, Compliance
 from .halfspace import AnisotropicHalfSpace, HalfSpace, IsotropicHalfSpace, ShearedHalfSpace
 from .subdivision import cells_towards, sides_towards
 from .touch import element_at, spread
-
-# Largest 1 - |cos θ| for which a force counts as normal: an angle θ of about a milliradian.
-_ALONG = 1e-6
-
-# Largest height above the tangent plane, relative to the size of face or body, that counts as 0.
-_FLAT = 1e-7
 
 # The cutoff χ falls from 1 to 0 as the cosine between outward normal and position increases from
 # _BEHIND to _FAR_BEHIND. The wall of a hemispherical cup has cosines up to 0.71 from its pole.
@@ -68,13 +62,9 @@ _BEHIND, _FAR_BEHIND = 0.35, 0.8
 # by less than 1e-4 of its value.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
-# Relative residual of the equations at which their solution w is accepted. R lacks the energy of
-# the error of w: 0.007/(E* a) for a residual of 3e-2, on elements 27 times as long as wide.
-_SOLVED = 1e-3
-
-# Step of the central differences for the rotation of χ u_B, relative to the distance from the
-# contact; relative errors of the rotation are 1e-8.
-_DIFFERENCE = 1e-4
+# Relative step of central differences of χ u_B: in place, for its rotation, and in the force. The
+# relative errors are the square.
+DIFFERENCE = 1e-4
 
 
 def extracted(
@@ -111,9 +101,9 @@ def extracted(
     splitting = Splitting(body, point, normal, radius, solver, tangents)
     w = splitting.w
     cosine = float(direction @ normal)
-    straight = 1.0 - abs(cosine) < _ALONG
+    straight = 1.0 - abs(cosine) < AT_NODE  # up to a milliradian
     along = tip.b if straight else tip.along(normal)
-    x = moved[0] if straight and moved is not None else solver.solve_roughly(along, _SOLVED)[0]
+    x = moved[0] if straight and moved is not None else solver.solve_roughly(along, ROUGH)[0]
     strain, inertia = float(x @ (body.K @ x)), float(x @ (body.M @ x))
     compliance = 2.0 * float(along @ x) - strain - splitting.s2 * inertia
     beyond, varying = float(splitting.compliance[0, 0]), _over_width(body, splitting, point, normal)
@@ -133,7 +123,7 @@ def extracted(
     if len(tangents):
         loads = np.array([of.b for of in tip.functionals])
         if moved is None:
-            moved = np.array([solver.solve_roughly(load, _SOLVED)[0] for load in loads])
+            moved = np.array([solver.solve_roughly(load, ROUGH)[0] for load in loads])
         into = np.array([direction @ splitting.frame[2], 1.0, 1.0])
         oblique = loads @ moved.T - splitting.compliance * np.outer(into, into)
     return Compliance(
@@ -244,7 +234,7 @@ class Splitting:
             self.depth = math.inf
         self.space: HalfSpace = IsotropicHalfSpace(like, radius)
         if not isinstance(material, Material):
-            if local[:, 2].min() > -_FLAT * mesh.size:
+            if local[:, 2].min() > -AT_NODE * mesh.size:
                 turned, modulus = _turned(material.tensor, self.frame), like.plane_strain_modulus
                 self.space = AnisotropicHalfSpace(turned, radius, modulus, like.nu)
             else:  # u_B: isotropic half-space of equal E*; L includes C - C_B
@@ -315,12 +305,12 @@ class Splitting:
             parts = parts + (2.0 * forces - pulled)[..., held] @ w[:, held].T
             forces = forces - pulled
         right = forces[..., body.free]
-        found = [solver.solve_roughly(f, _SOLVED)[0] for f in right[0] - self.s2 * right[1]]
+        found = [solver.solve_roughly(f, ROUGH)[0] for f in right[0] - self.s2 * right[1]]
         w[:, body.free] = moved = np.array(found)
         taken = moved @ np.stack([body.K @ moved.T, -(body.M @ moved.T)])
         return w, parts + 2.0 * right @ moved.T - taken
 
-    def _fields(self, x: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
+    def _fields(self, x: FloatArray, *, stress: bool = False) -> ArrayPair:
         """Return the half-space field u_B of each force at points and, if requested, its stress."""
         found, tensors = [], []
         for space, frame in self.spaces:
@@ -329,7 +319,7 @@ class Splitting:
                 u, tensor = space.displacement_stress(y)
                 tensors.append(frame.T @ tensor @ frame)
             else:
-                u = space.displacement(y, rough=rough)
+                u = space.displacement(y)
             found.append(u @ frame)
         return np.array(found), np.array(tensors)
 
@@ -357,7 +347,7 @@ class Splitting:
             found[:, 0, cells[range(len(row)), column]] = block.signs[row, column][:, None] * rest
         if self.mesh.thin:
             away = np.linalg.norm(nodes[some] - self.point, axis=1)
-            step = _DIFFERENCE * np.maximum(away, self.space.radius)[:, None, None]
+            step = DIFFERENCE * np.maximum(away, self.space.radius)[:, None, None]
             places = nodes[some][:, None] + step * np.vstack([np.eye(3), -np.eye(3)])
             ahead, behind = np.split(self.field(places), 2, axis=2)
             slope = (ahead - behind) / (2.0 * step)  # ∂_j u_k
@@ -370,7 +360,9 @@ class Splitting:
         y = (x - self.point) @ self.frame.T
         chi, slope = np.ones(x.shape[:-1]), np.zeros(x.shape)
         if self.behind:
-            distance = np.maximum(np.linalg.norm(y, axis=-1), 1e-9 * self.space.radius)[..., None]
+            distance = np.maximum(np.linalg.norm(y, axis=-1), PRINTED * self.space.radius)[
+                ..., None
+            ]
             cosine = -y[..., 2:] / distance
             slope = -cosine * y / distance**2
             slope[..., 2] -= 1.0 / distance[..., 0]
@@ -429,7 +421,7 @@ class Splitting:
             rows = surface.cell[surface.side == side] - block.first
             on = block.cells[rows][:, face.nodes]
             size = np.ptp(nodes[on], axis=1).max(axis=1)
-            rows = rows[np.abs(height[on]).max(axis=1) > _FLAT * size]  # elsewhere p - σ_B n = 0
+            rows = rows[np.abs(height[on]).max(axis=1) > AT_NODE * size]  # elsewhere p - σ_B n = 0
             corners = block.element.nodes[face.nodes[: face.n_corners]]
             block = shapes.blocks[number]
             for at in sides_towards(shapes.nodes, block, rows, corners, self.point, a):
@@ -476,7 +468,7 @@ class Splitting:
             for at in cells_towards(shapes.nodes, block, rows, self.point, self.space.radius):
                 cells = block.cells[at.rows]
                 chi, slope = self._cutoff(at.x)
-                u, stress = self._fields(at.x, stress=inner, rough=not inner)
+                u, stress = self._fields(at.x, stress=inner)
                 moved = chi[..., None] * u
                 instead = at.shape @ at_nodes[:, cells]
                 mass = piece.of.rho * at.weight * near[at.rows][:, None]

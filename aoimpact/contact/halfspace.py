@@ -20,29 +20,17 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray
+from ..base import ROUNDING, ArrayPair, FloatArray
 from ..fem import PLACES, Material, hooke
-
-# Distance from the disc's rim, relative to the disc's radius a, below which points count as at this
-# distance; the error of the field is the square of this ratio.
-_ON_RIM = 1e-9
+from ..mesh import AT_NODE
 
 # Number of angles in the integral of an anisotropic half-space. The integrand is periodic and,
 # except for far points just below the surface, smooth: the error is 1e-4 at r = 8 a, z = 0.4 a.
 _ANGLES = 128
 
-# Displacements for inertia terms may be rough: they use every second angle, which changes the
-# compliance R of a ply (`Splitting`) by 1e-4 of its value (every fourth angle: by 1e-2).
-_EVERY = 2
-
-# Relative change of the shear moduli that separates equal roots of Stroh's eigenvalue problem.
-# Equal roots, as isotropic materials have, lack independent eigenvectors. The change leaves half of
-# the digits.
-_APART = 1e-7
-
-# Ratio of distance to radius a above which the pressure's transform is a series in a/|z|, exact to
-# 1e-7.
-_FAR = 30.0
+# Ratio of the radius a to the distance below which the pressure's transform is a series, exact to
+# 1e-7: the closed form loses digits by cancellation.
+_FAR = 1.0 / 30.0
 
 
 class HalfSpace:
@@ -70,9 +58,9 @@ class HalfSpace:
         """Mean of u_z weighted with the pressure, m/N: 0.6/(a E*) (Johnson, eq. 3.42a)."""
         return 0.6 / (self.radius * self.modulus)
 
-    def displacement(self, y: FloatArray, *, rough: bool = False) -> FloatArray:
+    def displacement(self, y: FloatArray) -> FloatArray:
         """Return the displacement u at local points `y`, m, shape (..., 3), for a force of 1 N."""
-        return self._fields(y, rough=rough)[0]
+        return self._fields(y)[0]
 
     def displacement_stress(self, y: FloatArray) -> ArrayPair:
         """Return displacement, m, shape (..., 3), and stress, Pa, shape (..., 3, 3), for 1 N."""
@@ -90,7 +78,7 @@ class HalfSpace:
         other.radius = radius
         return other
 
-    def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
+    def _fields(self, y: FloatArray, *, stress: bool = False) -> ArrayPair:
         """Return displacement, m, and stress, Pa; the stress is empty unless requested."""
         raise NotImplementedError
 
@@ -126,7 +114,7 @@ class IsotropicHalfSpace(HalfSpace):
         self.stiffness, self.nu = material.tensor, material.nu
         self.modulus = material.plane_strain_modulus
 
-    def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
+    def _fields(self, y: FloatArray, *, stress: bool = False) -> ArrayPair:
         nu, (x1, x2, z) = self.nu, np.moveaxis(y / self.radius, -1, 0)
         r2 = np.maximum(x1 * x1 + x2 * x2, self.on_axis**2 * (1.0 + z * z))
         s, k, root = _spheroidal(r2, z)
@@ -188,11 +176,11 @@ class ShearedHalfSpace(IsotropicHalfSpace):
 def _spheroidal(r2: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return spheroidal coordinates s, k about a disc of radius 1, and s² + k², from r² and z."""
     q = r2 + z * z - 1.0
-    root = np.maximum(np.sqrt(q * q + 4.0 * z * z), _ON_RIM)
+    root = np.maximum(np.sqrt(q * q + 4.0 * z * z), ROUNDING)  # 0 on the rim of the disc
     # s² and -k² are the roots of u² - q u - z²; the larger of s² and k² is computed without
     # cancellation.
     within = q < 0.0
-    large = np.sqrt(np.maximum(0.5 * np.where(within, root - q, root + q), _ON_RIM**2))
+    large = np.sqrt(np.maximum(0.5 * np.where(within, root - q, root + q), ROUNDING**2))
     small = np.abs(z) / large
     sign, through_disc = np.where(z < 0.0, -1.0, 1.0), r2 < 1.0
     s = np.where(within, small, large) * np.where(through_disc, sign, 1.0)
@@ -215,8 +203,10 @@ class AnisotropicHalfSpace(HalfSpace):
     @cached_property
     def _waves(self) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
         """Return directions n, roots p and amplitudes A of Stroh's eigenproblem for each angle."""
-        sheared = 1.0 - np.eye(3)
-        C = self.stiffness * (1.0 + _APART * np.einsum("ij,kl->ijkl", sheared, sheared))
+        # Equal roots, as isotropic materials have, lack independent eigenvectors. A relative change
+        # of the shear moduli separates them, and leaves half of the digits.
+        sheared, apart = 1.0 - np.eye(3), math.sqrt(np.finfo(float).eps)
+        C = self.stiffness * (1.0 + apart * np.einsum("ij,kl->ijkl", sheared, sheared))
         m, waves = np.array([0.0, 0.0, 1.0]), []
         for angle in (np.arange(_ANGLES) + 0.5) * math.pi / _ANGLES:
             n = np.array([math.cos(angle), math.sin(angle), 0.0])
@@ -229,31 +219,22 @@ class AnisotropicHalfSpace(HalfSpace):
             waves.append((n, p, a * np.linalg.solve(traction, -m.astype(complex))))
         return waves
 
-    def _fields(self, y: FloatArray, *, stress: bool = False, rough: bool = False) -> ArrayPair:
+    def _fields(self, y: FloatArray, *, stress: bool = False) -> ArrayPair:
         a, points = self.radius, y.reshape(-1, 3)
-        depth = np.maximum(points[:, 2:], 1e-7 * a)
+        depth = np.maximum(points[:, 2:], AT_NODE * a)
         u, slope = np.zeros(points.shape), np.zeros((len(points), 3, 3))
-        for n, p, amplitude in self._waves[_EVERY // 2 if rough else 0 :: _EVERY if rough else 1]:
-            place = (points @ n)[:, None] + p * depth
-            far = np.abs(place) > _FAR * a
-            z = np.where(far, _FAR * a * 1j, place)
-            logarithm = np.log((z + a) / (z - a))
-            series = 1.0 / place
-            f = np.where(
-                far,
-                4.0 * a**3 / 3.0 * (series + a * a / 5.0 * series**3),
-                (a * a - z * z) * logarithm + 2.0 * a * z,
-            )
+        for n, p, amplitude in self._waves:
+            z = (points @ n)[:, None] + p * depth
+            w = a / z
+            far, logarithm = np.abs(w) < _FAR, 2.0 * np.arctanh(w)
+            near = (1.0 - 1.0 / w**2) * logarithm + 2.0 / w
+            f = a * a * np.where(far, w * (4.0 + 0.8 * w * w) / 3.0, near)
             u += 2.0 * np.real(f @ amplitude.T)
             if not stress:
                 continue
-            df = np.where(
-                far,
-                -4.0 * a**3 / 3.0 * (series**2 + 0.6 * a * a * series**4),
-                4.0 * a - 2.0 * z * logarithm,
-            )
+            df = a * np.where(far, -w * w * (4.0 + 2.4 * w * w) / 3.0, 4.0 - 2.0 * logarithm / w)
             slope[:, :, :2] += 2.0 * np.real(df @ amplitude.T)[:, :, None] * n[:2]
             slope[:, :, 2] += 2.0 * np.real((df * p) @ amplitude.T)
-        scale = 3.0 / (16.0 * math.pi**2 * a**3) * math.pi / _ANGLES * (_EVERY if rough else 1)
+        scale = 3.0 / (16.0 * math.pi**2 * a**3) * math.pi / _ANGLES
         of_slope = np.einsum("ijkl,nkl->nij", self.stiffness, slope)
         return scale * u.reshape(y.shape), scale * of_slope.reshape(*y.shape, 3)

@@ -46,17 +46,13 @@ from ..fem import (
     nodes_by_number,
     pieces,
 )
-from ..linalg import LinearSolver
-from ..mesh import AT_NODE, nearest_line, surface_shape
+from ..linalg import LARGEST, LinearSolver
+from ..mesh import AT_NODE, SHARP, nearest_line, surface_shape
 from .compliance import Compliance
 from .extraction import extracted
 from .layer import bending_length
 from .thinextraction import excess_of_beam, excess_of_shell, patch_on_shell
 from .touch import Patch, Touch, edge_length, element_at, thickness, to_nodes, touched
-
-# A force acts along a beam if the cosine of its angle with the beam's axis is at least this: 45°.
-_ALONG = math.sqrt(0.5)
-
 
 # Ratio of a patch's radius r to the contact radius a. For two similar bodies, the compliance
 # removed from Hertz's law is 1.2 a/r of the law's own compliance dδ/dF, thus all of it at
@@ -78,11 +74,10 @@ _WIDER = 2.0
 # wide patches.
 _WITHIN_EDGE = 0.15
 
-# A patch that does not fit on the surface is tried again with a smaller radius. `_SMALLER`: largest
-# ratio of the new radius to the one before. `_WITHIN`: largest ratio of the new radius to the
-# distance at which the surface ends. `_LEAST_PATCH`: smallest ratio of the radius to the element's
-# edge; for smaller patches a point force is used.
-_SMALLER, _WITHIN, _LEAST_PATCH = 0.8, 0.95, 0.03
+# A patch that does not fit on the surface is tried again with a smaller radius. `_WITHIN`: ratio of
+# the new radius to the distance at which the surface ends. `_LEAST_PATCH`: smallest ratio of the
+# radius to the element's edge; for smaller patches a point force is used.
+_WITHIN, _LEAST_PATCH = 0.95, 0.03
 
 # Largest abs(resultant - 1), and ratio of couple to body size, of a functional without a warning;
 # largest sin² of the angle between a force and the axis of a tube that it may strike.
@@ -96,12 +91,6 @@ SHIFT_TIMES_DURATION = 10.0
 # Largest ratio of thickness to width of the solid elements of a sheet, with a margin for rounding
 # errors.
 _FLAT = 0.1 * (1.0 + 1e-6)
-
-# Range of abs(b) for which bᵀKb and bᵀMb neither overflow nor underflow.
-_SMALLEST, _LARGEST = 1e-50, 1e50
-
-# Largest share of a translation's energy outside the rigid modes that counts as a rounding error.
-_OF_ANOTHER_MOTION = 1e-12
 
 
 @dataclass(frozen=True)
@@ -219,7 +208,7 @@ class ContactPoint(Frozen):
             return False
         along = self.body.translation(self.direction)
         rest = along - rigid @ (rigid.T @ (M @ along))
-        return float(rest @ (M @ rest)) <= _OF_ANOTHER_MOTION * float(along @ (M @ along))
+        return float(rest @ (M @ rest)) <= ROUNDING * float(along @ (M @ along))
 
     @cached_property
     def reversed(self) -> ContactPoint:
@@ -461,7 +450,7 @@ class ContactPoint(Frozen):
         if self.material is None or self.point is None:
             return None
         if isinstance(self.thin, Beam):
-            across = 0.0 if self._along_beam > _ALONG else self.thin.section.curvature
+            across = 0.0 if self._along_beam > SHARP else self.thin.section.curvature
             return ContactSurface(self.material, (across, 0.0))
         shape = surface_shape(surface, self.point)
         if self.normal is not None and float(shape.normal @ self.normal) < 0.0:
@@ -527,7 +516,7 @@ class ContactPoint(Frozen):
         beam, depth = isinstance(self.thin, Beam), self.depth
         if isinstance(self.thin, Layers):
             wave = bending_length(self.thin, s)
-        elif material is None or not math.isfinite(depth) or (beam and self._along_beam > _ALONG):
+        elif material is None or not math.isfinite(depth) or (beam and self._along_beam > SHARP):
             return 0.0, math.inf
         else:
             wave = (
@@ -745,7 +734,7 @@ def _with_room(
             try:
                 return _made(body, touched(surface, point, along, radius), **how)
             except RoomError as error:
-                radius = min(_WITHIN * error.room, _SMALLER * radius)
+                radius = _WITHIN * error.room
                 if radius < least:
                     raise InputError(
                         f"point {plain(point)} m has no room for a contact over a patch: "
@@ -785,7 +774,7 @@ def _on_beam(body: FEModel, point: FloatArray, along: FloatArray | None) -> Touc
         members = mesh.cells[(mesh.cells[:, :2] == ends[round(place)]).any(axis=1), :2]
     axes = np.diff(mesh.nodes[members], axis=1)[:, 0]
     inner = not at_node or len(members) > 1
-    if inner and (np.abs(axes @ along) > _ALONG * np.linalg.norm(axes, axis=1)).all():
+    if inner and (np.abs(axes @ along) > SHARP * np.linalg.norm(axes, axis=1)).all():
         warn(
             f"direction {plain(along)} is along the beam, but point {plain(x)} m is on the beam's "
             "side, whose surface the contact law uses; give a direction across the beam, or a "
@@ -814,7 +803,7 @@ def _of_functional(body: FEModel, b: Any) -> ContactPoint:
             f"b must have one entry for each of the {body.n_dofs} rows of K, got {len(values)}"
             + ("; take b[body.free]" if whole else "")
         )
-    if not _SMALLEST <= size <= _LARGEST:
+    if not 1.0 / LARGEST <= size <= LARGEST:  # else bᵀKb or bᵀMb might overflow or underflow
         raise InputError(f"b must have entries of about 1, not all zero: the largest is {size:g}")
     tip = ContactPoint(body, values)
     if body.nodes is None:

@@ -17,14 +17,10 @@ from ..fem import displacement, near_static
 from ..linalg import LinearSolver
 from .point import SHIFT_TIMES_DURATION, ContactPoint, own_contact_time, quadratic
 
-# Smallest rᵀb/|r||b| of a rigid motion r that b excites; smaller values are rounding errors. With
-# the weakest springs to the ground that are detected (1e-9 of the diagonal of K), r is accurate to
-# about 1e-16/1e-9.
-_MOVED = 1e-7
-
-# Tolerance for entries of a rigid motion that should be 0 or 1, due to rounding errors of the null
-# space of K.
-_AS_ONE = 1e-6
+# Largest rᵀb/|r||b| of a rigid motion r that counts as 0, and largest error of entries of r that
+# should be 0 or 1. With the weakest springs to the ground that are detected (1e-9 of the diagonal
+# of K), r is accurate to about 1e-16/1e-9.
+_MOVED, _AS_ONE = 1e-7, 1e-6
 
 
 @dataclass(frozen=True, eq=False)

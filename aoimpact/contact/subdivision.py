@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 import scipy
 
-from ..base import ArrayPair, FloatArray, IntArray
+from ..base import ArrayPair, FloatArray, IntArray, in_batches
 from ..mesh import Block, ReferenceElement, cofactors
 
 # Number of points per direction of the product rules, which are exact to degree 5 on triangles and
@@ -31,9 +31,6 @@ _NEAR, _FINER = 3.0, 0.3
 # Largest number of halvings of triangles and tetrahedra; those with a corner at the point reach
 # this number.
 _MOST_OF_SIDE, _MOST_OF_CELL = 14, 3
-
-# Number of quadrature points per batch, which fits into the caches.
-_AT_ONCE = 20_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,9 +141,8 @@ def _points(
 ) -> Iterator[Points]:
     d = vertices.shape[1] - 1
     shares, weight = _simplex_rule(d)
-    step = max(1, _AT_ONCE // len(weight))
-    for start in range(0, len(rows), step):
-        some, corners = rows[start : start + step], vertices[start : start + step]
+    for which in in_batches(len(rows), 24.0 * len(weight) * block.cells.shape[1]):
+        some, corners = rows[which], vertices[which]
         shape, gradient = _evaluated(block.element, corners, shares)
         places = nodes[block.cells[some]]
         jacobian = gradient.swapaxes(2, 3) @ places[:, None]

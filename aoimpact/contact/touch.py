@@ -23,35 +23,33 @@ from ..fem import (
     material_of,
     nodal_normals,
 )
-from ..mesh import Mesh, Place, Surface, nearest_line, plane_of
+from ..mesh import (
+    AT_NODE,
+    GOLDEN,
+    ON_SURFACE,
+    SHARP,
+    Mesh,
+    Place,
+    Surface,
+    nearest_line,
+    plane_of,
+)
 
-# `_OFF_SURFACE`: largest ratio of a given point's distance from the surface to the size of the face
-# there. `_SAID`: ratio above which a warning is given, about the deviation of linear elements from
-# a round body.
-_OFF_SURFACE, _SAID = 0.1, 0.02
+# Largest ratio of a given point's distance from the surface to the size of the face there.
+_OFF_SURFACE = 0.1
 
 # Smallest |cosine| between a surface's normal and a direction that presses on it: 84°.
 _TANGENT = 0.1
 
-# Relative rounding error of the distance between the face of a shell and its nodes.
-_FACE = 1e-6
+# Quadrature over the disc: `_RINGS` rings of four times as many points, exact for polynomials of
+# degree 79. Kinks of the shape functions between faces limit its accuracy; see
+# tests/fem/test_patch.py.
+_RINGS = 20
 
-
-# Quadrature over the disc: `_RINGS` rings of `_AROUND` points, exact for polynomials of degree 47.
-# Kinks of the shape functions between faces limit its accuracy; see tests/fem/test_patch.py.
-_RINGS, _AROUND = 24, 64
-
-# Rotation of each ring relative to the previous ring, as a fraction of the angle between points.
-# Without rotation, several rings would be aligned alike with the edges of the faces.
-_GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-
-# Smallest cosine of the angle between a normal on the patch and that at its middle: 45°.
-_STEEPEST = math.sqrt(0.5)
-
-# Iteration for the mean normal over the patch. `_SETTLED`: tolerance of its change, rad.
-# `_ON_AN_EDGE`: tolerance if changes no longer shrink, as a point of the disc may lie on an edge
-# between faces. `_TURNS`: largest number of steps.
-_SETTLED, _ON_AN_EDGE, _TURNS = 1e-6, 1e-4, 12
+# Iteration for the mean normal over the patch. `_ON_AN_EDGE`: tolerance, rad, of changes that no
+# longer shrink, as a point of the disc may lie on an edge between faces. `_TURNS`: largest number
+# of steps.
+_ON_AN_EDGE, _TURNS = 1e-4, 12
 
 
 @dataclass(frozen=True)
@@ -134,7 +132,7 @@ def spread(surface: Surface, point: FloatArray, normal: FloatArray, radius: floa
         mean = share @ surface.normal(under.face, under.uv)
         mean /= np.linalg.norm(mean)
         turned = float(np.linalg.norm(mean - normal))
-        if turned < _SETTLED or 0.5 * before < turned < _ON_AN_EDGE:
+        if turned < AT_NODE or 0.5 * before < turned < _ON_AN_EDGE:
             break
         # Keep the disc's axes, as a rotation about the normal would prevent convergence.
         normal, across, before = mean, plane_of(mean, across[0]), turned
@@ -152,18 +150,21 @@ def _disc_rule(radius: float) -> ArrayPair:
     """Return quadrature points of the disc, (n, 2), and their shares of the force, (n,).
 
     The rule is Gauss–Jacobi in ρ²/r², with the weight √(1 - ρ²/r²), and equidistant in the angle.
+    Each ring is turned from the one before by the golden section of the angle between its points:
+    otherwise, several rings would be aligned alike with the edges of the faces.
     """
     x, w = scipy.special.roots_jacobi(_RINGS, 0.5, 0.0)
     rho = radius * np.sqrt(0.5 * (1.0 + x))
-    turn = np.arange(_AROUND) + np.modf(_GOLDEN * np.arange(_RINGS))[0][:, None]
-    angle = 2.0 * np.pi / _AROUND * turn
+    around = 4 * _RINGS
+    turn = np.arange(around) + np.modf(GOLDEN * np.arange(_RINGS))[0][:, None]
+    angle = 2.0 * np.pi / around * turn
     points = rho[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    return points.reshape(-1, 2), np.repeat(w / (w.sum() * _AROUND), _AROUND)
+    return points.reshape(-1, 2), np.repeat(w / (w.sum() * around), around)
 
 
 def _free(surface: Surface, under: Place, normal: FloatArray, rho: FloatArray) -> float:
     lost = under.face < 0
-    steep = surface.normal(under.face[~lost], under.uv[~lost]) @ normal < _STEEPEST
+    steep = surface.normal(under.face[~lost], under.uv[~lost]) @ normal < SHARP
     return float(min(rho[lost].min(initial=np.inf), rho[~lost][steep].min(initial=np.inf)))
 
 
@@ -331,7 +332,7 @@ def to_nodes(body: Any, point: FloatArray) -> FloatArray:
         return point
     cell, x, gap = element_at(body, point)
     of = material_of(body.material, cell)
-    on = isinstance(of, (Layers, Beam)) and gap <= of.reach * (1.0 + _FACE)
+    on = isinstance(of, (Layers, Beam)) and gap <= of.reach + AT_NODE * body.mesh.size
     return np.asarray(x) if on else point
 
 
@@ -367,7 +368,7 @@ def _place(surface: Surface, point: FloatArray) -> Place:
             f"point {plain(point)} m is {where}, {gap:.3g} m from the nearest place on its "
             f"surface, {plain(here.x[0])} m: give a point on the surface (is it in metres?)"
         )
-    if gap > _SAID * size:
+    if gap > ON_SURFACE * size:
         warn(
             f"point {plain(point)} m is {gap:.3g} m off the surface; {plain(here.x[0])} m is taken"
         )

@@ -29,7 +29,7 @@ from .damping import Damping, ModalDamping, Rayleigh, damping_or_none
 from .frequencyresponse import FrequencyResponse
 from .labels import checked_labels, label_of, labelled_rows, nodes_by_number
 from .laminate import Laminate, Layers, Ply, Shell
-from .material import PLACES, SIX, Material, Orthotropic, Solid, warn_of_units
+from .material import PLACES, SAME, SIX, Material, Orthotropic, Solid, warn_of_units
 from .model import FEModel
 from .shells import FOLD, element_frames, linked, nodal_normals, rigid_ends
 from .statics import Grounding, VirtualMotion, displacement, near_static, whole_motion

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..base import FloatArray, IntArray, at_once, bar, require, sp
+from ..base import FloatArray, IntArray, at_once, bar, in_batches, require, sp
 from ..linalg import ENTRIES_AT_ONCE, with_int32
 from ..mesh import Mesh, ReferenceElement, cofactors, jacobians, parted
 from .beams import Beam, beam_matrices
@@ -22,12 +22,6 @@ from .composition import AnyMaterial, Piece, pieces
 from .laminate import Layers
 from .material import Material
 from .shells import element_mass, element_stiffness, nodal_normals, rigid_ends
-
-# Largest temporary array of a batch of elements, bytes: fits into the processor's caches.
-_BATCH = 4e6
-
-# Shell elements per batch, whose arrays then fit into the caches.
-_SHELLS = 512
 
 # Memory for each pair of dofs whose nodes share an element, bytes: K and M as dense blocks (8 each)
 # and as CSR entries with column indices (12 each).
@@ -114,8 +108,7 @@ def thin_stiffness_mass(
                 add(values, place, matrices)
             continue
         normal, (ends, strip, links), there = next(shells)
-        for start in range(0, len(cells), _SHELLS):
-            some = slice(start, start + _SHELLS)
+        for some in in_batches(len(cells), 8.0 * (6 * cells.shape[1]) ** 2):
             at, more = nodes[cells[some]], (normal[some], ends[some])
             add(K, place[some], element_stiffness(at, part, *more, constant=constant))
             add(M, place[some], element_mass(at, part))
@@ -172,7 +165,7 @@ def _batches(mesh: Mesh, material: AnyMaterial, places: Any) -> Iterator[tuple[P
     for piece in pieces(mesh, material):
         place, of = places[mesh.blocks.index(piece.block)], piece.element
         n_points = max(len(of.stiffness_rule.weights), len(of.mass_rule.weights))
-        for batch in piece.batches(int(_BATCH / (8 * max((3 * of.n_nodes) ** 2, 9 * n_points)))):
+        for batch in piece.batches(8.0 * max((3 * of.n_nodes) ** 2, 9 * n_points)):
             yield batch, place[batch.rows]
 
 

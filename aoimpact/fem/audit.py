@@ -13,6 +13,7 @@ import scipy
 from ..base import FloatArray, aligned, record, sp, with_unit
 from ..mesh import motions_at
 from .labels import axes_of
+from .model import FEW_DIGITS
 
 # Plausible ratios of a body's mass to its bounding box's volume, kg/m³: from foam and thin rings to
 # tungsten.
@@ -42,12 +43,9 @@ _CAUSES = {
 # the box of nodes in one plane has no volume.
 _THINNEST = 1e-3
 
-# Limits of the relative elastic force ‖K r‖ / ‖|K| |r|‖ of a rigid motion r. Below `_FREE` r is
-# free: the force is due to rounding or few printed digits. Above `_RESISTED` supports resist r.
-_FREE, _RESISTED = 1e-6, 1e-4
-
-# Number of nodes whose nearest neighbours are checked.
-_SAMPLE = 2000
+# Relative elastic force ‖K r‖ / ‖|K| |r|‖ of a rigid motion r above which supports resist r; below
+# `FEW_DIGITS`, r is free.
+_RESISTED = 1e-4
 
 # Largest share of couplings that may be missing in K or M; above it, rows or nodes are probably in
 # different orders.
@@ -118,7 +116,7 @@ class Audit:
         for name, value in zip(
             ("x", "y", "z", "rx", "ry", "rz"), self.rigid_residual, strict=False
         ):
-            moved = "free" if value < _FREE else "constrained"
+            moved = "free" if value < FEW_DIGITS else "constrained"
             rows.append((f"rigid motion {name}", f"{value:.1e} ({moved})"))
         if len(self.frequencies):
             rows.append(("frequencies", ", ".join(f"{f:.4g}" for f in self.frequencies) + " Hz"))
@@ -187,7 +185,7 @@ def _doubts_of_order(body: Any, residuals: tuple[float, ...]) -> list[str]:
     said = []
     if _missing(body.M, body.K) > _MOST_MISSING:
         said.append("M couples rows that K does not: are the rows of both in the same order?")
-    free = np.array(residuals) < _FREE
+    free = np.array(residuals) < FEW_DIGITS
     if _missing_neighbours(body) > _MOST_MISSING:
         said.append("K does not couple neighbouring nodes: are the nodes in the order of its rows?")
     elif len(free) == 6 and free[:3].all() and max(residuals[3:]) > _RESISTED:
@@ -217,13 +215,12 @@ def _missing_neighbours(body: Any) -> float:
     places = np.unique(node)
     if len(places) < 2:
         return 0.0
-    taken = places[:: max(1, len(places) // _SAMPLE)]
-    near = scipy.spatial.cKDTree(body.nodes[places]).query(body.nodes[taken], k=2)[1]
-    near = places[np.where(places[near[:, 0]] == taken, near[:, 1], near[:, 0])]
+    near = scipy.spatial.cKDTree(body.nodes[places]).query(body.nodes[places], k=2)[1]
+    near = places[np.where(places[near[:, 0]] == places, near[:, 1], near[:, 0])]
     rows = np.arange(len(node))
     of_node = sp.csr_array((np.ones(len(node)), (rows, node)), shape=(len(node), len(body.nodes)))
     coupled = (of_node.T @ abs(body.K) @ of_node).tocsr()
-    return float(np.mean(np.asarray(coupled[taken, near]).ravel() == 0.0))
+    return float(np.mean(np.asarray(coupled[places, near]).ravel() == 0.0))
 
 
 def _doubts(density: float | None, speed: float | None) -> list[str]:

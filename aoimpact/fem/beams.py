@@ -25,17 +25,13 @@ from ..base import (
     sequence,
     within,
 )
-from ..mesh import unit
+from ..mesh import AT_NODE, unit
 from .laminate import FAR_OFF, direction_or_none
 from .material import Material
 
-# Gauss points along an element. `_IN_STIFFNESS`: for the square of moments, which are linear in x.
-# `_IN_MASS`: for the square of displacements, which are cubic in x.
-_IN_STIFFNESS, _IN_MASS = 2, 4
-
-# Smallest sine of the angle between a beam and its orientation; below it, rounding determines the
-# section's axes.
-_PARALLEL = 1e-6
+# Places, from -1 to 1, and weights of Gauss' rule along an element, exact for the square of
+# displacements, which are cubic in x.
+_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 _length = partial(positive, unit="m")
 
@@ -474,7 +470,7 @@ def beam_frames(ends: FloatArray, beam: Beam) -> ArrayPair:
         z = np.broadcast_to(axis / np.linalg.norm(axis), x.shape)
     y = np.cross(z, x)
     size = np.linalg.norm(y, axis=1)
-    if count := np.count_nonzero(size < _PARALLEL):
+    if count := np.count_nonzero(size < AT_NODE):
         raise InputError(
             f"orientation={beam.orientation} is along {count} elements; take one across them"
         )
@@ -487,10 +483,9 @@ def beam_matrices(ends: FloatArray, beam: Beam) -> list[FloatArray]:
     frames, length = beam_frames(ends, beam)
     of_strain, of_motion = beam.stiffness, beam.inertia[[0, 0, 0, 1, 2, 3]]
     found = []
-    for which, density, count in ((1, of_strain, _IN_STIFFNESS), (0, of_motion, _IN_MASS)):
-        places, weights = np.polynomial.legendre.leggauss(count)
-        rows = _rows(frames, length, beam, 0.5 + 0.5 * places)[which]
-        scale = np.sqrt(0.5 * length[:, None, None] * weights[:, None] * _finite(density))
+    motions = _rows(frames, length, beam, 0.5 + 0.5 * _PLACES)
+    for rows, density in zip(motions[::-1], (of_strain, of_motion), strict=True):
+        scale = np.sqrt(0.5 * length[:, None, None] * _WEIGHTS[:, None] * _finite(density))
         scaled = (rows * scale[..., None]).reshape(len(rows), -1, 12)
         matrix = scaled.swapaxes(1, 2) @ scaled
         found.append(0.5 * (matrix + matrix.swapaxes(1, 2)))

@@ -13,6 +13,7 @@ from ..base import (
     InputError,
     InputTypeError,
     IntArray,
+    in_batches,
     plain,
     record,
     with_unit,
@@ -165,10 +166,9 @@ class Piece:
     def element(self) -> ReferenceElement:
         return self.block.element
 
-    def batches(self, step: int) -> Iterator[Piece]:
-        """Yield pieces of at most `step` elements."""
-        for start in range(0, len(self.rows), step):
-            yield self.taken(slice(start, start + step))
+    def batches(self, each: float) -> Iterator[Piece]:
+        """Yield pieces of few elements, each with temporary arrays of `each` bytes."""
+        return map(self.taken, in_batches(len(self.rows), each))
 
     def taken(self, some: Any) -> Piece:
         """Return the piece with the elements that an index, mask or slice selects."""

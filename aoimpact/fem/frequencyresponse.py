@@ -36,6 +36,7 @@ import numpy as np
 
 from ..base import (
     HUGE,
+    ROUNDING,
     ComplexArray,
     FloatArray,
     Frozen,
@@ -44,8 +45,9 @@ from ..base import (
     choice,
     finite_array,
     given_axes,
+    in_batches,
 )
-from ..linalg import lowest
+from ..linalg import DENSE_DOFS, lowest
 from .damping import Damping, ModalDamping, Rayleigh
 from .model import FEModel
 from .statics import displacement
@@ -61,18 +63,8 @@ KINDS = {"receptance": "m/N", "mobility": "m/(s N)", "accelerance": "m/(s² N)"}
 # 2ζ/10 of the static residual.
 _BEYOND, _BEYOND_DAMPED = 2.0, 10.0
 
-# Number of dofs up to which all modes are computed.
-_ALL = 600
-
-# Largest ratio of the remainder of the series to the static residual.
-_NEGLIGIBLE = 1e-12
-
-# Largest number of entries of a table modes × frequencies in memory.
-_AT_ONCE = 2**22
-
-# `_FIRST`: number of modes computed first. `_FOR_EACH`: largest number of modes per requested
-# frequency, which take about as long as one direct solution.
-_FIRST, _FOR_EACH = 16, 16
+# Number of modes that take about as long as the direct solution at one frequency.
+_FOR_EACH = 16
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -200,8 +192,8 @@ def _modes(body: FEModel, highest: float, most: int) -> tuple[FloatArray, FloatA
     """
     beyond = _BEYOND_DAMPED if isinstance(body.damping, ModalDamping) else _BEYOND
     dofs, rigid = body.n_dofs, body.rigid_modes
-    count = dofs if dofs <= _ALL else min(dofs, rigid.shape[1] + _FIRST)
-    while count == dofs or count <= max(most, rigid.shape[1] + _FIRST):
+    count = dofs if dofs <= DENSE_DOFS else min(dofs, rigid.shape[1] + _FOR_EACH)
+    while count == dofs or count <= max(most, rigid.shape[1] + _FOR_EACH):
         omega2, shapes = lowest(body.K, body.M, count, known=rigid, invert=body.inverse)
         omega = np.sqrt(omega2)
         if len(omega) < count or count == dofs:
@@ -247,7 +239,7 @@ def _by_modes(
         [np.abs(weight) * rounding[seen], of_force[seen] ** 2, of_response[seen] ** 2]
     )
     found, error = np.empty(len(omega), dtype=np.complex128), np.empty(len(omega))
-    for some in np.array_split(np.arange(len(omega)), 1 + len(omega) * len(own) // _AT_ONCE):
+    for some in in_batches(len(omega), 16.0 * max(len(own), 1)):
         of = omega[some, None]
         with np.errstate(divide="ignore", invalid="ignore"):  # undamped resonance is refused later
             gain = 1.0 / (own**2 - of**2 + 2j * decay * of)
@@ -261,7 +253,7 @@ def _by_modes(
     size = math.sqrt(abs(float(b @ residual)) * abs(float(c @ other)))
     terms, largest = 1, float(ratio.max())
     if largest > 0.0:
-        terms = max(1, math.ceil(math.log(_NEGLIGIBLE) / math.log(largest)))
+        terms = max(1, math.ceil(math.log(ROUNDING) / math.log(largest)))
     power = np.ones_like(mu)
     for _ in range(terms):
         found = found + power * (c @ residual) / stiffer

@@ -13,7 +13,7 @@ from ..base import FloatArray, InputError, IntArray, integers, node_ids, plain
 _MOST = 6
 
 # Rounding of coordinates in input files, relative to the body's size.
-_SAME_PLACE = 1e-5
+SAME_PLACE = 1e-5
 
 
 def checked_labels(labels: Any, n_dofs: int) -> IntArray | None:
@@ -117,7 +117,7 @@ def node_numbers(nodes: FloatArray, which: IntArray, of_mesh: FloatArray, size: 
         If there is no mesh node at the place of a node, or two nodes share a mesh node.
     """
     gap, found = scipy.spatial.cKDTree(of_mesh).query(nodes[which])
-    if gap.max() > _SAME_PLACE * size:
+    if gap.max() > SAME_PLACE * size:
         worst = int(which[gap.argmax()])
         far = f"at {plain(nodes[worst])} m, is {gap.max():.3g} m from the nearest of the mesh"
         raise InputError(

@@ -29,7 +29,8 @@ _PLANE, _SHEAR = [0, 1, 3], [5, 4]
 # Accepted range of thicknesses, m, in which no stiffness overflows.
 _thickness = partial(within, low=1e-9, high=1e3)
 
-# Largest plausible ratio of offset to thickness; an offset in millimetres gives about a thousand.
+# Largest plausible ratio of an offset to the thickness, and of a rigid mass's distance or radius of
+# gyration to the body's size; lengths in millimetres give about a thousand.
 FAR_OFF = 100.0
 
 # Gauss points and weights for a ply, exact for the energy of shear stresses quadratic in z.

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..base import (
+    ROUNDING,
     FloatArray,
     InputError,
     checked,
@@ -53,17 +54,14 @@ _OPTIONAL = ("yield_strength", "hardness")
 
 _AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
-# Largest cosine between axes given as perpendicular, which allows for rounded digits.
-_SQUARE = 1e-4
+# Largest difference between components of unit vectors that count as equal, and cosine between axes
+# that count as perpendicular: they are printed with few digits.
+SAME = 1e-4
 
-# Quadrature of a half-space's mean deflection. `_TURNS`: surface directions θ. `_ANGLES`: angles in
-# the Barnett-Lothe integral. Both integrands are periodic, so that their sums are exact to rounding
-# for E1/E3 up to some hundreds.
-_TURNS, _ANGLES = 48, 96
-
-# Least accepted ratio of the smallest to the largest eigenvalue of the compliance; below it, the
-# smallest may be positive only due to rounding.
-_ROUNDED = 8.0 * np.finfo(np.float64).eps
+# Number of surface directions in a half-space's mean deflection, and of angles in the Barnett-Lothe
+# integral. Both integrands are periodic, so that their sums are exact to rounding for E1/E3 up to
+# some hundreds.
+_ANGLES = 96
 
 # Lower and upper limit to which Poisson's ratio of the isotropic equivalent of an orthotropic
 # half-space is clipped.
@@ -264,7 +262,7 @@ class Orthotropic:
         if not np.isfinite(relative).all():
             raise InputError(f"E={self.E} Pa, nu={self.nu}: ratios of these moduli overflow")
         energies = np.linalg.eigvalsh(relative)
-        if not energies.min() > _ROUNDED * energies.max():
+        if not energies.min() > ROUNDING * energies.max():
             e1, e2, e3 = self.E
             most = ", ".join(f"{x**0.5:.3g}" for x in (e1 / e2, e1 / e3, e2 / e3))
             why = f"a strain has no positive energy; |nu| must be below ({most}), if combined less"
@@ -357,10 +355,10 @@ Solid = Material | Orthotropic
 def _half_space(material: Orthotropic, normal: Triple) -> Material:
     n, surface = np.array(normal), np.zeros((3, 3))
     first, second = plane_of(n)
-    for turn in np.pi / _TURNS * np.arange(_TURNS):
+    for turn in np.pi / _ANGLES * np.arange(_ANGLES):
         along = math.cos(turn) * first + math.sin(turn) * second
         surface += np.linalg.inv(_barnett_lothe(material.tensor, n, np.cross(n, along)))
-    surface /= _TURNS
+    surface /= _ANGLES
     modulus = 2.0 / float(n @ surface @ n)
     ratio = 0.25 * float(np.trace(surface) - n @ surface @ n) * modulus  # = (2 - ν) E*/(4 G)
     nu = (2.0 * ratio - 2.0) / (2.0 * ratio - 1.0) if ratio > 0.5 else _NU_LOW
@@ -374,13 +372,11 @@ def _barnett_lothe(tensor: FloatArray, one: FloatArray, other: FloatArray) -> Fl
     The mean is over perpendicular unit vectors m, n turning in the plane of `one` and `other`, with
     (ab)_jk = a_i C_ijkl b_l (T. C. T. Ting, Anisotropic Elasticity, 1996, section 7.2).
     """
-    total, angles = np.zeros((3, 3)), np.pi / _ANGLES * np.arange(_ANGLES)
-    for c, s in zip(np.cos(angles), np.sin(angles), strict=True):
-        m, n = c * one + s * other, c * other - s * one
-        of_m, of_n = np.einsum("i,ijkl->jkl", m, tensor), np.einsum("i,ijkl->jkl", n, tensor)
-        mm, mn, nn = of_m @ m, of_m @ n, of_n @ n
-        total += mm - mn @ np.linalg.solve(nn, mn.T)
-    return total / _ANGLES
+    angles = np.pi / _ANGLES * np.arange(_ANGLES)[:, None]
+    c, s = np.cos(angles), np.sin(angles)
+    m, n = c * one + s * other, c * other - s * one
+    mm, mn, nn = (np.einsum("aj,jklm,am->akl", a, tensor, b) for a, b in ((m, m), (m, n), (n, n)))
+    return np.asarray(np.mean(mm - mn @ np.linalg.solve(nn, mn.swapaxes(1, 2)), axis=0))
 
 
 def _triple(name: str, value: Any) -> Triple:
@@ -402,7 +398,7 @@ def _axes(name: str, value: Any) -> tuple[Triple, Triple, Triple]:
     units = [unit_vector(f"{name}[{i}]", row) for i, row in enumerate(given)]
     first = units[0]
     skew = max(abs(float(units[i] @ units[j])) for i in range(len(units)) for j in range(i))
-    if skew > _SQUARE:
+    if skew > SAME:
         raise InputError(f"{name} must be at right angles, got {given.tolist()}")
     second = units[1] - (units[1] @ first) * first
     second /= np.linalg.norm(second)

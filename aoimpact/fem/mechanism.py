@@ -13,12 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base import ROUNDING, FloatArray, IntArray, plain, record, sp
+from ..base import PRINTED, ROUNDING, FloatArray, IntArray, plain, record, sp
 from ..linalg import m_orthonormal, null_space
 from ..mesh import Surface, motions_at
-
-# A force along b excites a motion φ if |bᵀφ| exceeds this share of ‖b‖‖φ‖.
-_MOVED = 1e-10
 
 # Motions of parts count as free if the square of their normalised misfit at joints and supports is
 # below this. So nodes off a hinge line by less than 1e-4 of a part's size count as on it, since
@@ -47,7 +44,7 @@ class Mechanism:
     def moved_by(self, b: FloatArray) -> bool:
         """Return whether a force along b, shape (n_dofs,), moves the parts against each other."""
         size = np.linalg.norm(b) * np.linalg.norm(self.motions)
-        return float(np.linalg.norm(b @ self.motions)) > _MOVED * float(size)
+        return float(np.linalg.norm(b @ self.motions)) > PRINTED * float(size)
 
     def where(self, b: FloatArray) -> str:
         """Describe the joint that turns most under a force along b, and its smaller part."""

@@ -36,7 +36,6 @@ from ..base import (
 from ..linalg import (
     FEW_SOLUTIONS,
     LARGEST,
-    LEAST,
     LinearSolver,
     Pencil,
     Solver,
@@ -77,14 +76,14 @@ if TYPE_CHECKING:
 # m. `_COARSE`: edge of an element, m.
 _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 
-# Largest elastic force under a unit translation, relative to the largest entry of K, with which a
-# body counts as free: K may be printed with few digits.
-_FEW_DIGITS = 1e-6
+# Largest elastic force under a rigid motion, relative to that of K's entries, with which a body
+# counts as free: K may be printed with few digits.
+FEW_DIGITS = 1e-6
 
-# Cache of a body's contact patches and reduced models. `_BYTES`: memory. `_VECTORS`: assumed number
-# of vectors of length n_dofs in an entry. `_MOST`, `_LEAST`: limits of the number of entries.
+# Cache of a body's contact patches and reduced models. `_DOFS`: number of entries times dofs, for
+# half a gigabyte if an entry has 64 vectors. `_LEAST`, `_MOST`: limits of the number of entries;
 # `_LEAST` is enough for two models and their patches.
-_BYTES, _VECTORS, _MOST, _LEAST = 2**30, 64, 32, 4
+_DOFS, _LEAST, _MOST = 2**20, 4, 32
 
 # `_BODIES`: this process's bodies by their `mark`. `_RECEIVED`: the last bodies received from a
 # process that sends a body with each task, kept so that its tasks share the cached results.
@@ -181,7 +180,7 @@ class FEModel(Frozen):
             along is not None and nodes is None and along.any(axis=0).all()
         ):  # in a free body, translations cause no elastic force apart from rounding
             force = np.abs(K @ along).max(initial=0.0)
-            soft = bool(force <= _FEW_DIGITS * np.abs(K.data).max(initial=0.0))
+            soft = bool(force <= FEW_DIGITS * np.abs(K.data).max(initial=0.0))
         if along is not None and (whole or soft):
             mass = _checked_total(np.einsum("ni,nj->ij", M @ along, along))
         damping = damping_or_none(self.damping)
@@ -389,7 +388,7 @@ class FEModel(Frozen):
 
         :meta private:
         """
-        return Kept(max(_LEAST, min(_MOST, _BYTES // (8 * _VECTORS * self.n_dofs))))
+        return Kept(max(_LEAST, min(_MOST, _DOFS // self.n_dofs)))
 
     def __getattr__(self, name: str) -> Any:
         """Assemble K and M of an unpickled body with a mesh at their first use."""
@@ -966,7 +965,8 @@ def _check_reach(mass: float, K: Any, M: Any, mesh: Mesh, material: AnyMaterial)
     """Refuse a body whose mass or stiffness overflows or underflows."""
     stiffest = float(max(K.data.max(), -K.data.min()))  # nan and infinity fail the test below
     lightest = float(M.diagonal()[: 3 * mesh.n_nodes].min())
-    if not (lightest > LEAST and mass < LARGEST and LEAST < stiffest < LARGEST):
+    least = 1.0 / LARGEST
+    if not (lightest > least and mass < LARGEST and least < stiffest < LARGEST):
         raise InputError(
             f"the body is {mesh.size:.3g} m long, of {material}: its mass ({mass:g} kg) or "
             "stiffness overflows or vanishes; give coordinates in metres and the material in Pa "

@@ -25,7 +25,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base import PRINTED, ArrayPair, FloatArray, InputError, IntArray, plain, record
-from ..mesh import dot, pairs, parted, sides, unit
+from ..mesh import AT_NODE, dot, pairs, parted, sides, unit
 from .laminate import Layers
 
 # Ratio of the drilling stiffness to the membrane's shear stiffness. A small value avoids locking in
@@ -43,10 +43,6 @@ _ENDS = 0.8
 # Weights of the rigid link at the four corners of a strip between an element's edge and the line of
 # the junction: 1 at the element, 0 on the line.
 _ON_ELEMENT = np.array([0.0, 0.0, 1.0, 1.0])[:, None]
-
-# Smallest sine of the angle between a fibre axis and the normal; below it, the axis defines no
-# direction on the surface.
-_ACROSS = 1e-6
 
 _GAUSS = 1.0 / np.sqrt(3.0)
 _CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
@@ -162,7 +158,7 @@ def element_frames(corners: FloatArray, layers: Layers | None) -> ArrayPair:
     reference = None if layers is None else layers.reference
     along = unit(first if reference is None else np.broadcast_to(reference, first.shape))
     across = along - dot(along, normal)[:, None] * normal
-    if count := np.count_nonzero(np.linalg.norm(across, axis=1) < _ACROSS):
+    if count := np.count_nonzero(np.linalg.norm(across, axis=1) < AT_NODE):
         raise InputError(
             f"fibre_axis or axis 1, {plain(along[0])}, is normal to {count} elements; "
             "give a direction along the surface"

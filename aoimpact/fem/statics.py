@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ArrayPair, FloatArray, InputError, IntArray, SingularError, record, sp
+from ..base import PRINTED, ArrayPair, FloatArray, InputError, IntArray, SingularError, record, sp
 from ..linalg import SOLVERS, LinearSolver, linear_solver
 from ..mesh import motions_at
 from .model import FEModel
@@ -30,13 +30,9 @@ from .supports import selected_nodes
 # all but the longest bodies, and large enough that K + s²M is not singular by rounding.
 _NEAR_K = 1e-9
 
-# Largest ratio of successive corrections in iterative refinement. Above it, refinement is too slow:
-# some elastic ω² is not far above s².
-_SLOW = 0.5
-
-# Iterative refinement ends if the ratio of the correction to the solution is below _AT_ROUNDING, or
-# below _NEAR_ROUNDING while the correction exceeds _STALLED times the previous one.
-_AT_ROUNDING, _NEAR_ROUNDING, _STALLED = 1e-14, 1e-10, 0.9
+# Largest ratio of successive corrections in iterative refinement. Above it, the corrections are
+# rounding errors or, unless they are small, some elastic ω² is not far above s².
+_SLOW, _EPSILON = 0.5, float(np.finfo(float).eps)
 
 
 def near_static(body: FEModel) -> float:
@@ -87,10 +83,8 @@ def displacement(
         if length == 0.0:  # the load is zero
             return x
         size = float(np.linalg.norm(change) / length)
-        if size <= _AT_ROUNDING or (size <= _NEAR_ROUNDING and size > _STALLED * before):
-            return x
-        if not size <= _SLOW * before:  # true for nan as well
-            return _by_grounding(body, b, near_k)
+        if not _EPSILON < size <= _SLOW * before:  # true for nan as well
+            return x if size <= PRINTED else _by_grounding(body, b, near_k)
         before = size
 
 

@@ -30,9 +30,6 @@ ANGLE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
 # Tensors of unit engineering strains, shape (6, 3, 3): γ = 1 for shear.
 UNIT_STRAINS = np.eye(6)[:, PLACES] / ANGLE[:, None, None]
 
-# Largest array of shape-function gradients of a batch of elements, bytes.
-_BATCH = 16e6
-
 
 @record
 class Tensor:
@@ -200,7 +197,7 @@ def batches(piece: Piece) -> Iterator[Piece]:
     """Yield batches of elements small enough that values at Gauss points fit into the caches."""
     element = piece.element
     n_points = max(element.n_nodes, len(element.stiffness_rule.weights))
-    return piece.batches(max(1, int(_BATCH / (8 * 3 * n_points * element.n_nodes))))
+    return piece.batches(8.0 * 3.0 * n_points * element.n_nodes)
 
 
 def shown(places: Layout, material: AnyMaterial) -> IntArray:

@@ -23,12 +23,13 @@ from ..base import (
     InputError,
     IntArray,
     finite_array,
+    in_batches,
     record,
     sp,
     text,
     warn,
 )
-from ..mesh import Mesh, group, parted
+from ..mesh import AT_NODE, Mesh, group, parted
 from .beams import Beam, BeamSection, beam_frames, beam_rows
 from .composition import AnyMaterial, Piece, layout, pieces
 from .laminate import Layers
@@ -38,12 +39,6 @@ from .stress import UNIT_STRAINS, batches, hooke, slopes_at_nodes
 
 _OF_SHELLS = ("bottom", "middle", "top")
 _SIDES = (*_OF_SHELLS, "left", "right")
-
-# Number of elements per batch, which limits memory.
-_BATCH = 4096
-
-# Decimal digits to which normals of one smooth surface agree at a node.
-_ALIKE = 6
 
 
 @dataclass(frozen=True)
@@ -156,8 +151,7 @@ class StressRows:
         places, layer = np.concatenate([place for place, _, _ in self._sections]), self._layer.of
         cuts = np.cumsum([len(place) for place, _, _ in self._sections])[:-1]
         strains = values[first:].T.reshape(len(found), -1, 6)
-        step = max(1, _BATCH // len(places))
-        for some in (slice(first, first + step) for first in range(0, len(found), step)):
+        for some in in_batches(len(found), 8.0 * 6.0 * len(places)):
             sizes, tensors = [], []
             each = zip(self._sections, np.split(strains[some], cuts, axis=1), strict=True)
             for (_, axes, beam), own in each:
@@ -327,8 +321,8 @@ def _averaged(wanted: _Wanted) -> sp.csr_array:
         by_strain, turn = _station(part.of, layer.of or "top", strain)
         cells, corners = np.nonzero(nodes[part.cells])
         to_corners = np.linalg.pinv(strains.shape)
-        for start in range(0, len(cells), _BATCH):
-            cell, corner = (of[start : start + _BATCH] for of in (cells, corners))
+        for some in in_batches(len(cells), strains.rows[0].nbytes):
+            cell, corner = cells[some], corners[some]
             at = np.einsum("nq,nqsd->nsd", to_corners[corner], strains.rows[cell, :, :8])
             rows = np.einsum("sc,nsd->ncd", by_strain, at)
             frames = strains.frames[cell] if turn is None else turn[None].swapaxes(1, 2)
@@ -443,7 +437,7 @@ def _shell_pieces(
     keys = [
         np.column_stack([of, np.full(of.shape, number.setdefault(part.of, len(number))), on])
         for part, normal in zip(parts, normals, strict=True)
-        for of, on in [(part.cells.ravel(), normal.reshape(-1, 3).round(_ALIKE) + 0.0)]
+        for of, on in [(part.cells.ravel(), np.rint(normal.reshape(-1, 3) / AT_NODE) + 0.0)]
     ]
     places, place = np.unique(np.concatenate(keys), axis=0, return_inverse=True)
     found, split = [], parted(place.reshape(-1), [part.cells for part in parts])

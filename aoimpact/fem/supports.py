@@ -23,23 +23,14 @@ from ..base import (
     place,
     positive,
     record,
+    require,
     sp,
     warn,
 )
 from ..linalg import LARGEST
 from ..mesh import Mesh, motions_at, open_edges
-from .labels import label_of, nodes_by_number
-
-# Smallest relative singular value of the rigid motions of nodes; below it, the nodes do not
-# determine a rotation.
-_UNKNOWN = 1e-5
-
-# Largest number of nodes of a rigid mass, since its matrix of size 3 · nodes is full.
-_MOST_NODES = 500
-
-# Largest ratio of a rigid mass's distance or radius of gyration to the body's size; a larger ratio
-# suggests input in millimetres.
-_FAR = 50.0
+from .labels import SAME_PLACE, label_of, nodes_by_number
+from .laminate import FAR_OFF
 
 Selector = str | Callable[[FloatArray], npt.ArrayLike] | npt.ArrayLike
 Support = tuple[Selector, str] | tuple[Selector, str, str]
@@ -216,8 +207,8 @@ class RigidMass:
     Parameters
     ----------
     nodes : str, callable or array_like
-        Nodes, at most 500, given as in `fixed`. They must not all lie on one line, unless `inertia`
-        is zero and `centre` is their middle.
+        Nodes, given as in `fixed`; their mass matrix is full. They must not all lie on one line,
+        unless `inertia` is zero and `centre` is their middle.
     mass : float
         Mass, kg.
     centre : array_like, shape (3,), optional
@@ -299,15 +290,14 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     nodes.
     """
     ids, nodes = nodes_of_mesh(name, mount.nodes, mesh), mesh.nodes
-    if len(ids) > _MOST_NODES:
-        raise InputError(f"{name} must be on at most {_MOST_NODES} nodes, got {len(ids)}")
+    require(50.0 * (3 * len(ids)) ** 2, f"{name} on {len(ids)} nodes", "take fewer nodes")
     middle = nodes[ids].mean(axis=0)
     centre = middle if mount.centre is None else np.asarray(mount.centre)
     inertia = np.zeros((3, 3)) if mount.inertia is None else np.asarray(mount.inertia)
     size = float(np.abs(nodes[ids] - middle).max()) or 1.0
     motions = motions_at((nodes[ids] - middle) / size).reshape(-1, 6)
     values, vectors = np.linalg.eigh(motions.T @ motions)
-    known = values > _UNKNOWN**2 * values[-1]
+    known = values > SAME_PLACE**2 * values[-1]  # rotations that the nodes determine
     fit = (vectors[:, known] / values[known]) @ (motions @ vectors[:, known]).T
     # Transformation of a rigid motion (translation, size · rotation) from the middle of the nodes
     # to the centre.
@@ -325,7 +315,7 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
         )
     body, radius = float(np.ptp(nodes, axis=0).max()), math.sqrt(np.trace(inertia) / mount.mass)
     off = float(np.linalg.norm(centre - nodes.mean(axis=0)))
-    if max(off, radius) > _FAR * body > 0.0:
+    if max(off, radius) > FAR_OFF * body > 0.0:
         warn(
             f"{name}: the centre of mass is {off:.3g} m from the middle of a body of {body:.3g} m, "
             f"the radius of gyration {radius:.3g} m: give m and kg m² (1 kg mm² is 1e-6)"

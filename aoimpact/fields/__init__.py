@@ -5,7 +5,7 @@ the motion as attributes of a run's bodies. `accuracy` uses stresses and their e
 probes and the filter.
 """
 
-from .channel import Channel, zero_phase
+from .channel import MOST_SAMPLES, Channel, zero_phase
 from .field import Field, Shown, enlargement, write_movie, write_series
 from .response import Response, response_of, times_within
 from .sensors import (

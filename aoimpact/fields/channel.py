@@ -27,13 +27,13 @@ _POLE_OF_CORNER = math.pow(math.sqrt(2.0) - 1.0, -0.25)
 # Fraction of a transient at either end that remains after the settling time.
 _SETTLED = 1e-4
 
-# _SAMPLES: samples per period of the pole. _LEAST_SAMPLES: minimum number in a record. For a plate
-# whose unfiltered acceleration is 40 times that filtered by CFC 1000, the filtered acceleration has
-# an error of 1.5e-3 with 200 samples per period, and of 5e-5 with 1000.
-_SAMPLES, _LEAST_SAMPLES = 1000, 1000
+# Number of samples per period of the pole, and minimum number in a record. For a plate whose
+# unfiltered acceleration is 40 times that filtered by CFC 1000, the filtered acceleration has an
+# error of 1.5e-3 with 200 samples per period, and of 5e-5 with 1000.
+_SAMPLES = 1000
 
-# Largest number of samples; a channel that needs more is most likely a mistake.
-_MOST = 20_000_000
+# Largest number of samples of a record; a record that needs more is most likely a mistake.
+MOST_SAMPLES = 20_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,13 +167,14 @@ def filtered_acceleration(
             f"{channel}: only {with_unit(duration - channel.settling_time, 's', 2)} are known; "
             f"take a duration of {with_unit(3.0 * channel.settling_time, 's', 2)} or more"
         )
-    if duration * channel.pole * _SAMPLES > _MOST:
+    if duration * channel.pole * _SAMPLES > MOST_SAMPLES:
         raise InputError(
-            f"{channel} takes more than {_MOST} samples of a record of {with_unit(duration, 's')}"
+            f"{channel} takes more than {MOST_SAMPLES} samples of a record of "
+            f"{with_unit(duration, 's')}"
         )
     from scipy.interpolate import CubicSpline  # slow to import
 
-    count = max(_LEAST_SAMPLES, math.ceil(_SAMPLES * channel.pole * duration))
+    count = math.ceil(_SAMPLES * max(channel.pole * duration, 1.0))
     step = duration / count
     moved, speeds = motion(np.linspace(0.0, duration, count + 1))
     steady = moved[:1] - step * speeds[:1]

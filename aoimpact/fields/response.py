@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, InputError, IntArray, finite_array
-from ..contact import Compliance
+from ..base import ArrayPair, FloatArray, InputError, IntArray, finite_array, in_batches
+from ..contact import DIFFERENCE, SHIFT_TIMES_DURATION, Compliance
 from ..fem import SIX, Damping, FEModel, Rayleigh, VirtualMotion
 from ..integrate import Motion
-from ..reduction import PACE, FullModel, Recovery
+from ..reduction import FullModel, Recovery
 from ..scene import extraction_of
 from .field import LOOKS, Field
 
@@ -33,12 +33,6 @@ _SHIFTS = 4
 # largest force. Closed forms lose digits in proportion to the squared ratio of distance to contact
 # radius.
 _NARROWEST = 1e-2
-
-# Largest product of the numbers of places and times evaluated together: some 100 MB.
-_AT_ONCE = 50_000
-
-# Relative change of the force in the finite differences for rates of displacement.
-_STEP = 1e-4
 
 
 def times_within(times: Any, end: float) -> FloatArray:
@@ -84,7 +78,8 @@ class Indentation:
         """Return displacement, m, (n, p, 3), and stress, Pa, (n, p, 6), at places (p, 3)."""
         u, stress = np.zeros((len(force), len(x), 3)), np.zeros((len(force), len(x), 6))
         pressed = np.flatnonzero(force > 0.0)
-        for i in np.array_split(pressed, 1 + len(pressed) * len(x) // _AT_ONCE):
+        for some in in_batches(len(pressed), 72.0 * len(x)):
+            i = pressed[some]
             width = np.maximum(self.width(force[i]), _NARROWEST * self.extraction.radius)
             moved, tensor = self.extraction.splitting.half_space_field(x, width)
             u[i] = force[i, None, None] * moved
@@ -93,8 +88,10 @@ class Indentation:
 
     def rate(self, x: FloatArray, force: FloatArray, rate: FloatArray) -> FloatArray:
         """Return the rate of displacement, m/s, (n, p, 3), for a force, N, and its rate, N/s."""
-        more, less = (self.at(x, (1.0 + step) * force)[0] for step in (_STEP, -_STEP))
-        change = np.divide(rate, 2.0 * _STEP * force, out=np.zeros_like(rate), where=force > 0.0)
+        more, less = (self.at(x, (1.0 + step) * force)[0] for step in (DIFFERENCE, -DIFFERENCE))
+        change = np.divide(
+            rate, 2.0 * DIFFERENCE * force, out=np.zeros_like(rate), where=force > 0.0
+        )
         return (more - less) * change[:, None, None]
 
 
@@ -306,7 +303,7 @@ def response_of(run: Any, body: int) -> Response | None:
     if not isinstance(model, FullModel) or recorder.dense or model.in_modes:
         if not model.tips:
             return None
-        pace = math.exp2(round(_SHIFTS * math.log2(PACE / (end - start))) / _SHIFTS)
+        pace = math.exp2(round(_SHIFTS * math.log2(SHIFT_TIMES_DURATION / (end - start))) / _SHIFTS)
         recovery = Recovery(model.modal, model.modal.loads(plan.pull), pace)
         held = not model.modal.body.rigid_modes.shape[1]
         if plan.preload and held:  # at rest slow modes deflect, too: X = K⁻¹ B f

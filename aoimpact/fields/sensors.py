@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from ..base import (
     HUGE,
+    PRINTED,
     ROUNDING,
     ArrayPair,
     FilePath,
@@ -47,13 +48,9 @@ from ..fem import (
     selected_nodes,
 )
 from ..mesh import node_at, weights_at
-from .channel import Channel, filtered_acceleration
+from .channel import MOST_SAMPLES, Channel, filtered_acceleration
 from .field import LOOKS, Field, solid, warn_if_wrong
 from .response import Response, response_of
-
-# Ratio of a velocity to (largest displacement / length of the record) below which the velocity is a
-# rounding error.
-_AT_REST = 1e-9
 
 # Ratio of the estimated error to the difference from the run with other elements. With 2, 99 % of
 # 458 histories on solids and shells had a smaller error than estimated, half of them eight times
@@ -61,19 +58,14 @@ _AT_REST = 1e-9
 # are long, elements of the next degree reduce their error least.
 _DIFFERENCES = 2.0
 
-# Largest number of evenly spaced times in a record; a smaller dt is most likely a mistake.
-_MOST_SAMPLES = 20_000_000
-
 # Number of Gauss points along a gauge on a shell, for its mean strain.
 _ALONG = 8
 
-# Largest sine of the angle between a gauge and the surface that it lies on.
-_OFF = 0.1
-
-# Ratios to the gauge's length: _BEYOND: largest distance of an end from the surface; _BESIDE:
-# largest distance of the middle; _SHORTER: largest shift of an end along the gauge when it is
-# projected onto the surface, (length/radius)²/16 if the surface is curved.
-_BEYOND, _BESIDE, _SHORTER = 0.25, 0.1, 0.01
+# For a gauge on a surface, in its lengths. _OFF: largest distance of its middle from the surface,
+# and largest sine of its angle with it; _BEYOND: largest distance of an end from the surface;
+# _SHORTER: largest shift of an end along the gauge when it is projected onto the surface,
+# (length/radius)²/16 if the surface is curved.
+_OFF, _BEYOND, _SHORTER = 0.1, 0.25, 0.01
 
 
 T = TypeVar("T")
@@ -124,7 +116,7 @@ class History:
         own, least = self.seen(self.source, looks), 0.0
         if self.displacement is not None:  # smaller velocities are rounding errors
             most = float(np.abs(self.displacement(self.source, looks)).max())
-            least = _AT_REST * most / self.source.duration
+            least = PRINTED * most / self.source.duration
         largest = np.nanmax(np.abs(own), initial=least)
         apart = sum(np.abs(self.values - self.seen(of, self.t)) for of in self.source.others)
         worst = np.reshape(apart, (len(self.t), -1)).max(axis=1)
@@ -610,7 +602,7 @@ def gauge_ends(
     if body.surface is not None:
         surface = body.surface
         under = surface.nearest(point)
-        if (off := float(under.distance[0])) > _BESIDE * length:
+        if (off := float(under.distance[0])) > _OFF * length:
             raise InputError(
                 f"{where} is {with_unit(off, 'm', 2)} off the surface; give a point on it"
             )
@@ -868,9 +860,9 @@ class Measured:
         if times is not None:
             raise InputError("give either times or dt, not both")
         end, step = float(self._run.t[-1]), positive("dt", dt, unit="s")
-        if not end / _MOST_SAMPLES <= step <= end:
+        if not end / MOST_SAMPLES <= step <= end:
             raise InputError(
-                f"dt={step:g} s must be from {end / _MOST_SAMPLES:.2g} s to the record's {end:g} s"
+                f"dt={step:g} s must be from {end / MOST_SAMPLES:.2g} s to the record's {end:g} s"
             )
         count = math.floor(end / step * (1.0 + 1e-12)) + 1
         return response, np.minimum(step * np.arange(count), end), response.body.given

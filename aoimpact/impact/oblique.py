@@ -14,12 +14,13 @@ import numpy as np
 
 from ..base import FloatArray, InputError, plain
 from ..contact import ContactPoint
+from ..laws import ONE_FRAME
 from ..mesh import plane_of
 from ..reduction import Body, BodyModel, FullModel, turning
 
-# Smallest cosine of an angle: _ONE_FRAME: between the directions of travel of two contacts; _ALONG:
-# between the direction of travel at a contact point and the normal there.
-_ONE_FRAME, _ALONG = math.cos(math.radians(5.0)), math.cos(math.radians(1.0))
+# Smallest cosine of the angle between the direction of travel at a contact point and the normal
+# there.
+_ALONG = math.cos(math.radians(1.0))
 
 # Sign of the side on which a body is touched: ROLES[0] for the first body of a contact, ROLES[1]
 # for the second.
@@ -63,7 +64,7 @@ def axes_of(ends: Iterable[Sequence[tuple[str, BodyModel, int]]]) -> FloatArray:
                 found = along
                 if both[-1][0] != name and tip.normal is not None:  # points out of the first body
                     found = math.copysign(1.0, along @ tip.normal) * along
-            elif abs(float(along @ found)) < _ONE_FRAME:
+            elif abs(float(along @ found)) < ONE_FRAME:
                 raise InputError(
                     f"{name}: its direction of travel {plain(along)} is not that of the other "
                     f"bodies, {plain(found)}; turn its mesh, or give the speed alone"

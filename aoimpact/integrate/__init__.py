@@ -10,5 +10,5 @@ from .events import Events
 from .fixed_steps import SteppedRecorder, rigid_contact_time, solve_newmark
 from .motion import Motion
 from .recorder import Recorder
-from .settings import TIGHTEST, Adaptive, Newmark
-from .to_tolerance import FRICTION, solve_adaptive
+from .settings import DRAWN, TIGHTEST, Adaptive, Newmark
+from .to_tolerance import solve_adaptive

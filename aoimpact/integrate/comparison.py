@@ -18,12 +18,6 @@ from .dense import DenseRecorder
 from .events import Events
 from .settings import LESSER
 
-# Smallest pace (see `Events.touches`) of touches whose starts are compared. Touches of smaller
-# pace, of bodies at rest side by side that a wave reaches, have no definite start. With values of
-# 0.001 to 0.1 none of 54 chains of bodies in front of a wall gives a warning; 25 do if all starts
-# are compared.
-_SUDDEN = 0.01
-
 # Errors of velocities are relative to at least this share of the velocity that a contact's largest
 # impulse would give the lightest body. Bodies that loads hold together move only by rounding
 # errors.
@@ -139,7 +133,8 @@ def _times_apart(ones: _Touches, others: _Touches) -> float:
         return 0.0
     latest = np.maximum(ones.end, others.end)
     starts = np.abs(ones.start - others.start) / latest
-    sudden = np.minimum(ones.pace, others.pace) >= _SUDDEN
+    # Bodies at rest side by side that a wave reaches, at a small pace, touch at no definite time.
+    sudden = np.minimum(ones.pace, others.pace) >= LESSER
     ends = np.abs(ones.end - others.end) / latest
     gaps = np.abs(ones.apart - others.apart) / latest
     return float(max(starts[sudden].max(initial=0.0), ends.max(), gaps.max()))

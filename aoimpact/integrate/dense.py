@@ -16,7 +16,6 @@ import numpy as np
 
 from .. import _core
 from ..base import ArrayPair, FloatArray, MemoryLimitError, record
-from ..laws import CoreLaw
 from ..scene import Scenario
 from .events import Events
 from .motion import Motion
@@ -158,12 +157,7 @@ def adaptive_run(plan: Scenario, *, rtol: float, most_steps: int = sys.maxsize) 
         If the run's steps, up to 1 GiB, do not fit into memory.
     """
     began = perf_counter()
-    laws: dict[int, CoreLaw] = {}
-    contacts: list[tuple[Any, ...]] = []
-    for contact in plan.contacts:
-        if id(contact.law) not in laws:  # contacts may share a law
-            laws[id(contact.law)] = contact.law.for_core()
-        contacts.append(contact.for_core(laws[id(contact.law)]))
+    contacts = [contact.for_core(contact.law.for_core()) for contact in plan.contacts]
     bodies, moving, oblique, pull = [], [], plan.oblique is not None, plan.pull
     for i, body in enumerate(plan.modal):
         bodies.append(body.for_core(pull, plan.load_on(i) if plan.loads else None))

@@ -21,6 +21,7 @@ from ..base import (
     InputError,
     IterationError,
     NotFiniteError,
+    available,
     record,
     warn,
 )
@@ -30,9 +31,6 @@ from .events import Events, find_contacts, find_peak, find_slips
 from .motion import SteppedMotion
 from .settings import DRAWN, Newmark
 from .steperror import StepError, time_error
-
-# Largest size of a record, bytes: a larger size most likely comes from a wrong dt.
-_MOST_BYTES = 4 * GIB
 
 # Number of steps within a contact in the first attempt, if no dt is given.
 _FIRST_STEPS = 50
@@ -291,7 +289,7 @@ def _steps(plan: Scenario, rule: Newmark, dt: float, duration: float) -> int:
     """Return the least number of steps `dt`, s, that covers `duration`, s; check the memory."""
     steps = duration / dt * (1.0 - ROUNDING)
     needed = 8.0 * plan.layout.rows * (steps + 1.0)
-    if needed > _MOST_BYTES:
+    if needed > min(4.0 * GIB, available()):  # more than 4 GiB most likely come from a wrong dt
         given, larger = (
             (f"dt={dt:g} s", "dt") if rule.dt else (f"Newmark(rtol={rule.rtol:g})", "rtol")
         )

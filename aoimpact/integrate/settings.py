@@ -16,9 +16,10 @@ from ..base import boolean, checked, positive, within
 # Smallest tolerance, in view of the digits of double precision.
 TIGHTEST = 1e-13
 
-# Errors of the peak or impulse of a contact or touch are relative to at least this share of the
-# largest peak or impulse: rounding errors decide whether bodies moving side by side graze each
-# other. The core has the same rule (step.h).
+# Share below which a quantity does not count beside the largest. Errors of the peak or impulse of a
+# contact or touch are relative to at least this share of the largest peak or impulse: rounding
+# errors decide whether bodies moving side by side graze each other. The core has the same rule
+# (step.h).
 LESSER = 0.01
 
 # Relative tolerance, in the limit of small steps, of the stretches of the springs that represent
@@ -26,6 +27,10 @@ LESSER = 0.01
 # some 700 springs, or 1150 in a ball that has rolled for 1800 periods of its tangential vibration;
 # the core has room for 2048. The relative error of an impact's friction is 0.01 to 0.14 times this
 # tolerance for motion along one line, and up to 0.7 times for a slide that changes its direction.
+# It is also the smallest error of friction, relative to its bound μ F, that the adaptive method
+# reports: the core computes the stretches to 4e-6 if the direction of friction changes. In 40
+# impacts on four bodies, velocities of runs with tolerances of 1e-6 and 1e-8 differ by at most 3e-7
+# of the speed, and by 7e-6 for a ball that slips from the touch on.
 DRAWN = 1e-5
 
 

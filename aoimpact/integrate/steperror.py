@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import scipy
 
-from ..base import BoolArray, FloatArray
+from ..base import PRINTED, BoolArray, FloatArray
 from ..scene import Scenario
 from .events import find_peak, parabola_tops
 from .settings import DRAWN, LESSER
@@ -32,14 +32,6 @@ _NO_DIGIT = 0.2
 # estimate in 0.7 % (at most 1.8 times); with 0.95 in 1.5 % (3.6 times). Comparing all of the force
 # makes the median estimate 9 times the error instead of 5.6.
 _AROUND_PEAK = 0.8
-
-# _AT_TOUCH: indentation, relative to the largest one, at which a law's force is checked for a jump
-# at the touch; _NO_JUMP: largest ratio of that force to the peak at which there is no jump. Values
-# a third or three times as large change none of 1488 estimates.
-_AT_TOUCH, _NO_JUMP = 1e-16, 1e-3
-
-# Friction force relative to the normal force below which it is a rounding error.
-_NO_FRICTION = 1e-9
 
 # Errors of friction's impulse are relative to at least this share of the integral of the force's
 # magnitude: the impulse of a force that reverses may vanish.
@@ -131,7 +123,7 @@ def _changes(ours: SteppedRecorder, theirs: SteppedRecorder) -> float | None:
     largest = float((change / _scales(size)).max())
     if rubbing:
         change, slid = np.moveaxis(np.array(rubbing), -1, 0)
-        scales = np.maximum(_scales(slid), _NO_FRICTION * size.max(axis=0))
+        scales = np.maximum(_scales(slid), PRINTED * size.max(axis=0))
         largest = max(largest, float((change / scales).max()))
     return largest
 
@@ -176,8 +168,8 @@ def _touch_error(run: SteppedRecorder, contact: int) -> float:
     missed = law.force(np.minimum(before * run.dt, law.limit), before).max() - peak
     worst = [float(missed) / peak]
     rate = (indentation[first] - indentation[first - 1]) / run.dt
-    jump = law.force(np.full(len(first), _AT_TOUCH * indentation.max()), rate)
-    if (jump > _NO_JUMP * peak).any():
+    jump = law.force(np.full(len(first), np.finfo(float).eps * indentation.max()), rate)
+    if (jump > LESSER * peak).any():
         impulse = run.dt * float(np.add.reduceat(force, first).max())
         worst.append(2.0 * float(jump.max()) * run.dt / impulse)
         top = int(force.argmax())

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..base import FloatArray, IntArray, MeshError, nearest, record, warn
-from ..fem import Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
+from ..fem import SAME, Beam, OneMaterial, Orthotropic, Ply, Solid, TubularSection
 from ..mesh import SOLIDS, SURFACES, dot
 from . import raw
 from .abaqusdeck import MOST, Keyword, key, padded, read_keywords
@@ -124,19 +124,11 @@ _LISTED = (
     r"|DRAG|KSP|WARP|D$|V?U\d|Z\d)[A-Z0-9-]*"
 )
 
-# Smallest permitted abs(cos) of the angle between a shell's normal and the orientation axis that
-# should be along the normal.
-_ALONG = 1e-3
-
 # Sine of 0.1°. Axis 1 of a shell is the projection of global x unless x is closer to the normal.
 _NORMAL = 1.745e-3
 
 # Rows: axes y and z of a `Beam`. Columns: their components along axes 1 and 2 of Abaqus' section.
 _AXES = np.array([[0.0, -1.0], [1.0, 0.0]])
-
-# A ply's orientation must be at one angle to the laminate's reference direction in all elements.
-# Largest permitted difference, rad, of this angle from its value in the first element.
-_ANGLE = 1e-4
 
 # Advice for an orientation that Abaqus and CalculiX interpret differently.
 _CURE = "write the fibres as axis 1, and 3 in the second line"
@@ -842,7 +834,7 @@ class _Section:
                 raise self.card.error("x is the normal of some elements; give an *ORIENTATION")
             return np.array([0.0, 0.0, 1.0] if level.all() else [1.0, 0.0, 0.0])
         axes, near = self.axes(name)
-        if np.abs(normals @ axes[near - 1]).min() < _ALONG:
+        if np.abs(normals @ axes[near - 1]).min() < SAME:
             why = f"axis {near} of the orientation {name} lies in some elements"
             raise self.card.error(f"{why}; name the axis along the normal in its second line")
         if near != 3:
@@ -855,7 +847,7 @@ class _Section:
         normals = self.source.directions(self.members)
         first, own = (across(v, normals) for v in (reference, self.along(name)))
         angles = np.arctan2(dot(np.cross(first, own), normals), dot(first, own))
-        if np.abs(np.exp(1j * angles) - np.exp(1j * angles[0])).max() > _ANGLE:
+        if np.abs(np.exp(1j * angles) - np.exp(1j * angles[0])).max() > SAME:
             raise self.card.error(f"{name} must be at one angle to the first ply in all elements")
         return float(np.degrees(angles[0]))
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base import ArrayPair, FloatArray, IntArray, MeshError, record, warn
+from ..base import PRINTED, ArrayPair, FloatArray, IntArray, MeshError, record, warn
 from ..fem import Material, OneMaterial, Orthotropic, Ply, Solid
 from ..mesh import jacobian_range, reference_element
 from .nastrandeck import INTEGER, BulkData, Card, Table, read_deck
@@ -113,10 +113,6 @@ _SKIPPED = re.compile(
     "|TLOAD|TMCPARA|TMPSET|TO|TR[IM]|TST|TTEMP|UD|UNBALNC|UNGLUE|UPDATE|USET|UXVEC|VA|VC|VE"
     "|VIEW|WALL|WET|WINDOW|YLD|YPARAM$|YZONE)"
 )
-
-# Largest permitted difference between components of the unit vectors of a node's displacement axes
-# and of the basic axes.
-_TURNED = 1e-9
 
 # Pattern of case-control commands that add matrices to the elements' matrices.
 _ADDED = re.compile(rb"\s*([ABKM]4?2(?:GG|PP))\b")
@@ -318,7 +314,7 @@ class Grids:
     def check_output(self, nodes: FloatArray) -> None:
         """Refuse nodes whose displacements (CD) are not along the basic x, y and z."""
         for system, own in self.by_system(np.maximum(self.output_systems, 0), self.table):
-            turned = np.abs(system.directions(nodes[own]) - np.eye(3)).max(axis=(1, 2)) > _TURNED
+            turned = np.abs(system.directions(nodes[own]) - np.eye(3)).max(axis=(1, 2)) > PRINTED
             for row in own[turned][:1].tolist():
                 why = f"node {self.labels[row]} has displacements in another system (CD)"
                 raise self.table.refused(row, f"{why}; write K with CD = 0")

@@ -15,13 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base import FloatArray, InputError, record
+from ..base import PRINTED, FloatArray, InputError, record
 from ..fem import CircularSection, RectangularSection, TubularSection
-
-# Largest values that count as rounding errors. `_CLOSED`: ratio of the distance between both ends
-# of an ARBITRARY section to its longest wall; the section is then closed. `_ROUND`: ratios of the
-# third moment of area to A^2.5, and of an edge's length to the longest edge.
-_CLOSED, _ROUND = 1e-6, 1e-9
+from ..mesh import AT_NODE
 
 # `_PLACES`, `_WEIGHTS`: Gauss rule on a panel of the outline. `_COARSER`: factor by which panels
 # grow away from a corner. The panels at corners have an eighth of the shortest edge's length, or
@@ -74,7 +70,7 @@ def outlined(start: Any, end: Any, compliance: FloatArray, J: float | None = Non
     polynomials along the outline. J is Saint-Venant's torsion constant unless given.
     """
     length = np.abs(end - start)
-    kept = length > _ROUND * length.max()
+    kept = length > PRINTED * length.max()
     start, edge = start[kept, None], (end - start)[kept, None]
     levels = math.ceil(math.log(length.max() / length[kept].min(), _COARSER))
     half = 0.5 * np.append(0.0, _COARSER ** -np.arange(1.0 + min(levels, _LEVELS), -0.5, -1.0))
@@ -96,7 +92,7 @@ def outlined(start: Any, end: Any, compliance: FloatArray, J: float | None = Non
         compliance,
         np.column_stack([corners.real, corners.imag]),
         np.array([centre.real, centre.imag]),
-        bool(np.abs(third).max() > _ROUND * area**2.5),
+        bool(np.abs(third).max() > PRINTED * area**2.5),
     )
 
 
@@ -199,7 +195,7 @@ def arbitrary(n: float, *of: float) -> Profile:
     start, end, steps, t = ends[:-1], ends[1:], np.diff(ends), np.array(of[4::3])
     b = np.abs(steps)
     J = float(b @ t**3) / 3.0
-    if abs(ends[-1] - ends[0]) <= _CLOSED * b.max():
+    if abs(ends[-1] - ends[0]) <= AT_NODE * b.max():  # a closed section
         J += float((start.conj() * steps).imag.sum()) ** 2 / float((b / t).sum())
     e = np.stack([steps.real, steps.imag]) / b
     side = 0.5j * t * steps / b

@@ -11,8 +11,9 @@ from typing import Any, get_args
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..base import FloatArray, InputError, InputTypeError, IntArray, MeshError, record
+from ..base import PRINTED, FloatArray, InputError, InputTypeError, IntArray, MeshError, record
 from ..fem import (
+    SAME,
     Beam,
     BeamSection,
     Laminate,
@@ -27,16 +28,6 @@ from ..mesh import dot, unit
 from .abaqusdeck import key
 from .profiles import Profile
 from .raw import RawMesh
-
-# Largest difference between components of unit vectors that count as equal: they are printed with
-# few digits.
-_SAME = 1e-4
-
-# Sine of the angle below which two directions count as parallel.
-PARALLEL = 1e-9
-
-# Largest ratio of product moment to polar moment of area that counts as a rounding error.
-_ROUND = 1e-12
 
 # Types of sections and materials, by the dimension of the elements that can have them.
 _KINDS: dict[int, tuple[type[Any], ...]] = {3: get_args(Solid), 2: (Shell, Laminate), 1: (Beam,)}
@@ -137,7 +128,7 @@ class Source:
             if of.skewed:
                 self.left_out.append("the shear centre of L, T and the like is put at the centroid")
             (yy, yz), (_, zz) = axes @ of.second @ axes.T
-            if abs(yz) > _ROUND * (yy + zz):  # y and z are no principal axes
+            if abs(yz) > PRINTED * (yy + zz):  # y and z are no principal axes
                 angle = 0.5 * math.atan2(math.copysign(2.0, yy - zz) * yz, abs(yy - zz))
                 c, s, z = math.cos(angle), math.sin(angle), across(z, x)
                 z, axes = c * z - s * np.cross(z, x), np.array([[c, s], [-s, c]]) @ axes
@@ -154,7 +145,7 @@ class Source:
             raise
         z = across(np.array(orientation), x)
         places = np.sum(np.array([x, np.cross(z, x), z]) * to, axis=-1).T
-        if np.abs(places - [0.0, *places[0, 1:]]).max() > _SAME * np.abs(to).max():
+        if np.abs(places - [0.0, *places[0, 1:]]).max() > SAME * np.abs(to).max():
             raise InputError("its offsets must be across its elements, and the same for all")
         return Beam(of, material, orientation, (centre + places[0, 1:]).round(12).tolist())
 
@@ -223,7 +214,7 @@ class Axes:
 
 
 def triad(
-    x: FloatArray, beside: FloatArray, error: Callable[[str], MeshError], least: float = PARALLEL
+    x: FloatArray, beside: FloatArray, error: Callable[[str], MeshError], least: float = PRINTED
 ) -> FloatArray:
     """Return unit axes in rows: the first along `x`, the second in the plane of `x` and `beside`.
 
@@ -243,7 +234,7 @@ def across(vectors: FloatArray, directions: FloatArray) -> FloatArray:
     along = dot(np.broadcast_to(vectors, directions.shape), directions)
     part = vectors - along[:, None] * directions
     length = np.linalg.norm(part, axis=1, keepdims=True)
-    least = _SAME * np.linalg.norm(vectors, axis=-1, keepdims=True)
+    least = SAME * np.linalg.norm(vectors, axis=-1, keepdims=True)
     return unit(np.where(length > least, part, 0.0))
 
 
@@ -257,7 +248,7 @@ def common(vectors: FloatArray, directions: FloatArray) -> tuple[float, ...]:
     if not wanted.any(axis=1).all():
         raise InputError("its axis must not be along any of its elements, or their normals")
     for one in (vectors[0], wanted.mean(axis=0)):
-        if np.abs(across(one, directions) - wanted).max() < _SAME:
+        if np.abs(across(one, directions) - wanted).max() < SAME:
             return tuple(np.round(one, 12).tolist())
     raise InputError("its elements have axes in several directions; make it several sections")
 

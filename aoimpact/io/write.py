@@ -13,9 +13,6 @@ from ..contact import ContactPoint
 from ..fem import FEModel
 from ..reduction import AOModel
 
-# Number of decimal digits from which a double is restored exactly.
-_DIGITS = 17
-
 
 def write_matrices(what: FEModel | ContactPoint | AOModel, folder: FilePath) -> dict[str, Path]:
     """Write the matrices of a body, contact point or AO model as Matrix Market files.
@@ -69,7 +66,7 @@ def write_matrices(what: FEModel | ContactPoint | AOModel, folder: FilePath) -> 
         written = matrix[:, None] if column else sp.coo_array(matrix)
         symmetry = "general" if column else "symmetric"
         with files[name].open("wb") as stream:
-            scipy.io.mmwrite(stream, written, precision=_DIGITS, symmetry=symmetry)
+            scipy.io.mmwrite(stream, written, symmetry=symmetry)
     if isinstance(what, AOModel):
         files["json"] = path / "model.json"
         what.to_json(files["json"])

@@ -22,7 +22,7 @@ from .law import (
     restitution,
 )
 from .plastic import ElasticPlastic, Thornton, YangSun, yield_force, yield_pressure
-from .surfaces import LawFromSurfaces, law_between
+from .surfaces import ONE_FRAME, LawFromSurfaces, law_between
 from .viscous import HuntCrossley, KelvinVoigt, KuwabaraKono, Tsuji
 
 # Laws by class name, except the base classes and `PatchLaw`, which is made from another law.

@@ -20,7 +20,9 @@ import scipy
 
 from .. import _core
 from ..base import (
+    HUGE,
     PRINTED,
+    ROUNDING,
     FloatArray,
     InputError,
     LawLimitError,
@@ -76,9 +78,6 @@ class Dent(NamedTuple):
     diameter: float
 
 
-# Ratio of residual to deepest indentation below which the residual one is a rounding error.
-_NO_DENT = 1e-12
-
 # Largest c dF/dδ at which the compliance c is removed from a law, as in csrc/law/law.c. At this
 # value the remaining law is twenty times as stiff as the given one and, between equal bodies, the
 # contact radius is 0.8 of the patch's radius.
@@ -91,26 +90,10 @@ _ROUND = 0.1
 # Symbols of some parameters in summaries.
 _SYMBOLS = {"relative_radius": "R", "yield_force": "F_y"}
 
-# Number of points per decade of _INDENTATIONS, m, among which c dF/dδ = MOST_SHARE is searched.
+# Indentations, m, _DECADE per decade, among which c dF/dδ = MOST_SHARE is searched. Searches begin
+# at small values, as a user's law may not be defined far beyond the indentations of its use.
 _DECADE = 40
-_INDENTATIONS = np.geomspace(1e-15, 10.0, 16 * _DECADE + 1)
-
-# Smallest restitution for which a rebound velocity in double precision has at least four digits.
-_LEAST_RESTITUTION = 1e-12
-
-# Smallest energy of a rigid impact, J: at lower energies, powers of mass or velocity may underflow.
-_LEAST_ENERGY = 1e-250
-
-_NO_NOTE = np.full(3, math.nan)
-
-# Start and step, in log δ, of the search for the indentation δ at which a law has absorbed an
-# energy (`ContactLaw.stroke`). Steps are short, as a user's law may not be defined far beyond the
-# indentations that it is meant for.
-_SHALLOW, _STRIDE = -28.0, 0.35
-
-# `_LONGEST`: largest magnitude of log δ in the search for the stroke. `_LEAST_WORK`: smallest work,
-# J, whose logarithm is taken.
-_LONGEST, _LEAST_WORK = 300.0, 1e-300
+_INDENTATIONS = np.geomspace(1e-15, 1e5, 20 * _DECADE + 1)
 
 
 def parameter(check: Callable[..., Any], unit: str = "", **options: Any) -> dict[str, Any]:
@@ -248,8 +231,7 @@ class ContactLaw:
 
         :meta private:
         """
-        note = _NO_NOTE.copy()
-        return CoreLaw(self.kind, self._parameters, 0.0, math.inf, note, None)
+        return CoreLaw(self.kind, self._parameters, 0.0, math.inf, np.full(3, math.nan), None)
 
     def force(
         self, indentation: npt.ArrayLike, rate: npt.ArrayLike = 0.0, *, along: bool = False
@@ -373,7 +355,7 @@ class ContactLaw:
                 high = start + int(beyond.argmax())
                 ends = within[high - 1], within[high]
                 try:
-                    return float(scipy.optimize.brentq(excess, *ends, xtol=1e-18))
+                    return float(scipy.optimize.brentq(excess, *ends, xtol=np.finfo(float).tiny))
                 except ValueError:  # excess has no change of sign: a noisy law
                     return float(ends[0])
         return math.inf
@@ -406,24 +388,27 @@ class ContactLaw:
         >>> round(law.stroke(0.05), 9)  # m, √(2E/k)
         0.0001
         """
-        wanted = math.log(positive("energy", energy, unit="J"))
+        energy = positive("energy", energy, unit="J")
         if not self.has_memory and (k := getattr(self, "k", None)):  # the work is k δ^(n+1)/(n+1)
             n = getattr(self, "n", self.power)
-            found = (wanted + math.log(n + 1.0) - math.log(k)) / (n + 1.0)
+            found = (math.log(energy) + math.log(n + 1.0) - math.log(k)) / (n + 1.0)
         else:
-            end = min(math.log(self.limit * (1.0 - 1e-12)), _LONGEST)
 
-            def excess(log_indentation: float) -> float:
-                return math.log(max(self._work(math.exp(log_indentation)), _LEAST_WORK)) - wanted
+            def excess(depth: float) -> float:
+                return self._work(depth) - energy
 
-            found = min(end, _SHALLOW)
-            while excess(found) < 0.0 and found < end:
-                found = min(found + _STRIDE, end)
-            if excess(-_LONGEST) > 0.0:
-                found = -_LONGEST
-            elif excess(found) > 0.0:
-                found = scipy.optimize.brentq(excess, -_LONGEST, found, xtol=1e-15)
-        if abs(found) >= _LONGEST:
+            end = self.limit * (1.0 - ROUNDING)
+            low, high = 0.0, min(float(_INDENTATIONS[0]), end)
+            while (short := self._work(high) < energy) and high < min(end, _INDENTATIONS[-1]):
+                low, high = high, min(2.0 * high, end)
+            found = math.log(
+                end
+                if short
+                else scipy.optimize.brentq(
+                    excess, low, high, xtol=np.finfo(float).tiny, maxiter=1000
+                )
+            )
+        if not abs(found) < math.log(HUGE):
             raise InputError(
                 f"energy={energy:g} J is taken by {self!r} at no indentation within its range"
             )
@@ -457,7 +442,7 @@ class ContactLaw:
             return Dent(0.0, 0.0)
         # The energy of unloading is F* (δ* - δ_p)/(n + 1).
         depth = deepest - (self.unloading_power + 1.0) * self.potential(deepest) / force
-        if depth < _NO_DENT * deepest:
+        if depth < ROUNDING * deepest:
             return Dent(0.0, 0.0)
         return Dent(depth, 2.0 * self._contact_radius(deepest))
 
@@ -480,7 +465,7 @@ class ContactLaw:
         """
         m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
         energy, delivered = 0.5 * m * v * v, math.nan
-        if _LEAST_ENERGY < energy < 1.0 / _LEAST_ENERGY:
+        if 1.0 / HUGE < energy < HUGE:  # else powers of mass or velocity may underflow
             with suppress(ArithmeticError):
                 if self.damped_by:
                     closed_form, scale = self._closed_form(m, v)
@@ -520,7 +505,7 @@ class ContactLaw:
         number: Callable[[float], float] | None = None,
     ) -> Self:
         """Return the law with restitution e; `number`: published formula for its damping number."""
-        e = within("restitution", restitution, _LEAST_RESTITUTION, 1.0)
+        e = within("restitution", restitution, ROUNDING, 1.0)
         m, v = positive("mass", mass, unit="kg"), positive("velocity", velocity, unit="m/s")
         closed_form, scale = self._closed_form(m, v)
         reached = damping_for(closed_form, e) if number is None else number(e)

@@ -13,9 +13,8 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
-from ..base import FloatArray
+from ..base import ROUNDING, FloatArray
 
-_RTOL = 3e-14  # smallest relative tolerance that the integrator accepts
 _SMALL = 0.1  # |x| up to which x - log(1+x) is summed as a series
 
 
@@ -112,7 +111,7 @@ def _integrated(
     event.direction = -1.0  # type: ignore[attr-defined]
     with np.errstate(all="ignore"):  # the caller checks whether e is a number
         run = scipy.integrate.solve_ivp(
-            motion, (0.0, 1e6), [0.0, 1.0], method="DOP853", rtol=_RTOL, atol=1e-18, events=event
+            motion, (0.0, 1e6), [0.0, 1.0], method="DOP853", rtol=ROUNDING, atol=1e-18, events=event
         )
     return float(-run.y[1, -1]) if run.t_events[0].size else 0.0
 

@@ -14,7 +14,7 @@ from .elastic import Hertz
 
 # Smallest cosine of the angle between two directions of travel that count as given in one frame:
 # 5°.
-_ONE_FRAME = math.cos(math.radians(5.0))
+ONE_FRAME = math.cos(math.radians(5.0))
 
 # Largest relative change of k with the angle between the surfaces for which an unknown angle is
 # accepted.
@@ -80,7 +80,7 @@ def law_between(
     first, second = projectile_direction, target_direction
     if not (first is None or second is None or one.directions is None or two.directions is None):
         along = unit_vector("projectile_direction", first), unit_vector("target_direction", second)
-        if along[0] @ along[1] >= _ONE_FRAME:
+        if along[0] @ along[1] >= ONE_FRAME:
             across, same = np.array(two.directions)[::-1] @ np.array(one.directions[0])
             return _at_angle(one, two, math.atan2(abs(float(across)), abs(float(same))))
     laws = [_at_angle(one, two, turn) for turn in (0.0, 0.5 * math.pi)]

@@ -7,7 +7,6 @@ methods. This folder knows matrices and the coordinates of their rows, but no bo
 from .blocks import ENTRIES_AT_ONCE, rows_of
 from .matrices import (
     LARGEST,
-    LEAST,
     check_mass,
     check_stiffness,
     core_rows,
@@ -29,7 +28,7 @@ from .solvers import (
 )
 from .spectra import (
     DENSE_DOFS,
-    EQUAL,
+    DENSE_MOST,
     dense_modes,
     lowest,
     null_space,

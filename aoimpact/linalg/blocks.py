@@ -17,20 +17,17 @@ Part = tuple[int, int]
 # csrc/multigrid/multigrid.h.
 _WORK = 3
 
-# `_LEAST`: minimum dofs of a part. `_MOST_PARTS`: maximum number of parts. Each cut stores a layer
-# of elements twice: four parts of a plate of 268 000 dofs store 2 % more, parts of a cube 5 %.
-# Handing a part to a thread takes 20 µs, the product of such a part 1 to 2 ms.
-_LEAST, _MOST_PARTS = 30_000, 4
-
 # Matrix entries processed in one pass: 2 MB, which fit into the caches. With 2**22, removing the
 # supported dofs of a block of 493 000 dofs takes 1.4 s instead of 1.0 s, and forming K + s²M 2.8 s
 # instead of 2.5 s.
 ENTRIES_AT_ONCE = 2**18
 
 
-# Products by rows. `_MOST_SHARES`: maximum number of parts. `_LEAST_ENTRIES`: minimum entries of a
-# part, whose product takes 1 ms; handing it to a thread takes 20 µs.
-_MOST_SHARES, _LEAST_ENTRIES = 4, 1_000_000
+# Products in parts. `_MOST_PARTS`: maximum number of parts. `_LEAST_ENTRIES`: minimum entries of a
+# part, whose product takes 1 ms; handing it to a thread takes 20 µs. Between parts of blocks, a
+# layer of elements is stored twice: four parts of a plate of 268 000 dofs store 2 % more, those of
+# a cube 5 %.
+_MOST_PARTS, _LEAST_ENTRIES = 4, 1_000_000
 
 
 class Blocks:
@@ -61,7 +58,7 @@ class Blocks:
     def __init__(self, A: Any, places: FloatArray | None = None) -> None:
         size, n = A.blocksize[0], len(A.indptr) - 1
         part = np.zeros(n, dtype=np.int64)
-        count = max(1, min(_MOST_PARTS, size * n // _LEAST))
+        count = len(_parts(A))
         if places is not None and count > 1:
             along = places[:, np.ptp(places, axis=0).argmax()]
             cuts = np.quantile(along, np.arange(1, count) / count)
@@ -146,7 +143,7 @@ def rows_of(A: Any, begin: int, end: int) -> Any:
 
 def _parts(A: Any) -> list[tuple[int, int]]:
     """Return ranges of rows (of blocks) with about equal numbers of entries."""
-    count = max(1, min(_MOST_SHARES, A.nnz // _LEAST_ENTRIES))
+    count = max(1, min(_MOST_PARTS, A.nnz // _LEAST_ENTRIES))
     shares = np.arange(1, count) * (A.indptr[-1] / count)
     cuts = np.searchsorted(A.indptr, shares).tolist()
     return list(zip([0, *cuts], [*cuts, len(A.indptr) - 1], strict=True))

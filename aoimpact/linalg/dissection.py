@@ -12,9 +12,8 @@ import numpy as np
 
 from ..base import BoolArray, FloatArray, IntArray, sp
 
-# Size up to which a part is not cut. `_LEAF`: nodes, in `nested_dissection`. `_LEAF_ROWS`: rows, in
-# `fill`.
-_LEAF, _LEAF_ROWS = 64, 200
+# Number of nodes up to which a part is not cut.
+_LEAF = 64
 
 
 class Fill(NamedTuple):
@@ -61,7 +60,7 @@ def fill(matrix: Any, places: FloatArray | None = None) -> Fill:
     while True:
         around = float((2.0 - 2.0 * 0.5**cuts) @ sections)
         axis = int(sections.argmin())
-        is_leaf = n / pieces <= _LEAF_ROWS
+        is_leaf = n / pieces <= 3 * _LEAF
         s = n / pieces if is_leaf else float(sections[axis])
         entries += pieces * (s * s / 2 + s * around)
         operations += pieces * (s**3 / 3 + s * s * around + s * around * around)

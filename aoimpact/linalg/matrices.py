@@ -10,11 +10,11 @@ from ..base import PRINTED, FloatArray, InputError, InputTypeError, SingularErro
 from .superlu import CHECKED_DOFS, factorize
 
 # Maximum number of entries: the core's offsets are int32.
-_MOST_ENTRIES = 2**31 - 1
+_MOST_ENTRIES = np.iinfo(np.int32).max
 
-# Upper and lower limit of the largest entry of K, N/m, and of M, kg. Between these limits products
-# and ratios of entries are far from overflow and underflow.
-LARGEST, LEAST = 1e60, 1e-60
+# Upper limit of the largest entry of K, N/m, and of M, kg, and of its reciprocal. Products and
+# ratios of entries are then far from overflow and underflow.
+LARGEST = 1e60
 
 # Largest ratio of masses on the diagonal of M. The smaller mass is lost in the rounding of the
 # larger one from 1e16 on; the limit is far above that.
@@ -56,7 +56,7 @@ def symmetric_pair(K: Any, M: Any) -> tuple[sp.csr_array, sp.csr_array]:
     pair = _symmetric_csr("K", stiffness), _symmetric_csr("M", mass)
     for name, matrix, unit in (("K", pair[0], "N/m"), ("M", pair[1], "kg")):
         largest = float(np.abs(matrix.data).max(initial=0.0))
-        if largest > LARGEST or 0.0 < largest < LEAST:
+        if largest > LARGEST or 0.0 < largest < 1.0 / LARGEST:
             raise InputError(
                 f"{name} has entries up to {largest:.3g} {unit}, whose products cannot be "
                 f"computed; give it in {unit}"
@@ -281,7 +281,7 @@ def _canonical(csr: sp.csr_array) -> sp.csr_array:
 
 def with_int32(matrix: Any) -> sp.csr_array:
     """Return a sorted CSR matrix without duplicates, with int32 indices if they fit."""
-    if matrix.nnz < 2**31:
+    if matrix.nnz <= _MOST_ENTRIES:
         matrix.indices = matrix.indices.astype(np.int32, copy=False)
         matrix.indptr = matrix.indptr.astype(np.int32, copy=False)
     matrix.has_canonical_format = True

@@ -32,24 +32,17 @@ from .superlu import factorize
 
 Single = npt.NDArray[np.float32]
 
-# Ratio λ_max/λ_min of the band of eigenvalues that the smoother damps. `_BAND_MESH`: on the finest
-# level. `_BAND_AGGREGATES`: on levels of aggregates. Isotropic elements need a ratio of 8; these
-# ratios are for elements three times as long as wide.
-_BAND_MESH, _BAND_AGGREGATES = 20.0, 15.0
+# Ratio λ_max/λ_min of the band of eigenvalues that the smoother damps. Isotropic elements need 8;
+# this ratio is for elements three times as long as wide.
+_BAND = 20.0
 
 # Maximum entries of the coarsest level's factor L: the larger of _FEWEST_ENTRIES and
 # _COARSEST_SHARE of the entries of K. Aggregates represent bending poorly: for slender bodies the
 # maximum is _SHARE_OF_FEW of the entries of K, but at most _FEW_ENTRIES. A body is slender if the
 # factor L of K has fewer than _SLENDER n^(4/3) entries: balls, cubes and plates of 6:6:1 have 26 to
-# 56 n^(4/3), sheets and bars 11 to 15 n^(4/3). A level of at most _DENSE dofs is the coarsest in
-# any case.
+# 56 n^(4/3), sheets and bars 11 to 15 n^(4/3).
 _FEWEST_ENTRIES, _COARSEST_SHARE = 3e5, 0.03
 _FEW_ENTRIES, _SHARE_OF_FEW, _SLENDER = 4e6, 0.7, 20.0
-_DENSE = 300
-
-# Largest ratio of an aggregated level's dofs to the next finer level's dofs; above this ratio, K
-# hardly couples the dofs.
-_SHRINKS = 0.7
 
 # `_SET_UP`, `_ITERATION`: time of the set-up and of an iteration per entry of K, s.
 _SET_UP, _ITERATION = 4e-8, 1.5e-9
@@ -126,19 +119,17 @@ class Multigrid:
         while True:
             first = not self._levels
             corners = corners_of(pencil) if first else None
-            few = corners is None and 0.5 * A.nnz <= affordable and fill(A).entries <= affordable
-            if few or (corners is None and A.shape[0] <= _DENSE):
+            if corners is None and 0.5 * A.nnz <= affordable and fill(A).entries <= affordable:
                 break
             blocks = self._blocks if first else Blocks(A, places)
-            band = _BAND_MESH if first else _BAND_AGGREGATES
-            smoother = Smoother(blocks, A, scale=self._scale, band=band, what=pencil.what)
+            smoother = Smoother(blocks, A, scale=self._scale, band=_BAND, what=pencil.what)
             if corners is None:
                 P, motions = aggregated(A, motions, smoother.highest)
                 weights, places, width = P, None, 1
             else:
                 weights, motions, places = corners
                 P, width = sp.kron(weights, np.eye(3)).tobsr((3, 3)), 3
-            if P.shape[1] > _SHRINKS * P.shape[0] and width == 1:
+            if P.shape[1] >= P.shape[0]:
                 raise ConvergenceError(
                     f"solver 'multigrid' finds no coarser level below {A.shape[0]} dofs of "
                     f"{pencil.what} ({pencil.n} dofs): too few of them are coupled; take another "

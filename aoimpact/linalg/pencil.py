@@ -14,9 +14,6 @@ from ..base import ArrayPair, FloatArray, IntArray, record
 from .blocks import ENTRIES_AT_ONCE, product, rows_of
 from .dissection import Fill, fill, nested_dissection
 
-# Replacement of stored zeros in K: negligible, but kept by SciPy's sparse sums.
-_ALMOST_ZERO = 1e-300
-
 
 @record
 class Pencil:
@@ -104,8 +101,8 @@ class Pencil:
         cuts = np.linspace(0, self.n, 2 + K.nnz // ENTRIES_AT_ONCE, dtype=int).tolist()
         for first, last in pairwise(cuts):
             rows = rows_of(K, first, last)
-            # SciPy's sum drops entries that are zero.
-            rows.data = np.where(rows.data == 0.0, _ALMOST_ZERO, rows.data)
+            # SciPy's sum drops entries that are zero, but not negligible ones.
+            rows.data = np.where(rows.data == 0.0, np.finfo(float).tiny, rows.data)
             total = rows + self.s2 * rows_of(self.M, first, last)
             if total.nnz != rows.nnz:
                 return K + self.s2 * self.M

@@ -39,10 +39,8 @@ METHODS: dict[str, Method] = {method.name: method for method in (SUPERLU, PARDIS
 
 SOLVERS = ("auto", *METHODS)
 
-# `_TOLERANCE`: limit of ‖f - A x‖ / ‖f‖, unless rounding leaves more. `_REFINEMENTS`: maximum
-# number of refinement steps.
+# Limit of ‖f - A x‖ / ‖f‖, unless rounding leaves more.
 _TOLERANCE = 1e-10
-_REFINEMENTS = 5
 
 # Largest ‖f - A x‖ / (max A_ii ‖x‖) that counts as due to rounding: some hundred times the unit
 # roundoff.
@@ -140,7 +138,7 @@ class LinearSolver:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return x and the products K x and M x, which its residual needs."""
         x, before = self._unchecked(rhs, tolerance), np.inf
-        for _ in range(_REFINEMENTS + 1):
+        while True:
             with np.errstate(over="ignore", invalid="ignore"):
                 kx, mx = self.pencil.products(x)
                 residual = rhs - (kx + self.s2 * mx)

@@ -18,7 +18,16 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..base import ROUNDING, ArrayPair, ConvergenceError, FloatArray, SingularError, bar, warn
+from ..base import (
+    PRINTED,
+    ROUNDING,
+    ArrayPair,
+    ConvergenceError,
+    FloatArray,
+    SingularError,
+    bar,
+    warn,
+)
 from .pencil import Pencil
 from .rigidity import m_orthonormal
 from .solvers import LinearSolver, linear_solver
@@ -26,29 +35,26 @@ from .solvers import LinearSolver, linear_solver
 # Dofs up to which LAPACK on dense matrices is quicker than setting up an iteration.
 DENSE_DOFS = 500
 
-# Relative difference below which eigenvalues count as one multiple eigenvalue.
-EQUAL = 1e-9
+# Dofs up to which LAPACK computes all modes, in about a minute; with more dofs it would take
+# several minutes and gigabytes.
+DENSE_MOST = 6000
 
 # Dofs up to which LAPACK replaces iterations that do not converge, as for the closely spaced
 # eigenvalues of a pair K, M whose matrices were interchanged.
 _DENSE_AT_WORST = 2000
 
-# Smallest ratio of an elastic eigenvalue to the first guess of s²; smaller eigenvalues are rounding
-# errors.
-_LEAST_SHIFT = 1e-30
-
 # Ratio of the first guess of s² to ΣK_ii/ΣM_ii, which is near the highest ω². With this guess,
 # K + s²M is definite beyond rounding, and the lowest ω² remain distinct.
 _FIRST_SHIFT = 1e-4
 
-# `_SHIFT_BELOW`, `_SHIFT_ABOVE`: range of ω²/s² of the first elastic mode in which s² is kept.
-# Below this range K is lost in the rounding of s²M, above it s²M in the rounding of K. `_GUESSES`:
-# maximum number of corrections of s²; one is enough except for the slenderest bodies.
-_SHIFT_BELOW, _SHIFT_ABOVE, _GUESSES = 0.1, 1e5, 4
+# Smallest ω²/s² of the first elastic mode at which s² is kept: below it K is lost in the rounding
+# of s²M. The largest one is 1 / _FIRST_SHIFT: above it s²M is lost in the rounding of K.
+_SHIFT_BELOW = 0.1
 
-# `_INVERSE_STEPS`: steps of inverse iteration from a random vector, which find the order of
-# magnitude of the first elastic ω² unless it is far below s². In that case they find some s²/200
-# (of strips 1 m long and 0.5 to 3 mm thick), and the next s² is _FURTHER times this value.
+# `_INVERSE_STEPS`: steps of inverse iteration from a random vector, and maximum corrections of s².
+# The steps find the order of magnitude of the first elastic ω² unless it is far below s². In that
+# case they find some s²/200 (of strips 1 m long and 0.5 to 3 mm thick), and the next s² is _FURTHER
+# times this value.
 _INVERSE_STEPS, _FURTHER = 8, 0.01
 
 # Largest relative rounding of a mode's stiffness, eps |φ|ᵀ|K||φ| / φᵀKφ, without a warning. Bars
@@ -56,9 +62,8 @@ _INVERSE_STEPS, _FURTHER = 8, 0.01
 # more; below, by at most 0.3 %.
 _DROWNED = 0.2
 
-# Removal of elastic strain from computed rigid modes. `_STRAIN_SHIFT`: ratio of s² to the first
-# guess. `_STRAIN_PASSES`: number of passes.
-_STRAIN_SHIFT, _STRAIN_PASSES = 1e-6, 3
+# Ratio of s² to its first guess for the removal of elastic strain from computed rigid modes.
+_STRAIN_SHIFT = 1e-6
 
 # Smallest ratio of a pivot of M to its diagonal entry at which LAPACK's reduction by M⁻¹ keeps the
 # digits of low ω².
@@ -70,13 +75,9 @@ _LIGHT = 1e-6
 # with m entries in a row; r·T r cannot fall below ρ² divided by the lowest ω² + s².
 _TOLERANCE, _EPSILON = 1e-14, float(np.finfo(float).eps)
 
-# Relative change above which a converged ω² counts as not converged: a lower ω² has appeared.
-_MOVED = 1e-9
-
-# Extra vectors in a block: `_SPARE`, or _SPARE_SHARE times the number of modes if that is more.
-# They speed up the convergence of the last modes, and each random vector finds one member of a
-# multiple eigenvalue.
-_SPARE, _SPARE_SHARE = 4, 0.25
+# Extra vectors in a block: one for every `_SPARE` modes, and at least `_SPARE`. They speed up the
+# convergence of the last modes, and each random vector finds one member of a multiple eigenvalue.
+_SPARE = 4
 
 # Maximum size of the basis, in blocks, before a restart with a basis of two blocks.
 _MOST_BLOCKS = 12
@@ -152,7 +153,7 @@ def shifted(
         The solver at the first guess of s², if it exists already.
     """
     current = first or solver_at(_first_shift(K, M))
-    for _ in range(_GUESSES):
+    for _ in range(_INVERSE_STEPS):  # the second is the last except for the slenderest bodies
         modes, x = rigid, np.random.default_rng(1).standard_normal((K.shape[0], 1))
         for _ in range(_INVERSE_STEPS):
             x = m_orthonormal(modes, current.solve(M @ x), M)
@@ -161,8 +162,7 @@ def shifted(
         # Upper bound of the first elastic ω², by Lanczos' method. It is a rounding error if `rigid`
         # lacks a rigid motion.
         elastic = float(np.linalg.eigvalsh(basis.T @ (K @ basis))[0])
-        elastic = max(elastic, _LEAST_SHIFT * _first_shift(K, M))
-        if _SHIFT_BELOW * current.s2 <= elastic <= _SHIFT_ABOVE * current.s2:
+        if elastic <= 0.0 or _SHIFT_BELOW * current.s2 <= elastic <= current.s2 / _FIRST_SHIFT:
             break
         try:
             current = solver_at(elastic if elastic > current.s2 else _FURTHER * elastic)
@@ -201,11 +201,10 @@ def null_space(K: Any, M: Any, soft: float | None = None) -> FloatArray:
         wanted = min(n, 4 * wanted)
     modes = modes[:, rigid]
     if rigid.any() and soft is None:
-        # Each pass multiplies a component of elastic strain by s²/(ω² + s²); s² is far below any
-        # elastic ω².
+        # This multiplies a component of elastic strain by s²/(ω² + s²); s² is far below any elastic
+        # ω².
         near_k = linear_solver(Pencil(K, M, _STRAIN_SHIFT * _first_shift(K, M)))
-        for _ in range(_STRAIN_PASSES):
-            modes = modes - near_k.solve(K @ modes)
+        modes = modes - near_k.solve(K @ modes)
     return np.ascontiguousarray(m_orthonormal(None, modes, M))
 
 
@@ -325,7 +324,7 @@ def davidson(
     ConvergenceError
         If it takes more than 100 steps, or more than `most` preconditioned vectors.
     """
-    width = n + max(_SPARE, int(_SPARE_SHARE * n))
+    width = n + max(_SPARE, n // _SPARE)
     start = np.random.default_rng(5).standard_normal((M.shape[0], width))
     block, stiff = precondition(M @ start), _EPSILON * (K.nnz / K.shape[0]) ** 0.5 * K.diagonal()
     basis, stiffness = np.zeros((M.shape[0], 0)), np.zeros((0, 0))
@@ -346,7 +345,8 @@ def davidson(
             basis = np.column_stack([basis, block])
             omega2, within = scipy.linalg.eigh(stiffness)
             modes, omega2_n = basis @ within[:, :n], omega2[:n]
-            open_pairs |= np.abs(omega2_n - before) > _MOVED * omega2_n
+            # A converged ω² that changes has not converged: a lower ω² has appeared.
+            open_pairs |= np.abs(omega2_n - before) > PRINTED * omega2_n
             residual = K @ modes[:, open_pairs] - (M @ modes[:, open_pairs]) * omega2_n[open_pairs]
             block = precondition(residual)
             error = np.einsum("ij,ij->j", residual, block)

@@ -21,10 +21,12 @@ from .elements import (
     reference_faces,
 )
 from .enrichment import enriched
-from .generate import box_mesh, sheet_mesh, sphere_mesh
+from .generate import GOLDEN, box_mesh, sheet_mesh, sphere_mesh
 from .halving import PARTS, halved
-from .locate import AT_NODE, nearest_line, node_at, weights_at
+from .locate import ON_SURFACE, nearest_line, node_at, weights_at
 from .mesh import (
+    AT_NODE,
+    SHARP,
     Block,
     Mesh,
     checked_cells,
@@ -37,5 +39,5 @@ from .mesh import (
     twins,
 )
 from .orient import against_neighbours, pairs, sides
-from .surface import SHARP, Place, Surface, boundary, plane_of
+from .surface import Place, Surface, boundary, plane_of
 from .vectors import dot, motions_at, parted, rigid_motions, unit

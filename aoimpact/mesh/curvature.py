@@ -16,8 +16,8 @@ import numpy as np
 import scipy
 
 from ..base import BoolArray, FloatArray, Frozen, InputError, IntArray, plain, record, sp
-from .mesh import twins
-from .surface import SHARP, Surface, plane_of
+from .mesh import AT_NODE, SHARP, twins
+from .surface import Surface, plane_of
 from .vectors import dot
 
 # Cosine of 75°. An edge at which two faces turn by more is certainly sharp; from 45° to 75° it may
@@ -31,10 +31,6 @@ _GRAPH = 0.5
 # Radii around the point within which nodes are fitted, in distances between neighbouring nodes. Of
 # the fits that agree with the fits at all smaller radii, the one with the smallest error is taken.
 _REACHES = (2.2, 2.8, 3.6, 5.0, 7.0)
-
-# Largest height of nodes that count as coplanar, relative to the radius of the region: rounding to
-# a mesh file's digits.
-_IN_PLANE = 1e-6
 
 # `_DEVIATIONS`: ratio of the stated error to the standard deviation. `_LEAST_ERROR`: smallest
 # relative error. The ratio is calibrated, since surfaces are no samples of the prior. On gmsh's
@@ -50,14 +46,14 @@ _DEVIATIONS, _LEAST_ERROR = 6.0, 1e-3
 # `_IN_ROWS`: the factor 2 in the smallest error of a cylinder (above).
 _ONE_WAY, _IN_ROWS = 0.1, 2.0
 
-# Smallest number of nodes of a fit: the number of terms of a polynomial of degree two.
-_LEAST = 6
-
 # `_POWERS`: exponents of the polynomial's terms, ascending by `_DEGREE`. `_BINOMIAL`: square roots
 # of the binomial coefficients; as prior standard deviations they make the prior isotropic.
 _POWERS = [(degree - j, j) for degree in range(7) for j in range(degree + 1)]
 _DEGREE = np.array([i + j for i, j in _POWERS])
 _BINOMIAL = np.sqrt([math.comb(i + j, j) for i, j in _POWERS])
+
+# Number of terms of a polynomial of degree two, the smallest number of nodes of a fit.
+_LEAST = int(np.count_nonzero(_DEGREE <= 2))
 
 # Prior standard deviation of the terms for height and slope, relative to the terms for curvature:
 # so large that the prior hardly restricts height and slope.
@@ -200,7 +196,7 @@ def _spacing(surface: Surface, face: IntArray) -> float:
 def _curved(surface: Surface, face: IntArray) -> BoolArray:
     """Return which faces are curved, with any midside node off the straight edge or flat side."""
     gap = np.linalg.norm(surface.bulges(face), axis=2).max(axis=1)
-    return np.asarray(gap > _IN_PLANE * surface.edges(face))
+    return np.asarray(gap > AT_NODE * surface.edges(face))
 
 
 def _flat(
@@ -213,7 +209,7 @@ def _flat(
     offset = surface.mesh.nodes[np.unique(surface.nodes[face])] - here
     height = float(np.abs(offset @ normal).max())
     reach = float(np.linalg.norm(offset, axis=1).max())
-    if height > _IN_PLANE * reach:
+    if height > AT_NODE * reach:
         return None
     doubt = _doubt(bends, reach)
     error = 8.0 * (height + _rounding(surface.mesh.nodes)) / reach**2 + doubt
@@ -287,13 +283,13 @@ def _fitted(region: _Region, here: FloatArray, normal: FloatArray, reach: float)
     beyond = max(float(height @ height - seen @ seen), 0.0) + n * rounding**2
     free = max(n - 3, 1)
     left, size, right = np.linalg.svd(r * _WIDTHS[:, None], full_matrices=False)
-    along, weight = seen @ left, right[:, :, :6] * _WIDTHS[:, None, :6]
+    along, weight = seen @ left, right[:, :, :_LEAST] * _WIDTHS[:, None, :_LEAST]
     # Axes of the arrays below, in this order: λ, s, singular value.
     size, along = size[:, None], along[:, None]
     total = size**2 + _NOISE[:, None] ** 2
     misfit = (along**2 / total).sum(axis=2) + beyond / _NOISE**2
     means = (size / total * along) @ weight
-    covariance = _WIDTHS[:, None, :6] ** 2 - (size**2 / total) @ weight**2
+    covariance = _WIDTHS[:, None, :_LEAST] ** 2 - (size**2 / total) @ weight**2
     variances = (misfit / max(free - 2, 1))[:, :, None] * covariance.clip(0.0)
     absent = 2.0 * (n - size.shape[2]) * np.log(_NOISE)
     evidence = -0.5 * (np.log(total).sum(axis=2) + absent + free * np.log(misfit))

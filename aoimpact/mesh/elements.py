@@ -16,9 +16,6 @@ import scipy
 
 from ..base import ROUNDING, ArrayPair, FloatArray, IntArray, record
 
-# Smallest 1 - z, used at the apex of a pyramid, so that (1 - z)⁻³ stays finite.
-_APEX = 1e-100
-
 
 @record
 class Cell:
@@ -238,7 +235,7 @@ def _monomials(points: FloatArray, powers: IntArray) -> FloatArray:
     """Return xⁱ yʲ zᵏ (1 - z)⁻ˡ, shape (m, n); at the apex z = 1 the limit on x = y = 0."""
     base = points.T
     if powers[:, 3].any():
-        base = np.vstack([base, 1.0 / np.maximum(1.0 - base[2], _APEX)])
+        base = np.vstack([base, 1.0 / np.maximum(1.0 - base[2], ROUNDING)])
     raised = np.stack([np.ones_like(base), base, base**2, base**3])
     found: FloatArray = raised[powers[:, 0], 0] * raised[powers[:, 1], 1]
     for axis in range(2, len(base)):
@@ -283,7 +280,7 @@ def _quadrature(linear: str, n: int) -> Rule:
     return Rule(np.stack([x, y, z], axis=-1), np.einsum("i,j,k->ijk", *weights).ravel())
 
 
-_AXES, _ORIGIN = np.eye(3), np.zeros(3)
+_AXES = np.eye(3)
 _SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
 _BRICK = np.vstack([_SQUARE, _SQUARE + _AXES[2], np.full(3, 0.5)])  # eight corners, then the middle
 
@@ -296,7 +293,7 @@ def _cell(linear: str, corners: Any, normals: Any, of_brick: str) -> Cell:
 
 _TETRAHEDRON = _cell(
     "tetra",
-    np.vstack([_ORIGIN, _AXES]),
+    np.vstack([np.zeros(3), _AXES]),
     np.vstack([-_AXES, np.ones(3)]),
     "0126 0516 0236 0376 0456 0746",  # six pieces around the diagonal from 0 to 6
 )

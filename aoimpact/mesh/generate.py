@@ -25,7 +25,7 @@ from .convert import of_second_order
 from .elements import KINDS, reference_element
 from .mesh import Mesh
 
-_GOLDEN = 0.5 * (1.0 + 5.0**0.5)
+GOLDEN = 0.5 * (1.0 + 5.0**0.5)  # golden ratio
 
 # `_ICOSAHEDRON_ANGLE`: angle between neighbouring vertices, seen from the centre, rad. `_STRETCH`:
 # upper bound of the longest element edge on a unit sphere, relative to this angle divided by n;
@@ -115,9 +115,9 @@ def _icosahedron() -> tuple[FloatArray, IntArray]:
 
     Each coordinate axis passes through the middles of two opposite edges.
     """
-    signs = [(a, b) for a in (1.0, -1.0) for b in (_GOLDEN, -_GOLDEN)]
+    signs = [(a, b) for a in (1.0, -1.0) for b in (GOLDEN, -GOLDEN)]
     vertices = [np.roll([0.0, a, b], shift) for shift in range(3) for a, b in signs]
-    directions = np.array(vertices) / np.hypot(1.0, _GOLDEN)
+    directions = np.array(vertices) / np.hypot(1.0, GOLDEN)
     near = directions @ directions.T > 0.4
     faces = [
         corners

@@ -5,20 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import ROUNDING, FloatArray, InputError, IntArray, plain
-from .mesh import Mesh
+from .mesh import AT_NODE, Mesh
+from .surface import ITERATIONS
 from .vectors import dot
-
-# Distance from a node, as a fraction of the body's size, up to which a point is taken for the node.
-AT_NODE = 1e-6
 
 # Distance from an element, as a fraction of its size, up to which a point counts as on it: points
 # of a curved surface lie off the facets of its mesh.
-_ON_SURFACE = 0.02
-
-# Newton's method for reference coordinates. `_MOST_STEPS`: maximum number of steps. `_LAST_STEP`:
-# largest final step.
-_MOST_STEPS = 30
-_LAST_STEP = 1e-13
+ON_SURFACE = 0.02
 
 
 def weights_at(
@@ -59,11 +52,11 @@ def weights_at(
         element, members = block.element, block.cells[cell - block.first]
         corners = mesh.nodes[members]
         place = element.nodes[: element.n_corners].mean(axis=0)
-        for _ in range(_MOST_STEPS):  # Newton's method, kept near the element
+        for _ in range(ITERATIONS):  # Newton's method, kept near the element
             miss = point - element.shape(place[None])[0] @ corners
             jacobian = corners.T @ element.gradient(place[None])[0]
             ahead = np.clip(place + np.linalg.lstsq(jacobian, miss)[0], -1.0, 2.0)
-            if np.abs(ahead - place).max() <= _LAST_STEP:
+            if np.abs(ahead - place).max() <= ROUNDING:
                 break
             place = ahead
         place = element.cell.inside(np.clip(place, 0.0, 1.0))
@@ -74,7 +67,7 @@ def weights_at(
             best, found_in, found_at = off, (number, cell - block.first), place
         if best <= ROUNDING:
             break
-    if best > _ON_SURFACE:
+    if best > ON_SURFACE:
         low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
         box = ", ".join(f"{c} {a:.4g}…{b:.4g}" for c, a, b in zip("xyz", low, high, strict=True))
         why = f"point {plain(point)} m is off the body, which spans {box} m"

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..base import (
+    ROUNDING,
     ArrayPair,
     BoolArray,
     FloatArray,
@@ -36,13 +37,14 @@ from .elements import KINDS, THIN, ReferenceElement, cofactors, jacobians, refer
 # the file.
 Solids = tuple[str, IntArray, IntArray]
 
-# Smallest det J of a valid element, as a fraction of the cube of its size.
-_FLAT = 1e-12
+# Largest distance, relative to the size of the body or element, between places that count as the
+# same: coordinates in mesh files have few digits.
+AT_NODE = 1e-6
 
-# `_SLIVER`: smallest ratio of the area of a valid surface element to the square of its longest
-# edge. `_FOLDED`: cosine of 45°, the angle between the normal at a corner and the mean normal from
-# which a quadrilateral counts as folded, not just warped.
-_SLIVER, _FOLDED = 1e-6, np.sqrt(0.5)
+# Cosine of 45°. An edge is sharp if the normals of its faces differ by more; on round bodies of few
+# linear elements they differ by up to 40°. A quadrilateral is folded, not just warped, if the
+# normal at a corner differs from the mean normal by more.
+SHARP = np.sqrt(0.5)
 
 
 @record
@@ -386,8 +388,8 @@ def _check_elements(
         size, turned = "area or length", "are folded, or have an angle of 180° or more"
     else:
         lowest, highest = jacobian_range(nodes, cells, block.element)
-        flat = np.maximum(np.abs(lowest), np.abs(highest)) <= _FLAT
-        inverted = (lowest <= _FLAT) & ~flat
+        flat = np.maximum(np.abs(lowest), np.abs(highest)) <= ROUNDING
+        inverted = (lowest <= ROUNDING) & ~flat
         size, turned = "volume", "are inverted (Jacobian not positive)"
     cure = "Repair or improve the mesh there"
     for bad, what, how in (
@@ -412,9 +414,9 @@ def _misshapen(corners: FloatArray) -> tuple[BoolArray, BoolArray]:
     at_corners = np.cross(np.roll(ahead, 1, axis=1), ahead)
     mean = at_corners.sum(axis=1)
     size = np.linalg.norm(mean, axis=1)
-    flat = size <= _SLIVER * (ahead**2).sum(axis=2).max(axis=1)
+    flat = size <= AT_NODE * (ahead**2).sum(axis=2).max(axis=1)
     along = np.einsum("nci,ni->nc", at_corners, mean / np.where(flat, 1.0, size)[:, None])
-    folded = (along <= _FOLDED * np.linalg.norm(at_corners, axis=2)).any(axis=1)
+    folded = (along <= SHARP * np.linalg.norm(at_corners, axis=2)).any(axis=1)
     return flat, folded & ~flat
 
 

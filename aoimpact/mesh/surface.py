@@ -16,48 +16,28 @@ from ..base import (
     IntArray,
     Kept,
     MeshError,
+    in_batches,
     record,
     sp,
 )
 from .elements import ReferenceFace, reference_faces
-from .mesh import Mesh, twins
+from .mesh import AT_NODE, SHARP, Mesh, twins
 from .vectors import unit
 
-# Ratio of the radius of a ball enclosing a curved side to the radius of the ball around its nodes.
-_BULGE = 1.2
-
-# `_ITERATIONS`: maximum number of Newton steps, enough wherever a solution exists. `_LONGEST`:
+# `ITERATIONS`: maximum number of Newton steps, enough wherever a solution exists. `_LONGEST`:
 # longest step in u and v (0 to 1 on a side). Longer steps leave the side for good or oscillate.
-_ITERATIONS, _LONGEST = 25, 0.5
-
-# `_PARALLEL`: sine of the angle below which the tangents ∂x/∂u and ∂x/∂v count as parallel, as at
-# the collapsed corner of an element. `_BESIDE_CORNER`: distance in (u, v) from that corner at which
-# the normal is taken.
-_PARALLEL, _BESIDE_CORNER = 1e-9, 1e-3
-
-# Largest final Newton step: convergence is quadratic, so that the next step is below rounding.
-_CONVERGED = 1e-10
+ITERATIONS, _LONGEST = 25, 0.5
 
 # Distance of u or v from 0.5 beyond which a Newton iteration is stopped, since it does not return
 # to the side.
 _LOST = 1.5
 
-# Cosine of 45°. An edge is sharp if the normals of its faces differ by more; on round bodies of few
-# linear elements they differ by up to 40°.
-SHARP = np.sqrt(0.5)
-
 # Largest sum of abs(φ_a) over the nodes between the corners of a side: 2 in the middle of sides of
 # eight nodes, 4/3 on sides of six nodes, 1.39 on sides of nine.
 _BETWEEN = 2.0
 
-# Margin of a side's bounding box, relative to the side's size: larger than rounding and `PRINTED`.
-_BESIDE = 1e-6
-
 # Number of points whose nearest points on the surface are cached: enough for a few contacts.
 _REMEMBERED = 16
-
-# Number of pairs of a point and a side per pass, some 100 MB for elements of 27 nodes.
-_CHUNK = 50_000
 
 
 @record
@@ -127,9 +107,10 @@ class Surface:
     @cached_property
     def balls(self) -> ArrayPair:
         """Centres, shape (n_faces, 3), and radii of balls that enclose each face."""
-        x = self.mesh.nodes[self.nodes]
-        centre = x.mean(axis=1)
-        return centre, _BULGE * np.linalg.norm(x - centre[:, None], axis=2).max(axis=1)
+        x, bulge = self.mesh.nodes[self.nodes], self.bulges(np.arange(len(self.cell)))
+        centre, room = x.mean(axis=1), _BETWEEN * np.linalg.norm(bulge, axis=2).max(axis=1)
+        radius = np.linalg.norm(x[:, :4] - centre[:, None], axis=2).max(axis=1) + room
+        return centre, (1.0 + PRINTED) * radius
 
     @cached_property
     def _counts(self) -> IntArray:
@@ -172,7 +153,7 @@ class Surface:
         """
         normal, flat = self._crossed(face, uv)
         if flat.any():
-            beside = uv[flat] + _BESIDE_CORNER * (self.middle(face[flat]) - uv[flat])
+            beside = uv[flat] + AT_NODE * (self.middle(face[flat]) - uv[flat])
             normal[flat], still = self._crossed(face[flat], beside)
             if still.any():
                 cell = int(self.cell[face[flat][still]][0])
@@ -185,7 +166,7 @@ class Surface:
         tangents = self.at(face, uv)[1]
         normal = np.cross(tangents[:, 0], tangents[:, 1])
         longest = (tangents**2).sum(axis=2).max(axis=1)
-        return normal, np.linalg.norm(normal, axis=1) <= _PARALLEL * longest
+        return normal, np.linalg.norm(normal, axis=1) <= PRINTED * longest
 
     def edges(self, face: IntArray) -> FloatArray:
         """Return the mean length of the straight edges of each face, m, shape (n,)."""
@@ -226,7 +207,7 @@ class Surface:
         distance = np.linalg.norm(centre - point, axis=1)
         face = np.flatnonzero(distance - radius <= (distance + radius).min())
         uv = self.middle(face)
-        for _ in range(_ITERATIONS):
+        for _ in range(ITERATIONS):
             x, tangents = self.at(face, uv)
             gap = np.einsum("nui,ni->nu", tangents, point - x)
             before = uv
@@ -235,7 +216,7 @@ class Surface:
             excess = np.where(self._triangles[face], np.maximum(u + v - 1.0, 0.0), 0.0)
             u = np.clip(u - 0.5 * excess, 0.0, 1.0)
             uv = np.stack([u, np.minimum(v, np.where(excess > 0.0, 1.0 - u, 1.0))], axis=1)
-            if np.abs(uv - before).max() <= _CONVERGED:
+            if np.abs(uv - before).max() <= PRINTED:
                 break
         x = self.at(face, uv)[0]
         distance = np.linalg.norm(x - point, axis=1)
@@ -303,22 +284,22 @@ class Surface:
         face = np.flatnonzero(near)
         frame = np.vstack([across, axis])
         low, high = self.bounds(face, frame)
-        margin = _BESIDE * radius[face] + np.array([[0.0], [0.0], [reach]])
+        margin = AT_NODE * radius[face] + np.array([[0.0], [0.0], [reach]])
         at = (frame @ points.T)[:, :, None]
         within = (at >= (low - margin)[:, None]) & (at <= (high + margin)[:, None])
         point, candidate = np.nonzero(within.all(axis=0))
         face = face[candidate]
         n = len(points)
         best = Place(np.full(n, -1), np.zeros((n, 2)), points.copy(), np.full(n, np.inf))
-        for start in range(0, len(face), _CHUNK):
-            to, on = point[start : start + _CHUNK], face[start : start + _CHUNK]
+        for some in in_batches(len(face), 24.0 * self.nodes.shape[1]):
+            to, on = point[some], face[some]
             uv, active = self.middle(on), np.arange(len(on))
-            for _ in range(_ITERATIONS):  # Newton's method for the components across the axis
+            for _ in range(ITERATIONS):  # Newton's method for the components across the axis
                 x, tangents = self.at(on[active], uv[active])
                 gap = (points[to[active]] - x) @ across.T
                 step = _solved((tangents @ across.T).swapaxes(1, 2), gap)
                 uv[active] += step
-                moving = np.abs(step).max(axis=1, initial=0.0) > _CONVERGED
+                moving = np.abs(step).max(axis=1, initial=0.0) > PRINTED
                 active = active[moving & (np.abs(uv[active] - 0.5).max(axis=1) < _LOST)]
                 if not len(active):
                     break

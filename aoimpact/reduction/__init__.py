@@ -11,6 +11,6 @@ from .body import Body, BodyModel, Pull, Velocity
 from .finer import finer_model
 from .full import FullModel, body_model, full
 from .krylov import KrylovSpace, interface
-from .recovery import PACE, Recovery
+from .recovery import Recovery
 from .reduction import antioscillators, modal
 from .star import AOModel, ball, rigid, turning, wall

@@ -31,15 +31,12 @@ if TYPE_CHECKING:
 # the receptance then has an error of at most 1 %.
 _RIGHT = 1e-3
 
-# Number of frequencies per decade at which the error is computed.
-_EACH_DECADE = 16
-
 # Ratio of fitted to actual duration up to which models are not checked for shorter contacts. In
 # twelve impacts with three and eight oscillators the force was then hardly less accurate than with
 # models fitted to the actual duration.
 _SHORTER = 3.0
 
-# Ratio of successive durations at which a model is checked for longer contacts. With three
+# Ratio of successive durations, or frequencies, at which a model is checked. With three
 # oscillators a contact 1.5 times as long as fitted may have an error of a fifth of the force, while
 # eight oscillators are accurate for three times the duration.
 _LONGER = 1.15
@@ -106,8 +103,8 @@ def band_of(model: Body) -> Band:
     """Return the band of a model of a finite-element body."""
     slow = math.sqrt(near_static(model.body))
     fast = max(map(highest_shift, model.tips))
-    decades = math.log10(max(fast / slow, 10.0))
-    omega = np.geomspace(slow, fast, math.ceil(_EACH_DECADE * decades))
+    count = math.log(max(fast / slow, 10.0)) / math.log(_LONGER)
+    omega = np.geomspace(slow, fast, math.ceil(count))
     recovery = Recovery(model, model.loads(), slow)
     shapes, body = recovery.shapes, model.body
     energy = shapes.T @ (body.K @ shapes) + slow**2 * (shapes.T @ (body.M @ shapes))

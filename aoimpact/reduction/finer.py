@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..contact import SHIFT_TIMES_DURATION, own_contact_time
-from ..linalg import Solver, m_orthonormal, rows_of
+from ..linalg import ROUGH, Solver, m_orthonormal, rows_of
 from .body import Body, of_modes
 from .krylov import KrylovSpace, only_excited
 
@@ -25,11 +25,6 @@ from .krylov import KrylovSpace, only_excited
 # model of 8 vectors, and 0.8 to 5 times with 12 members, for models of 3 to 16 vectors
 # (tests/accuracy/test_finer.py).
 _TERMS = 12
-
-# Largest unbalanced part of a contact force, relative to the force, at the frequency i s of the
-# extraction, up to which a model of at least `_TERMS` vectors per contact counts as containing the
-# sequence. Models made with factors leave up to 2e-11 unbalanced, with multigrid 1.4e-4.
-_BALANCED = 1e-3
 
 
 def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
@@ -71,7 +66,8 @@ def finer_model(model: Body, *, linear: Solver = "auto") -> Body:
                 pressed.append((port, s, known.radius, solver))
         first = model.deflection(s, port)
         left = tip.b - K @ first - s * s * (M @ first)
-        unbalanced = np.linalg.norm(left[:n]) > _BALANCED * np.linalg.norm(tip.b)
+        # Models that contain the sequence leave less than the residual of their solutions.
+        unbalanced = np.linalg.norm(left[:n]) > ROUGH * np.linalg.norm(tip.b)
         if unbalanced or np.count_nonzero(elastic) < _TERMS * model.ports:
             moved = rigid @ (rigid.T @ tip.b[:n])
             coarse, load = finer.given.inverse(s * s, solver=linear), tip.b[:n] - own_M @ moved

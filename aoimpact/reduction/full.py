@@ -12,13 +12,10 @@ import numpy as np
 from ..base import ArrayPair, FloatArray, Frozen, InputError, InputTypeError, boolean, checked
 from ..contact import ContactPoint, moves_rigidly, refuse_massless, static_mode
 from ..fem import FEModel, ModalDamping
-from ..linalg import lowest
+from ..linalg import DENSE_MOST, lowest
 from .body import Body, BodyModel, Pull, Velocity, checked_ports, of_modes
 from .reduction import antioscillators
 from .star import AOModel
-
-# Largest number of dofs for which all modes are computed; this takes some ten seconds and 0.3 GiB.
-_MODAL_MOST = 3000
 
 
 @dataclass(frozen=True, repr=False)
@@ -99,10 +96,10 @@ class FullModel(Frozen, BodyModel):
         """
         if not isinstance(self.body.damping, ModalDamping):
             return False
-        if self.dofs > _MODAL_MOST:
+        if self.dofs > DENSE_MOST:
             raise InputError(
                 f"damping={self.body.damping!r} needs all modes of the full model, which are "
-                f"computed up to {_MODAL_MOST} of {self.dofs} dofs; give Rayleigh, or reduce it"
+                f"computed up to {DENSE_MOST} of {self.dofs} dofs; give Rayleigh, or reduce it"
             )
         return True
 

@@ -18,6 +18,8 @@ import numpy as np
 import scipy
 
 from ..base import (
+    PRINTED,
+    ROUNDING,
     ConvergenceError,
     FloatArray,
     SingularError,
@@ -39,13 +41,13 @@ from ..contact import (
 )
 from ..fem import displacement
 from ..linalg import (
-    EQUAL,
     FEW_SOLUTIONS,
     LinearSolver,
     Solver,
     checked_solver,
 )
 from .body import Body, checked_ports, of_modes, ways_of
+from .recovery import SOLVED
 from .star import AOModel, excited, of_body
 
 # Largest ratio between a shift and the best shift at which both are equally good. On the paper's
@@ -67,15 +69,9 @@ ORDER_FITTED = 5
 # next number. Each change costs a factorisation.
 _SHARPENED_FROM, _SHARPENED_BY = 48, 4
 
-# _DOUBTFUL: Ritz value, relative to the largest, below which a mechanism is possible, though
-# slender bodies under short contacts also have such values. _NO_STIFFNESS: largest stiffness of a
-# mechanism, relative to the sum of absolute values of its terms: some hundred rounding errors.
-_DOUBTFUL, _NO_STIFFNESS = 1e-12, 1e-14
-
-
-# Ratio of the orthogonal remainder of a vector to its length below which the vector counts as
-# linearly dependent.
-_NOTHING_NEW = 1e-11
+# Largest stiffness of a mechanism, relative to the sum of absolute values of its terms: some
+# hundred rounding errors.
+_NO_STIFFNESS = 1e-14
 
 # Ratio of a vector's lengths after and before a pass of Gram-Schmidt above which a further pass
 # would change no digit.
@@ -90,17 +86,10 @@ _NO_CANCELLATION = 0.5
 # fast.
 _FIRST, _PROMISING, _LAST, _REACHED = 6, 0.1, 8, 1e-7
 
-# Relative residual ‖b - K x‖ / ‖b‖ to which an iterative method solves for a static mode. With 1e-6
-# the errors of models of a clamped plate, up to 180 vectors, are the same.
-_STATIC = 1e-4
-
 # Largest ω² = xᵀKx/xᵀMx of a vector x, relative to the largest K_ii/M_ii. Above this limit x has
 # practically no mass, and its rounding errors spoil other vectors. The ratio is up to 3 in bodies
 # with mass everywhere; if M is singular, modes are lost with limits of 2000 and more.
 _WITHOUT_MASS = 300.0
-
-# Size of the elastic part of b, relative to b, below which that part is a rounding error.
-_RIGID_ONLY = 1e-13
 
 
 class KrylovSpace:
@@ -181,7 +170,7 @@ class KrylovSpace:
         # dominate the Krylov vectors.
         functionals = np.stack([tip.b for tip in self.tips])
         elastic = functionals - (functionals @ rigid) @ (body.M @ rigid).T
-        rigid_only = np.linalg.norm(elastic, axis=1) <= _RIGID_ONLY * np.linalg.norm(functionals)
+        rigid_only = np.linalg.norm(elastic, axis=1) <= ROUNDING * np.linalg.norm(functionals)
         elastic[rigid_only] = 0.0
         self._b = elastic
         self._held = [i for i, tip in enumerate(self.tips) if not moves_rigidly(tip)]
@@ -288,7 +277,7 @@ class KrylovSpace:
         first = max(rigid, 1 + int(np.flatnonzero(elastic.any(axis=0)).max(initial=-1)))
         elastic, there = elastic[:, :first], self._stiffness[:first, :first]
         omega2, y = scipy.linalg.eigh(elastic @ there @ elastic.T)
-        doubtful = omega2 <= _DOUBTFUL * np.abs(omega2).max(initial=0.0)
+        doubtful = omega2 <= ROUNDING * np.abs(omega2).max(initial=0.0)
         if doubtful.any():
             # Recompute the stiffness of soft motions from K: the projected stiffness has the
             # rounding errors of the stiffest motion. Values below the rounding errors of K are
@@ -349,7 +338,7 @@ class KrylovSpace:
         for _ in range(2):
             rest -= (before @ rest) @ before
         length = float(np.linalg.norm(rest))
-        if length > _NOTHING_NEW * float(np.linalg.norm(coordinates)):
+        if length > ROUNDING * float(np.linalg.norm(coordinates)):
             self._ordered.append(rest / length)
 
     def _static_modes(self, wanted: int) -> list[FloatArray]:
@@ -374,7 +363,7 @@ class KrylovSpace:
             # preconditioner.
             known = {} if dynamic.precondition else self.tips[place].deflections
             if self._solver not in known:
-                known[self._solver] = displacement(self.body, load, invert, tolerance=_STATIC)
+                known[self._solver] = displacement(self.body, load, invert, tolerance=SOLVED)
             self._statics += 1
             # The orthogonal remainder of the static mode takes the slot in the basis.
             x = known[self._solver]
@@ -395,12 +384,12 @@ class KrylovSpace:
         """
         vectors, parts, before = self._basis[: self._count], np.zeros(self._count), math.inf
         size = length = _length(x, mx)
-        while _NOTHING_NEW * size < length < _NO_CANCELLATION * before:
+        while ROUNDING * size < length < _NO_CANCELLATION * before:
             along = _products(vectors, mx)
             x, parts, before = x - _combinations(along[None], vectors)[0], parts + along, length
             mx = self.body.M @ x
             length = _length(x, mx)
-        return x, mx, parts, length if length > _NOTHING_NEW * size else 0.0
+        return x, mx, parts, length if length > ROUNDING * size else 0.0
 
     def _put(self, slot: int, vector: FloatArray) -> None:
         """Store a basis vector, and its inner products in K with all vectors (rigid motions: 0)."""
@@ -531,7 +520,7 @@ def only_excited(body: Body) -> Body:
     shape[0, 1 : rigid.shape[1]] = 0.0
     omega = np.concatenate([np.zeros(rigid.shape[1]), body.omega[elastic]])
     omega2 = omega[rigid.shape[1] :] ** 2
-    distinct = np.count_nonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
+    distinct = np.count_nonzero(np.diff(omega2, prepend=-np.inf) > PRINTED * omega2)
     n = distinct + min(rigid.shape[1], 1) - 1
     return replace(
         body,

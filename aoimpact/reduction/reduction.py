@@ -11,6 +11,8 @@ import scipy
 
 from .. import _core
 from ..base import (
+    PRINTED,
+    ROUNDING,
     ArrayPair,
     ConvergenceError,
     FloatArray,
@@ -25,7 +27,7 @@ from ..base import (
 from ..contact import ContactPoint, StaticMode, refuse_massless, refuse_mechanism, static_mode
 from ..linalg import (
     DENSE_DOFS,
-    EQUAL,
+    DENSE_MOST,
     FEW_SOLUTIONS,
     LinearSolver,
     Solver,
@@ -39,25 +41,13 @@ from .body import Body, checked_ports, of_modes
 from .krylov import KrylovSpace
 from .star import AOModel, excited, with_shapes
 
-# Largest number of dofs for which LAPACK computes all oscillators. This takes about a minute; with
-# more dofs it would take several minutes and gigabytes.
-_DENSE_MOST = 6000
-
-# Largest number of Lanczos steps: the smaller of _MOST_STEPS and _SOME + _SHARE_OF_DOFS times the
-# number of dofs. A failed attempt takes a tenth of LAPACK's time for 2000 dofs or more.
-# _CONVERGED: largest residual of a converged mode, relative to the eigenvalue.
-_MOST_STEPS, _SOME, _SHARE_OF_DOFS, _CONVERGED = 600, 60, 1 / 12, 1e-10
+# _MOST_STEPS: largest number of Lanczos steps. _CONVERGED: largest residual of a converged mode,
+# relative to the eigenvalue.
+_MOST_STEPS, _CONVERGED = 600, 1e-10
 
 # Expected number of linear solutions per oscillator. On a beam, a plate and a block the number was
 # 5 to 300, smallest if many oscillators are wanted in the order of frequency.
 _SOLUTIONS_EACH = 20
-
-# Mass of an oscillator, relative to the static mass, below which it is a rounding error.
-_NO_MASS = 1e-13
-
-# Residual mass, relative to the static mass, below which it is set to 0: the rounding error of a
-# sum of thousands of masses. The residual mass of a contact on a dof without mass is 0.
-_ROUNDING_OF_MASS = 1e-11
 
 
 # Function of s² that returns the linear solver of K + s²M.
@@ -131,7 +121,8 @@ def _first_oscillators(
     z, idle = base.solve(b), static.unobservable
     start = _across(tip, static)
     mass = float(start @ (M @ start))
-    most = min(_MOST_STEPS, _SOME + int(_SHARE_OF_DOFS * tip.body.n_dofs))
+    # A failed attempt at the heaviest takes a tenth of LAPACK's time for 2000 dofs or more.
+    most = min(_MOST_STEPS, tip.body.n_dofs if order == "frequency" else 60 + tip.body.n_dofs // 12)
     basis = np.empty((most + 1, tip.body.n_dofs))
     basis[0] = start / math.sqrt(mass)
     diagonal, off, look = np.empty(most), np.empty(most), n
@@ -159,12 +150,12 @@ def _first_oscillators(
         left = np.where(found, 0.0, masses)
         if order == "frequency":  # only modes below the first that has not converged
             found &= np.cumsum(~found) == 0
-        chosen = np.flatnonzero(found & (masses > _NO_MASS * static.mass))
+        chosen = np.flatnonzero(found & (masses > ROUNDING * static.mass))
         largest = float((left + np.append(left[1:], 0.0)).max())
         omega2 = 1.0 / theta[chosen] - base.s2
         # Due to rounding errors, several modes appear for a multiple eigenvalue; they are one
         # oscillator.
-        enough = np.count_nonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2) >= n
+        enough = np.count_nonzero(np.diff(omega2, prepend=-np.inf) > PRINTED * omega2) >= n
         if enough and order == "mass" and n:
             enough = largest <= np.sort(masses[chosen])[-n]
         if enough or exhausted:
@@ -201,9 +192,9 @@ def _wanted_oscillators(
             with np.errstate(over="ignore", invalid="ignore"):  # overflow shows in the result
                 found, left_out = _first_oscillators(tip, static, n, order, solvers)
         except ConvergenceError:
-            if dofs > _DENSE_MOST:
+            if dofs > DENSE_MOST:
                 raise
-    if found is None or (left_out > 0.0 and dofs <= _DENSE_MOST):
+    if found is None or (left_out > 0.0 and dofs <= DENSE_MOST):
         return _oscillators(tip, static, *_all_constraint_modes(tip))
     if left_out > 0.0:
         warn(
@@ -262,7 +253,7 @@ def antioscillators(
         If `n` is not in 0 … n_dofs - 1, or is None for a body too large to compute all oscillators.
     SingularError
         If the contact moves part of the body as a mechanism. Any other mechanism is accepted in a
-        free body; in a constrained body only if K need not be factorised.
+        free body only.
 
     Warns
     -----
@@ -294,10 +285,10 @@ def antioscillators(
         )
     dofs = tip.body.n_dofs
     wanted = None if n is None else integer("n", n, low=0, high=dofs - 1)
-    if wanted is None and dofs > _DENSE_MOST:
+    if wanted is None and dofs > DENSE_MOST:
         raise InputError(
             f"n=None asks for all {dofs - 1} anti-oscillators of a body of {dofs} dofs, which "
-            f"needs dense matrices; give n (all are computed up to {_DENSE_MOST} dofs)"
+            f"needs dense matrices; give n (all are computed up to {DENSE_MOST} dofs)"
         )
     refuse_mechanism([tip])
     solutions = _SOLUTIONS_EACH * (FEW_SOLUTIONS if wanted is None else wanted)
@@ -321,8 +312,8 @@ def antioscillators(
     if wanted is not None:
         warn_of_rounding(tip.body.K, shapes, f"{len(m)} anti-oscillators")
     residual = static.mass - math.fsum(m)  # eq. (10)
-    if abs(residual) < _ROUNDING_OF_MASS * static.mass:
-        residual = 0.0
+    if abs(residual) < ROUNDING * (1 + len(m)) * static.mass:
+        residual = 0.0  # as of a contact on a dof without mass
     numbers = AOModel(m0=residual, k0=static.k0, m=m, k=k)
     return with_shapes(numbers, tip, static.phi, shapes, linear_solver=used[0].name if used else "")
 

@@ -15,6 +15,8 @@ import numpy.typing as npt
 from .. import _core
 from ..base import (
     HUGE,
+    PRINTED,
+    ROUNDING,
     ArrayPair,
     BoolArray,
     FilePath,
@@ -33,12 +35,7 @@ from ..base import (
 )
 from ..contact import ContactPoint, ContactSurface
 from ..fem import Damping, Material, damping_or_none
-from ..linalg import EQUAL
 from .body import AsWhole, Body, in_time, ways_of
-
-# Range of masses, kg, and stiffnesses, N/m, whose squares and ratios neither overflow nor
-# underflow.
-_LARGEST, _LEAST = HUGE, 1.0 / HUGE
 
 # Largest m a²/I of a body with a contact at the arm a: the value of a ball on a rod of 200 times
 # the ball's radius. Above this limit, the effective mass at the contact is so small that its
@@ -47,9 +44,6 @@ _MOST_TURNING = 1e5
 
 # Share of the total participation (or mass) below which a mode (or an oscillator) is not excited.
 _NOT_EXCITED = 1e-13
-
-# Largest relative difference of two ω² that count as equal: two units in the last place.
-_ONE_FREQUENCY = 4e-16
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -138,11 +132,11 @@ class AOModel(Frozen):
         for name, unit in (("m0", "kg"), ("k0", "N/m"), ("m", "kg"), ("k", "N/m")):
             what = "mass" if unit == "kg" else "stiffness"
             values = np.atleast_1d(getattr(self, name))
-            wrong = (values < _LEAST) | (values > _LARGEST)
+            wrong = (values < 1.0 / HUGE) | (values > HUGE)
             wrong &= (values != 0.0) & np.isfinite(values)
             if wrong.any():
                 raise InputError(
-                    f"{name} must be a {what} from {_LEAST:g} to {_LARGEST:g} {unit}, "
+                    f"{name} must be a {what} from {1.0 / HUGE:g} to {HUGE:g} {unit}, "
                     f"got {values[wrong][0]:g}"
                 )
         if self.inertia is not None and self.arm is not None and math.isfinite(self.m0):
@@ -537,7 +531,7 @@ def star_of(body: Body) -> AOModel:
         raise InputError(f"star: {body!r} has several contact points, and an AO model has one")
     moved = excited(body)
     omega2, weight = body.omega[moved] ** 2, body.shape[0, moved] ** 2
-    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > EQUAL * omega2)
+    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > PRINTED * omega2)
     omega2, weight = omega2[starts], np.add.reduceat(weight, starts)
     m, k = np.empty(len(omega2) - 1), np.empty(len(omega2) - 1)
     m0, k0 = _core.star_from_modal(omega2, weight, m, k)
@@ -566,7 +560,7 @@ def excited(body: Body) -> BoolArray:
     size2 = np.einsum("ij,ij->j", there, there)
     size2 = size2 if on is None else size2 @ on**2
     weight = body.shape[0] ** 2
-    rounding2 = (1e-12 * np.linalg.norm(body.tips[0].b)) ** 2 * size2
+    rounding2 = (ROUNDING * np.linalg.norm(body.tips[0].b)) ** 2 * size2
     found = (weight > _NOT_EXCITED * weight.sum()) & (weight > rounding2)
     if not found.any():
         raise InputError(f"none of the {len(weight)} modes moves the contact: take a larger n")
@@ -636,7 +630,7 @@ def _merge_equal_frequencies(m: FloatArray, k: FloatArray) -> ArrayPair:
     order = np.argsort(k / m, kind="stable")
     m, k = m[order], k[order]
     omega2 = k / m
-    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > _ONE_FREQUENCY * omega2)
+    starts = np.flatnonzero(np.diff(omega2, prepend=-np.inf) > ROUNDING * omega2)
     if len(starts) == len(m):
         return np.ascontiguousarray(m), np.ascontiguousarray(k)
     return np.add.reduceat(m, starts), np.add.reduceat(k, starts)

@@ -530,10 +530,9 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
 
 # ------------------------------------------------------------------- errors
 
-# _DRIFT: largest ratio, without a warning, of the total energy's relative range over the record to
-# the error of time integration. _LEAST_ERROR: smallest value of this error, which allows for
-# rounding errors.
-_DRIFT, _LEAST_ERROR = 100.0, 1e-12
+# Largest ratio, without a warning, of the total energy's relative range over the record to
+# the error of time integration.
+_DRIFT = 100.0
 
 # Largest relative error due to a mesh or a contact law at which no warning is given.
 MESH_LIMIT = 0.1
@@ -588,7 +587,7 @@ def warn_of_ledger(energy: float, error: float | None) -> None:
     Over 600 random scenes the relative range of the energy was at most 0.3 times this error, with
     massless contacts at most 10 times.
     """
-    if error is not None and energy > _DRIFT * max(error, _LEAST_ERROR):
+    if error is not None and energy > _DRIFT * max(error, ROUNDING):
         warn(
             f"total energy varies by {energy:.2g} of the largest stored, but the steps' error is "
             f"{error:.2g}: distrust the run, unless a law's energy is not the work of its force"

@@ -6,10 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from ..base import InputError, nearest, text
-
-# Largest relative error that counts as a rounding error.
-ROUNDING = 1e-9
+from ..base import PRINTED, InputError, nearest, text
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,7 +196,7 @@ def percent(share: float | None) -> str:
         return "none"
     if math.isinf(share):
         return "not bounded"
-    digits = f"{100.0 * share:.2g}" if share >= ROUNDING else "0"
+    digits = f"{100.0 * share:.2g}" if share >= PRINTED else "0"
     return f"{float(digits):.0f}" if 1.0 <= share < 1e3 else digits  # as 120, not 1.2e+02
 
 

@@ -31,19 +31,14 @@ if TYPE_CHECKING:
 # Function of a run and times, s, that returns the values of histories, shape (rows, times).
 History = Callable[["Run", FloatArray], FloatArray]
 
-# Smallest value that an error is divided by, relative to the largest value of all contacts of a
-# scene. The values of a contact that only grazes have no accurate digits.
-_LEAST_CONTACT = 0.1
+# Smallest value that an error is divided by: for a contact of a scene, relative to the largest of
+# all contacts; for a rebound velocity, relative to the largest initial velocity; for a restitution,
+# absolute. A contact that only grazes, or a body that almost stops, has no accurate digits.
+_LEAST = 0.1
 
-# Smallest value that an error is divided by: for a rebound velocity, relative to the largest
-# initial velocity; for a restitution, absolute. Neither has accurate digits if a body almost stops.
-_LEAST_REBOUND = 0.1
-
-# Number of instants during a contact at which the momenta of two runs are compared.
-_ON_THE_WAY = 400
-
-# Number of instants around the maximum of a record in the search for the largest friction force.
-_BETWEEN = 65
+# Number of instants of a smooth curve, such as the momentum during a contact, or the friction force
+# around its largest recorded value.
+INSTANTS = 400
 
 
 def recorded(rows: Callable[[Run], FloatArray]) -> History:
@@ -205,7 +200,7 @@ class Quantity:
                 return np.array([math.inf])
             mine, right = mine[there], right[there]
             size = np.abs(right)
-        scales = np.maximum(size, _LEAST_CONTACT * size.max(initial=0.0))
+        scales = np.maximum(size, _LEAST * size.max(initial=0.0))
         return _relative(mine - right, self.at_least(scales, exact.velocities_before)).ravel()
 
     def span(self, run: Run) -> float:
@@ -235,9 +230,7 @@ class Quantity:
             return run.events[0].contact_duration or None
         hardest = max((of.peak_force for of in run.events), default=0.0)
         spans = [
-            of.peak_contact or (0.0, 0.0)
-            for of in run.events
-            if of.peak_force >= _LEAST_CONTACT * hardest
+            of.peak_contact or (0.0, 0.0) for of in run.events if of.peak_force >= _LEAST * hardest
         ]
         return min((end - start for start, end in spans if end > start), default=None)
 
@@ -378,10 +371,10 @@ def _momentum_apart(run: Run, other: Run) -> FloatArray:
     touches more often in one run. The shape is (contacts,).
     """
     first, last = run.touching or (0.0, 0.0)
-    times = np.linspace(first, last, _ON_THE_WAY)
+    times = np.linspace(first, last, INSTANTS)
     force: Any = QUANTITIES["force"].history
     apart = (force(run, times) - force(other, times))[run.plan.layout.normal]
-    passed = np.cumsum(apart, axis=1) * (last - first) / _ON_THE_WAY
+    passed = np.cumsum(apart, axis=1) * (last - first) / INSTANTS
     alike = [touch_alike(*of) for of in zip(run.events, other.events, strict=True)]
     return np.where(alike, np.sqrt((passed**2).mean(axis=1)), math.inf)
 
@@ -486,7 +479,7 @@ def _friction_peaks(run: Run) -> FloatArray:
         size = np.linalg.norm(of.friction_force, axis=1)
         top = int(size.argmax()) if len(size) else 0
         if run.recorder.dense and 0 < top < len(size) - 1:
-            times = np.linspace(run.t[top - 1], run.t[top + 1], _BETWEEN)
+            times = np.linspace(run.t[top - 1], run.t[top + 1], INSTANTS)
             near = run.at(times).each_contact[number].friction_force
             assert near is not None
             size = np.append(np.linalg.norm(near, axis=1), size[top])
@@ -548,7 +541,7 @@ _ALL = (
         # Bodies held at rest have no rebound velocity, unless all are at rest.
         of_speeds=lambda of: np.where(of.still & ~of.still.all(axis=0), np.nan, of.after),
         each="bodies",
-        least=lambda before: _LEAST_REBOUND * np.abs(before).max(axis=0),
+        least=lambda before: _LEAST * np.abs(before).max(axis=0),
         column=True,
         by_momentum=_of_bodies,
     ),
@@ -557,7 +550,7 @@ _ALL = (
         "",
         of_speeds=_restitution,
         each="",
-        least=lambda _: _LEAST_REBOUND,
+        least=lambda _: _LEAST,
         column=True,
         by_momentum=lambda run, momenta: (
             _of_bodies(run, momenta).sum(keepdims=True)
@@ -571,7 +564,7 @@ _ALL = (
         of_run=_tangential_restitution,
         each="",
         sliding=True,
-        least=lambda _: _LEAST_REBOUND,
+        least=lambda _: _LEAST,
         by_momentum=_unbounded,
     ),
     Quantity(

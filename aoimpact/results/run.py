@@ -37,7 +37,7 @@ from . import plot as figures
 from . import table
 from .advice import Advice, advice, follows, warn_of_ledger, warn_of_mesh
 from .errors import Chosen, ErrorEstimate, ErrorParts, LeftOut
-from .quantities import QUANTITIES, look_up, number, number_errors, read
+from .quantities import INSTANTS, QUANTITIES, look_up, number, number_errors, read
 from .summary import impact_rows, scene_rows, summary_text
 from .table import ROLES, different
 
@@ -410,9 +410,9 @@ class Cost:
 
 _NOTHING_KNOWN = LeftOut()
 
-# Numbers of points of a curve. _PER_PERIOD: points per shortest period of the models; _FEWEST,
-# _MOST: smallest and largest total number.
-_PER_PERIOD, _FEWEST, _MOST = 20, 400, 20_000
+# Numbers of points of a curve. _PER_PERIOD: points per shortest period of the models; _MOST: total
+# number at most.
+_PER_PERIOD, _MOST = 20, 20_000
 
 
 @dataclass(frozen=True)
@@ -565,7 +565,7 @@ class Run:
         """
         fastest = max((float(of.omega.max(initial=0.0)) for of in self.plan.modal), default=0.0)
         wanted = _PER_PERIOD * (end - start) * fastest / (2.0 * math.pi)
-        return np.linspace(start, end, int(np.clip(wanted, _FEWEST, _MOST)))
+        return np.linspace(start, end, int(np.clip(wanted, INSTANTS, _MOST)))
 
     @cached_property
     def _rows(self) -> FloatArray:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..base import plain, with_unit
+from ..base import PRINTED, ROUNDING, plain, with_unit
 from ..contact import ContactPoint
-from .errors import ROUNDING, ErrorParts, percent
+from .errors import ErrorParts, percent
 from .quantities import QUANTITIES, Quantity
 from .table import ROLES
 
@@ -25,9 +25,6 @@ SHOWN = 12
 
 # Largest number of contact points that are listed for a body.
 _PLACES = 2
-
-# Magnitude of coordinates, m, below which they are printed as 0.
-_NOTHING = 1e-12
 
 
 def impact_rows(result: Result) -> list[tuple[str, str]]:
@@ -138,7 +135,7 @@ def _within(run: Run, name: str, value: float, *, listed: bool = False) -> str:
     numbers.
     """
     error = run.error[name]
-    if error.mesh is error.contact is error.model is None or not error.least >= ROUNDING:
+    if error.mesh is error.contact is error.model is None or not error.least >= PRINTED:
         return ""
     if math.isinf(error.least):
         return " (error not bounded: refine the mesh at the contact, or give radius=)"
@@ -152,7 +149,7 @@ def _bound(
     least = 0.0 if interest.least is None else interest.least(run.velocities_before)
     if math.isinf(error.least):
         return " not bounded"
-    if not abs(value) < least or error.least < ROUNDING:
+    if not abs(value) < least or error.least < PRINTED:
         return f" ± {error if listed else error.bound()}"
     at_least = "at least " if error.unknown else ""
     return f" ± {at_least}{error.least * least:.2g} {interest.unit}".rstrip()
@@ -202,7 +199,7 @@ def _place(tip: ContactPoint, *, rigid: bool) -> str:
         what = f"patch of {with_unit(tip.patch.radius, 'm', 3)}"
     what = "touched" if rigid else what
     point, along = (
-        ", ".join(f"{x:.4g}" for x in np.where(np.abs(of) < _NOTHING, 0.0, of))
+        ", ".join(f"{x:.4g}" for x in np.where(np.abs(of) < ROUNDING, 0.0, of))
         for of in (tip.point, tip.direction)
     )
     return f", {what} at ({point}) m along ({along})"

@@ -17,7 +17,17 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base import ArrayPair, ConvergenceError, FloatArray, InputError, IntArray, LawLimitError, sp
+from ..base import (
+    PRINTED,
+    ROUNDING,
+    ArrayPair,
+    ConvergenceError,
+    FloatArray,
+    InputError,
+    IntArray,
+    LawLimitError,
+    sp,
+)
 from ..laws import ContactLaw
 from ..linalg import LARGEST
 from ..reduction import Body
@@ -25,47 +35,16 @@ from .contact import Contact
 
 _EPSILON = float(np.finfo(np.float64).eps)
 
-# The constants below were tuned in tests/scene/test_preload.py, and on rows of balls between walls
-# and towers of random laws and gaps, which take 20 to 120 steps.
-
 # Largest number of steps. Towers of a thousand balls take up to 400.
 _MOST_STEPS = 1000
 
-# _TIGHTER: factor on the damping of Newton steps after a full step; _LOOSER: factor after a
-# shortened step. Values of _TIGHTER from 0.02 to 0.2 and of _LOOSER from 1 to 10 change the number
-# of steps by up to a third. _LEAST_DAMPING: smallest damping.
-_TIGHTER, _LEAST_DAMPING, _LOOSER = 0.1, 1e-12, 2.0
+# Factor on the damping of Newton steps after a full step. Values from 0.02 to 0.2 change the number
+# of steps by up to a third.
+_TIGHTER = 0.1
 
-# _TOO_FAR: a step is too long if the forces at its end oppose it, and their work along it exceeds
-# this share of the work of the forces at its start. _SHORTER: range of the factor by which the
-# secant method then shortens the step.
-_TOO_FAR, _SHORTER = 0.5, (0.1, 0.5)
-
-# Number of further steps once the forces are balanced to rounding errors: each squares the error.
-_MORE_STEPS = 2
-
-# _BARELY: ratio to the contacts' stiffness of the stiffness of springs to the ground at coordinates
-# without stiffness: negligible, but it keeps matrices regular. _FALLS: smallest relative change of
-# the imbalance in a step with the least damping. Such a step is longer than any gap; if it changes
-# the imbalance by less, only these springs hold a body.
-_BARELY, _FALLS = 1e-12, 1e-3
-
-# Largest imbalance in equilibrium: _BALANCED: relative to the forces on the same coordinate;
-# _SETTLED: relative to the largest force, for bodies that touch without force. Results are the same
-# with ten times both values, and with a tenth of _BALANCED.
-_BALANCED, _SETTLED = 1e-12, 1e-14
-
-# _UNITS: rounding error of positions, in units in the last place, one unit for each term of an
-# indentation (with 16 units, determinate rows of bodies are refused). _DETERMINED: largest relative
-# error of forces due to rounding: six digits, as in a run (with 1e-8, such rows are refused).
-# _NEGLIGIBLE: negligible force, relative to the forces of the initial overlap (1e-6 has the same
-# effect).
-_UNITS, _DETERMINED, _NEGLIGIBLE = 4.0, 1e-6, 1e-9
-
-# First and largest indentation, m, in the search for the indentation under a load. The search
-# doubles the indentation, so that a user's law is not evaluated at much larger indentations than in
-# the run.
-_SHALLOWEST, _DEEPEST = 2.0**-50, 2.0**30
+# Largest relative error of forces due to rounding: six digits, as in a run (with 1e-8, determinate
+# rows of bodies are refused).
+_DETERMINED = 1e-6
 
 
 class Equilibrium(NamedTuple):
@@ -98,8 +77,7 @@ class _Springs:
         force, slope = np.zeros((2, len(depth)))
         within = np.clip(depth, 0.0, self.limits)
         for law, which in self._kinds:
-            own, steepness, damping = np.zeros((3, len(which)))
-            still = np.zeros(len(which))
+            still, own, steepness, damping = np.zeros((4, len(which)))
             _core.law_force(law, within[which], still, own, steepness, damping, False)
             force[which], slope[which] = own, steepness
         slope = np.where(depth > 0.0, np.maximum(slope, 0.0), 0.0)  # a rounding error may be < 0
@@ -107,8 +85,9 @@ class _Springs:
 
     def stiffness_under(self, load: float) -> FloatArray:
         """Return the larger of tangent and secant stiffness of each spring, N/m, at `load`, N."""
-        depth = np.full(len(self.limits), _SHALLOWEST)
-        while (deeper := (depth < _DEEPEST) & (self.force(2.0 * depth)[0] <= load)).any():
+        # Doubling keeps a user's law from much larger indentations than those of the run.
+        depth = np.full(len(self.limits), _EPSILON)
+        while (deeper := (depth < 1.0 / _EPSILON) & (self.force(2.0 * depth)[0] <= load)).any():
             depth[deeper] *= 2.0
         force, slope = self.force(depth)
         return np.asarray(np.maximum(slope, force / depth))
@@ -203,9 +182,8 @@ class _Statics:
     @cached_property
     def first(self) -> _Configuration:
         """Static deflection without contacts; coordinates without stiffness are 0."""
-        return self.at(
-            np.where(self.sprung, self.load / np.where(self.sprung, self.stiffness, 1), 0)
-        )
+        still = np.zeros(len(self.load))
+        return self.at(np.divide(self.load, self.stiffness, out=still, where=self.sprung))
 
     @cached_property
     def slopes(self) -> FloatArray:
@@ -229,16 +207,15 @@ class _Statics:
     def rounding(self, x: FloatArray, slopes: FloatArray) -> FloatArray:
         """Return the errors of the contact forces due to rounding errors of x, N."""
         reach = self.reach @ np.abs(x) + np.abs(self.gaps)
-        rounding: FloatArray = slopes * _UNITS * _EPSILON * reach
-        return rounding
+        return np.asarray(slopes * _EPSILON * reach)
 
     def settled(self, at: _Configuration) -> bool:
         """True if the reactions balance the loads to the rounding errors of the largest force.
 
         Imbalances are compared with the largest force, as a contact that only touches has no force.
         """
-        holds = np.minimum(at.present - np.abs(self.load), _SETTLED * self.size(at))
-        rounding = _BALANCED * at.present + self.reach.T @ at.rounding
+        holds = np.minimum(at.present - np.abs(self.load), _EPSILON * self.size(at))
+        rounding = ROUNDING * at.present + self.reach.T @ at.rounding
         return bool((np.abs(at.balance) <= holds + rounding).all())
 
     def size(self, at: _Configuration) -> float:
@@ -269,7 +246,7 @@ class _Statics:
         own, free = self.directions[:, self.sprung], self.directions[:, self.free]
         between = own @ sp.diags_array(1.0 / self.stiffness[self.sprung]) @ own.T
         ground = (free**2).T @ self.slopes
-        return own, free, between, _BARELY * np.where(ground > 0.0, ground, 1.0)
+        return own, free, between, ROUNDING * np.where(ground > 0.0, ground, 1.0)
 
     def step(self, at: _Configuration, damping: float) -> FloatArray:
         """Return a Newton step s, damped by raised stiffnesses of contacts and bodies.
@@ -280,8 +257,7 @@ class _Statics:
         """
         own, free, between, ground = self._constant
         contacts = sp.diags_array(1.0 / (at.slope + damping * self.slopes))
-        soft = between / (1.0 + damping) + contacts
-        rows = [[soft, -free], [free.T, sp.diags_array(ground)]]
+        rows = [[between / (1.0 + damping) + contacts, -free], [free.T, sp.diags_array(ground)]]
         matrix = sp.block_array(rows, format="csc")
         compliance = 1.0 / ((1.0 + damping) * self.stiffness[self.sprung])
         pushed = compliance * at.balance[self.sprung]
@@ -293,22 +269,25 @@ class _Statics:
 
     def descend(self) -> _Configuration:
         """Return the configuration of least energy, or the last one if there is no minimum."""
-        at, damping, more = self.first, 1.0, _MORE_STEPS
+        # Once forces balance to rounding errors, each of two further steps squares the error.
+        at, damping, more = self.first, 1.0, 2
         for _ in range(_MOST_STEPS):
-            more -= self.settled(at)
-            if more < 0:
+            if (more := more - self.settled(at)) < 0:
                 break
             step, share = self.step(at, damping), 1.0
             work, trial = at.balance @ step, self.at(at.x + step)
-            while (end := trial.balance @ step) < -_TOO_FAR * work and share > _EPSILON:
-                share *= float(np.clip(work / (work - end), *_SHORTER))
+            while trial.balance @ step < -work and share > _EPSILON:
+                share *= 0.5
                 trial = self.at(at.x + share * step)
+            # A step with the least damping is longer than any gap. If it does not change the
+            # imbalance, only the springs to the ground hold a body.
             changed = np.linalg.norm(trial.balance - at.balance)
-            bounded = changed > _FALLS * np.linalg.norm(at.balance)
-            at, whole = trial, share == 1.0
-            if whole and damping == _LEAST_DAMPING and not bounded:
+            still = changed <= 1e-3 * np.linalg.norm(at.balance)
+            if share == 1.0 and damping == ROUNDING and still:
                 break
-            damping = max(_TIGHTER * damping, _LEAST_DAMPING) if whole else _LOOSER * damping
+            at = trial
+            if share == 1.0:
+                damping = max(_TIGHTER * damping, ROUNDING)
         return at
 
     def floating(self, at: _Configuration) -> Iterator[tuple[IntArray, FloatArray]]:
@@ -321,7 +300,7 @@ class _Statics:
             other, and the displacement that returns its centre of mass to the initial position.
         """
         count = len(self._bodies)
-        pairs = self.pairs[at.force > at.rounding + _SETTLED * self.size(at)]
+        pairs = self.pairs[at.force > at.rounding + ROUNDING * self.size(at)]
         graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count,) * 2)
         groups, group = sp.csgraph.connected_components(graph, directed=False)
         sizes, places = np.bincount(group), np.flatnonzero(self.free)
@@ -332,7 +311,7 @@ class _Statics:
         for number in range(groups):
             where = places[owner == number]
             load, x = self.load[where], at.x[where]
-            if kept[number] or abs(load.sum()) > _BALANCED * np.abs(load).sum():
+            if kept[number] or abs(load.sum()) > ROUNDING * np.abs(load).sum():
                 continue
             mean = np.average(x, weights=self.inertia[where])
             yield where, -x if sizes[number] == 1 else np.full(len(x), -mean)
@@ -396,7 +375,7 @@ def equilibrium(
     at = statics.descend()
     if statics.settled(at):
         at = statics.least_moved(at)
-        least = _NEGLIGIBLE * statics.size(first)
+        least = PRINTED * statics.size(first)
         statics.check(at, at.slope, max(statics.size(at), least))
         return Equilibrium(statics.modes(at.x), at.force)
     statics.check(at, np.zeros(len(at.slope)), 0.0)

@@ -106,10 +106,8 @@ class RecordLayout:
         """Return the rows of one contact of a record, shape (rows, times)."""
         first, end = self._starts[contact : contact + 2]
         rows = record[first:end]
-        force, indentation, elastic, dissipated = rows[:_CONTACT]
-        if len(rows) == _CONTACT:
-            return ContactRows(force, indentation, elastic, dissipated)
-        return ContactRows(force, indentation, elastic, dissipated, rows[4:6], rows[6], rows[7])
+        rubbed = [rows[4:6], rows[6], rows[7]] if len(rows) > _CONTACT else [None] * 3
+        return ContactRows._make([*rows[:_CONTACT], *rubbed])
 
     def body(self, record: FloatArray, body: int) -> BodyRows:
         """Return the rows of one body of a record, shape (rows, times)."""

@@ -17,15 +17,11 @@ from ..contact import ContactPoint, contact_point
 from ..fem import Damping, Layers, OneMaterial, thin_groups
 from ..impact import Scene
 from ..laws import LAWS
-from ..mesh import Mesh, box_mesh, sheet_mesh, sphere_mesh
+from ..mesh import AT_NODE, Mesh, box_mesh, sheet_mesh, sphere_mesh
 from ..reduction import BodyModel, body_model
 from ..results import QUANTITIES, BodyResult, ContactResult, ErrorEstimate, Handle
 from .binding import PATH, READERS, Binder, Call, Numbers, Reader, Table, passes_on, table, typed
 from .lines import Place
-
-# Largest ratio of a node's distance from a plane to the body's size for the node to lie on the
-# plane.
-_ON_PLANE = 1e-6
 
 Triple = tuple[float, float, float]
 
@@ -106,7 +102,7 @@ def _where(
         raise InputError("give either nodes, or planes x, y, z on all of which they lie")
 
     def on_planes(places: FloatArray) -> Any:
-        near = np.abs(places - planes) <= _ON_PLANE * np.ptp(places, axis=0).max()
+        near = np.abs(places - planes) <= AT_NODE * np.ptp(places, axis=0).max()
         return (free | near).all(axis=1)
 
     return on_planes if nodes is None else nodes

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..accuracy import shared_models
 from ..base import (
     HUGE,
+    PRINTED,
     AOImpactError,
     ArrayPair,
     FloatArray,
@@ -34,14 +35,8 @@ from ..laws import ContactLaw
 from ..reduction import rigid
 from ..testrig import Signal
 
-# _SOLVER: time integration with a tolerance far below measurement noise and errors of the finite
-# differences. _STEP: step of the finite differences.
+# Time integration with a tolerance far below measurement noise and errors of finite differences.
 _SOLVER = Adaptive(rtol=1e-9)
-_STEP = 1e-4
-
-# Offset that keeps the variables away from 0: SciPy's finite-difference steps are relative to the
-# values of the variables.
-_ORIGIN = 30.0
 
 # Largest relative standard error with which a parameter counts as determined.
 _DETERMINED = 0.5
@@ -86,10 +81,6 @@ _EXPLAINED = 10.0
 
 # A parameter counts as being at its bound if the logarithms of both differ by less than this.
 _AT_BOUND = 1e-2
-
-# Singular values of the scaled Jacobian below this share of the largest one are taken for rounding
-# errors.
-_SINGULAR = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +134,7 @@ class _Problem:
     """Misfit of a law to a measurement as a function of the logarithms of its free parameters.
 
     For a history, there is a last variable: the correction of the contact's start, in units of
-    `time`. All variables are offset by `_ORIGIN`. `shown` returns the values that a law predicts
+    `time`. `shown` returns the values that a law predicts
     for a contact that begins at a given time, s. `force`, N, `depth`, m, `velocity`, m/s, and
     `start`, s, are estimates of the largest force, the largest indentation, the velocity and the
     start of the contact; `sample` is the spacing of the samples, s.
@@ -175,7 +166,7 @@ class _Problem:
         bounds = np.array([_BOUNDS.get(name, (0.0, math.inf)) for name in self.names])
         bounds = np.clip(bounds / self.first[:, None], 1.0 / _RANGE, _RANGE)
         timed = [[-math.inf], [math.inf]] if self.start is not None else np.empty((2, 0))
-        found = np.hstack([np.log(bounds).T + _ORIGIN, timed])
+        found = np.hstack([np.log(bounds).T, timed])
         if len(self.measured) <= found.shape[1]:
             raise InputError(
                 f"{found.shape[1]} parameters need more than {len(self.measured)} measured values"
@@ -184,10 +175,10 @@ class _Problem:
 
     def parameters(self, x: FloatArray) -> FloatArray:
         """Return the free parameters from the variables; for a history, also the start, s."""
-        values = self.first * np.exp(x[: len(self.names)] - _ORIGIN)
+        values = self.first * np.exp(x[: len(self.names)])
         if self.start is None:
             return values
-        return np.append(values, self.start + self.time * (x[-1] - _ORIGIN))
+        return np.append(values, self.start + self.time * x[-1])
 
     def law_at(self, x: FloatArray) -> ContactLaw:
         values = dict(zip(self.names, self.parameters(x).tolist(), strict=False))
@@ -203,7 +194,7 @@ class _Problem:
         If the force begins with a jump, or nearly so, the misfit has a local minimum with respect
         to the start between any two neighbouring samples.
         """
-        first = np.full(self.bounds.shape[1], _ORIGIN)
+        first = np.zeros(self.bounds.shape[1])
         refused = 2.0 * self.misfit(first)
 
         def misfit(x: FloatArray) -> FloatArray:
@@ -213,8 +204,7 @@ class _Problem:
                 return refused
 
         def within(x: FloatArray, bounds: FloatArray) -> Any:
-            near: Any = {"ftol": 1e-9, "xtol": 1e-8, "gtol": None, "diff_step": _STEP / _ORIGIN}
-            return scipy.optimize.least_squares(misfit, x, "3-point", bounds, **near)
+            return scipy.optimize.least_squares(misfit, x, "3-point", bounds, gtol=None)
 
         found = within(first, self.bounds)
         if self.start is None:
@@ -226,7 +216,7 @@ class _Problem:
         between = []
         for sample in range(-_SAMPLES, _SAMPLES):
             bounds, ends = self.bounds.copy(), np.array([sample + _APART, sample + 1.0 - _APART])
-            bounds[:, -1] = _ORIGIN + ends * self.sample / self.time
+            bounds[:, -1] = ends * self.sample / self.time
             begin = np.append(found.x[:-1], bounds[:, -1].mean())
             between.append(within(begin, bounds))
         best = min(between, key=lambda one: one.cost)
@@ -388,12 +378,12 @@ def _uncertainty(jacobian: FloatArray, residual: float) -> ArrayPair:
     size = np.linalg.norm(jacobian, axis=0)
     size = np.where(size > 0.0, size, np.finfo(float).tiny ** 0.5)
     _, strength, turn = np.linalg.svd(jacobian / size, full_matrices=False)
-    strength = np.maximum(strength, _SINGULAR * strength[0])
+    strength = np.maximum(strength, PRINTED * strength[0])  # smaller ones are rounding errors
     spread = turn.T / strength
     covariance = spread @ spread.T
     errors = np.sqrt(np.diag(covariance))
     share = errors * residual / size
-    share[~(errors <= 0.1 / _SINGULAR)] = math.inf  # NaN: no variable has influence
+    share[~(errors <= 0.1 / PRINTED)] = math.inf  # NaN: no variable has influence
     return share, covariance / np.outer(errors, errors)
 
 

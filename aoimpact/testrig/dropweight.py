@@ -21,6 +21,7 @@ from ..base import (
     with_unit,
     write_csv,
 )
+from ..fields import Channel
 from ..results import Result
 from .signal import RISEN, STANDARD_GRAVITY, UNFILTERED, Signal, contacts
 
@@ -31,10 +32,6 @@ if TYPE_CHECKING:
 # Share of the impact energy that is larger than the error due to a force channel, and smaller than
 # the energy that a specimen absorbs.
 _TAKEN = 0.02
-
-# Length of zero force added before and after a simulated force, in periods 1/CFC: the filter's
-# response dies out within it.
-_SMEARED = 3.0
 
 
 class Point(NamedTuple):
@@ -326,7 +323,7 @@ def drop_weight(
         velocity = source.velocity if velocity is None else velocity
         gravity = source.plan.gravity if gravity is None else gravity
         if cfc is not None:
-            room = _SMEARED / positive("cfc", cfc, unit="Hz")
+            room = Channel(cfc=cfc).settling_time  # of zero force before and after
             signal = Signal.of(source, rate=max(signal.rate, 20.0 * cfc), margin=room)
     for name, given in (("mass", mass), ("velocity", velocity)):
         if given is None:

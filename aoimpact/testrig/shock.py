@@ -28,17 +28,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-# Default frequencies. _PER_OCTAVE: number per octave. _LOWEST: product of the lowest frequency and
-# the signal's duration. _HIGHEST: ratio of the highest frequency to the sampling rate.
-_PER_OCTAVE, _LOWEST, _HIGHEST = 12, 0.1, 0.1
+# Default frequencies. _PER_OCTAVE: number per octave. _SHARE: product of the lowest frequency and
+# the signal's duration, and ratio of the highest frequency to the sampling rate.
+_PER_OCTAVE, _SHARE = 12, 0.1
 
 # Number of points per period of an oscillator: the largest response at these points is too low by
 # 0.3 % at most.
 _PER_PERIOD = 40
-
-# Number of points in the first period after the signal: the largest response at these points is too
-# low by 1e-6 at most.
-_AFTER = 2001
 
 _KINDS = {
     "absolute acceleration": "m/s²",
@@ -193,7 +189,7 @@ def shock_spectrum(
         signal = Signal(signal.t, signal.values / mass, unit="m/s²", name="acceleration")
     rate = signal.rate
     if frequencies is None:
-        low, high = _LOWEST / float(signal.t[-1] - signal.t[0]), _HIGHEST * rate
+        low, high = _SHARE / float(signal.t[-1] - signal.t[0]), _SHARE * rate
         octaves = max(math.log2(high / low), 1.0)
         frequencies = np.geomspace(low, high, 1 + math.ceil(_PER_OCTAVE * octaves))
     wanted = np.atleast_1d(finite_array("frequencies", frequencies, unit="Hz"))
@@ -203,7 +199,7 @@ def shock_spectrum(
             "frequencies must be a list of positive numbers, none above half of the rate "
             f"{rate:g} Hz, got {frequencies!r}"
         )
-    if top > _HIGHEST * rate * (1.0 + 1e-9):
+    if top > _SHARE * rate * (1.0 + 1e-9):
         lost = 1.0 - float(np.sinc(top / rate)) ** 2
         warn(
             f"frequencies exceed a tenth of the rate {rate:g} Hz: at {top:g} Hz the result may be "
@@ -238,7 +234,8 @@ def _largest(signal: Signal, frequency: float, damping: float, unit: str) -> tup
     a, b, c, d = (of.item() for of in cont2discrete(system, step, "foh")[:4])
     states = lfilter([d, b * c - d * a], [1.0, -a], forced)
     response = 2.0 * np.real(share * states[parts : len(states) - parts])
-    phase = np.linspace(0.0, 2.0 * math.pi, _AFTER)
-    later = 2.0 * np.real(share * states[-1] * np.exp(root / root.imag * phase))
+    last = share * states[-1]  # later, the response is largest at its end or where its rate is 0
+    phase = np.append(0.0, (0.5 * math.pi - np.angle(last * root)) % math.pi + [0.0, math.pi])
+    later = 2.0 * np.real(last * np.exp(root / root.imag * phase))
     either = np.concatenate([[0.0], response, later])
     return either.max(), -either.min(), np.abs(response).max(), np.abs(later).max()

@@ -29,7 +29,7 @@ from ..base import (
     text,
     with_unit,
 )
-from ..fields import Channel, Probe, zero_phase
+from ..fields import MOST_SAMPLES, Channel, Probe, zero_phase
 from ..results import Run
 
 if TYPE_CHECKING:
@@ -43,9 +43,6 @@ UNEVEN = 0.05
 
 # Default number of samples of a simulated force during the contact with the largest force.
 _PER_CONTACT = 500
-
-# Largest number of samples; a longer record is taken for a mistake.
-_MOST = 20_000_000
 
 # Minimum (SAE J211-1) and maximum of the ratio of the sampling rate to the frequency class. Above
 # the maximum, the poles of the digital filter differ from 1 only by rounding errors.
@@ -326,10 +323,10 @@ def contacts(force: Signal, name: str) -> list[tuple[int, int]]:
 def _steps(length: float, rate: float) -> int:
     """Return the number of whole steps in a time of the given length, s."""
     count = length * rate * (1.0 + 1e-12)
-    if not 1.0 <= count <= _MOST:
+    if not 1.0 <= count <= MOST_SAMPLES:
         raise InputError(
             f"rate = {with_unit(rate, 'Hz')} over {with_unit(length, 's')}, with any margin, makes "
-            f"{count:.3g} samples: it must be from 2 to {_MOST}"
+            f"{count:.3g} samples: it must be from 2 to {MOST_SAMPLES}"
         )
     return int(count)
 
