@@ -93,6 +93,6 @@ def test_a_laminate_is_meshed_as_it_is(kind: str, angles: tuple[float, ...]) -> 
 def test_a_laminate_of_one_material_is_a_layer_of_it() -> None:
     """Elements through the thickness against Rayleigh and Lamb, for ever narrower contacts."""
     plies = Laminate([Ply(1e-3, STEEL), Ply(1e-3, STEEL)])
-    for radius in (5e-4, 2e-5, 2e-6):
+    for radius in (4e-3, 5e-4, 2e-5, 2e-6):
         layer = layer_compliance(STEEL, 2e-3, radius, 2e5)
-        assert layer_compliance_of(plies, radius, 2e5) == pytest.approx(layer, abs=4e-15 / radius)
+        assert layer_compliance_of(plies, radius, 2e5) == pytest.approx(layer, abs=1.5e-15 / radius)
