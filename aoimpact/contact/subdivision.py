@@ -22,15 +22,9 @@ from ..mesh import Block, ReferenceElement, cofactors
 _ON_SIDE, _IN_CELL = 3, 2
 
 # `_SIDES`, `_CELLS`: largest ratio of the size of triangles and tetrahedra to their distance from
-# the point, or to _FLOOR contact radii a if that is larger. Within _NEAR radii the limit for
-# triangles is multiplied by _FINER, as the pressure itself is integrated there. If cells are
-# halved, the body's compliance R changes by less than 2e-4/(E* a), and a contact force by 0.02 %.
-_SIDES, _CELLS, _FLOOR = 1.0, 2.4, 0.6
-_NEAR, _FINER = 3.0, 0.3
-
-# Largest number of halvings of triangles and tetrahedra; those with a corner at the point reach
-# this number.
-_MOST_OF_SIDE, _MOST_OF_CELL = 14, 3
+# the point, or to _FLOOR contact radii a if that is larger. Tetrahedra are halved at most _MOST
+# times: more change the body's compliance R by less than 5e-5/(E* a).
+_SIDES, _CELLS, _FLOOR, _MOST = 0.3, 2.4, 0.6, 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +80,7 @@ def sides_towards(
         Length over which the integrand varies near the point, m.
     """
     halves = np.stack([corners[[0, i, i + 1]] for i in range(1, len(corners) - 1)])
-    yield from _towards(nodes, block, rows, halves, point, a, _SIDES, _MOST_OF_SIDE)
+    yield from _towards(nodes, block, rows, halves, point, a, _SIDES, np.inf)
 
 
 def cells_towards(
@@ -95,7 +89,7 @@ def cells_towards(
     """Yield quadrature points in cells of a block; for the parameters see `sides_towards`."""
     corners = block.element.cell.corners
     pieces = corners[np.array(_TETRAHEDRA[len(corners)])]
-    yield from _towards(nodes, block, rows, pieces, point, a, _CELLS, _MOST_OF_CELL)
+    yield from _towards(nodes, block, rows, pieces, point, a, _CELLS, _MOST)
 
 
 def _towards(
@@ -106,25 +100,21 @@ def _towards(
     point: FloatArray,
     a: float,
     limit: float,
-    most: int,
+    most: float,
 ) -> Iterator[Points]:
     element, split = block.element, _CHILDREN[pieces.shape[1]]
     rows, vertices = np.repeat(rows, len(pieces)), np.tile(pieces, (len(rows), 1, 1))
-    for level in range(most + 1):
-        if not len(rows):
-            return
+    level = 0
+    while len(rows):
         d = vertices.shape[1]
         shape, _ = _evaluated(element, vertices, np.eye(d))
         corner = shape @ nodes[block.cells[rows]]
         size = np.linalg.norm(corner[:, :, None] - corner[:, None], axis=3).max(axis=(1, 2))
         away = np.linalg.norm(corner.mean(axis=1) - point, axis=1) - 0.5 * size
-        finer = np.where((away < _NEAR * a) & (d == 3), _FINER, 1.0)
-        large = size > limit * finer * np.maximum(away, _FLOOR * a)
-        if level == most:
-            large[:] = False
+        large = (size > limit * np.maximum(away, _FLOOR * a)) & (level < most)
         yield from _points(nodes, block, rows[~large], vertices[~large])
         vertices = np.einsum("cvw,nwi->ncvi", split, vertices[large]).reshape(-1, d, 3)
-        rows = np.repeat(rows[large], len(split))
+        rows, level = np.repeat(rows[large], len(split)), level + 1
 
 
 def _evaluated(element: ReferenceElement, vertices: FloatArray, shares: FloatArray) -> ArrayPair:
