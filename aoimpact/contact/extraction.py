@@ -62,8 +62,8 @@ _BEHIND, _FAR_BEHIND = 0.35, 0.8
 # by less than 1e-4 of its value.
 _INTERPOLATED = {False: 0.3, True: 0.6}
 
-# Relative step of central differences of χ u_B: in place, for its rotation, and in the force. The
-# relative errors are the square.
+# Relative step of central differences of the field χ u_B, with respect to position (for rotations)
+# and to the force. Their relative errors are of the order of the step squared.
 DIFFERENCE = 1e-4
 
 

@@ -31,9 +31,10 @@ from ..mesh import plane_of, sides
 
 # Integrals over wave numbers k are sums over `_WAVES` Gauss points in log k. With the thickness t
 # and the bending length λ, integrands fall as (kλ)² below 1/λ, and as (ka)⁻⁴ and (kt)⁻⁴ or faster
-# above 1/a and 1/t; `_TAIL` is the share left out at each end.
+# above 1/a and 1/t; `_TAIL` is the share left out at each end. The points resolve p̂² for contact
+# radii up to some bending lengths.
 _WAVES, _TAIL = 96, 1e-6
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(_WAVES)
+_POINTS, _WEIGHTS = 0.5 * (np.polynomial.legendre.leggauss(_WAVES) + np.array([[1.0], [0.0]]))
 
 # Number of directions of waves for mean compliances; a laminate's compliance is exact to 1e-4 for
 # E1/E2 = 50, and to 1e-6 for carbon. The motion of its plate takes four times as many.
@@ -138,10 +139,9 @@ def _motion_of_waves(layers: Layers, s: float, x: FloatArray) -> FloatArray:
     """
     away = np.linalg.norm(x, axis=1)
     width = away.min() / _SPREAD
-    v = 0.5 * (1.0 + _POINTS)
-    k = 7.0 / width * v**3
+    k = 7.0 / width * _POINTS**3
     y = 0.5 * (k * width) ** 2
-    share = 1.5 / v * _WEIGHTS * k**2 * np.exp(-y) * (1.0 + y + 0.5 * y**2)
+    share = 3.0 / _POINTS * _WEIGHTS * k**2 * np.exp(-y) * (1.0 + y + 0.5 * y**2)
     moved, around = np.zeros((len(x), 5)), 4 * _TURNS
     for turn in np.pi / around * np.arange(around):
         waves = share[:, None] * _plate_waves(layers, turn, k, s)
@@ -268,7 +268,7 @@ def slow_bending(layers: Layers) -> float:
 
 def _waves(radius: float, thickness: float, length: float) -> FloatArray:
     low, high = _TAIL**0.5 / max(length, thickness), _TAIL**-0.25 / min(radius, thickness)
-    return np.asarray(low * (high / low) ** (0.5 * (1.0 + _POINTS)))
+    return np.asarray(low * (high / low) ** _POINTS)
 
 
 def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
@@ -277,7 +277,7 @@ def _mean(k: FloatArray, radius: float, compliance: FloatArray) -> float:
     H is the `compliance` at wave number k, one of `_waves`; p̂ = 3 j₁(x)/x with x = k a.
     """
     pressure = 3.0 * scipy.special.spherical_jn(1, k * radius) / (k * radius)
-    step = np.log(k[-1] / k[0]) / (_POINTS[-1] - _POINTS[0])
+    step = np.log(k[-1] / k[0]) / np.ptp(_POINTS)
     return float(_WEIGHTS @ (pressure**2 * compliance * k**2) * step / (2.0 * np.pi))
 
 

@@ -23,7 +23,7 @@ _ON_SIDE, _IN_CELL = 3, 2
 
 # `_SIDES`, `_CELLS`: largest ratio of the size of triangles and tetrahedra to their distance from
 # the point, or to _FLOOR contact radii a if that is larger. Tetrahedra are halved at most _MOST
-# times: more change the body's compliance R by less than 5e-5/(E* a).
+# times: further halvings change the body's compliance R by less than 5e-5/(E* a).
 _SIDES, _CELLS, _FLOOR, _MOST = 0.3, 2.4, 0.6, 3
 
 

@@ -76,7 +76,7 @@ if TYPE_CHECKING:
 # m. `_COARSE`: edge of an element, m.
 _HEAVY, _LONG, _COARSE = 1e5, 100.0, 1.0
 
-# Largest elastic force under a rigid motion, relative to that of K's entries, with which a body
+# Largest elastic force under a rigid motion, relative to the sizes of its terms, with which a body
 # counts as free: K may be printed with few digits.
 FEW_DIGITS = 1e-6
 

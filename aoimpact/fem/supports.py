@@ -290,7 +290,7 @@ def _rigid(name: str, mount: RigidMass, mesh: Mesh) -> sp.csr_array:
     nodes.
     """
     ids, nodes = nodes_of_mesh(name, mount.nodes, mesh), mesh.nodes
-    require(50.0 * (3 * len(ids)) ** 2, f"{name} on {len(ids)} nodes", "take fewer nodes")
+    require(100.0 * (3 * len(ids)) ** 2, f"{name} on {len(ids)} nodes", "take fewer nodes")
     middle = nodes[ids].mean(axis=0)
     centre = middle if mount.centre is None else np.asarray(mount.centre)
     inertia = np.zeros((3, 3)) if mount.inertia is None else np.asarray(mount.inertia)

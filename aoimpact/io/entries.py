@@ -21,8 +21,9 @@ _INTEGER = re.compile(rb"\s*[-+]?\d{1,15}\s*")
 
 _MARKET = re.compile("matrix (coordinate|array) (real|integer) (general|symmetric)")
 
-# Smallest number of bytes per matrix entry in a file: one digit and a separator.
-_LEAST_BYTES = 2
+# Smallest number of bytes per matrix entry in a file. `_LEAST_BYTES`: row, column and value of one
+# digit each, with separators. `_LEAST_DENSE`: one digit and a separator, for a dense matrix.
+_LEAST_BYTES, _LEAST_DENSE = 6, 2
 
 
 def _is_entry(line: bytes, integers: int, between: bytes | None = None) -> bool:
@@ -83,7 +84,7 @@ def read_market(file: Path) -> list[RawMatrix]:
     if n != n_cols:
         raise spoilt(file, f"the matrix is {n} by {n_cols}, not square", before)
     announced = entries[0] if entries else n * (n + 1) // 2 if triangle else n * n
-    if max(_LEAST_BYTES * announced, 0 if dense else n) > size:
+    if (_LEAST_DENSE * announced if dense else max(_LEAST_BYTES * announced, n)) > size:
         raise spoilt(file, f"{size} bytes do not hold {announced} entries: cut short?", before)
     if dense:  # stored by columns; a triangle's columns begin at the diagonal
         (values,) = _columns(file, 0, before=before)

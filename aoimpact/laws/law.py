@@ -401,13 +401,10 @@ class ContactLaw:
             low, high = 0.0, min(float(_INDENTATIONS[0]), end)
             while (short := self._work(high) < energy) and high < min(end, _INDENTATIONS[-1]):
                 low, high = high, min(2.0 * high, end)
-            found = math.log(
-                end
-                if short
-                else scipy.optimize.brentq(
-                    excess, low, high, xtol=np.finfo(float).tiny, maxiter=1000
-                )
-            )
+            depth = high if high == end else math.inf
+            if not short:
+                depth = scipy.optimize.brentq(excess, low, high, xtol=1e-300, maxiter=1000)
+            found = math.log(depth)
         if not abs(found) < math.log(HUGE):
             raise InputError(
                 f"energy={energy:g} J is taken by {self!r} at no indentation within its range"

@@ -38,12 +38,14 @@ from .elements import KINDS, THIN, ReferenceElement, cofactors, jacobians, refer
 Solids = tuple[str, IntArray, IntArray]
 
 # Largest distance, relative to the size of the body or element, between places that count as the
-# same: coordinates in mesh files have few digits.
+# same, and largest sine of the angle between directions that do: coordinates in mesh files have few
+# digits.
 AT_NODE = 1e-6
 
 # Cosine of 45°. An edge is sharp if the normals of its faces differ by more; on round bodies of few
 # linear elements they differ by up to 40°. A quadrilateral is folded, not just warped, if the
-# normal at a corner differs from the mean normal by more.
+# normal at a corner differs from the mean normal by more. A force acts along a beam if its angle
+# with the axis is smaller.
 SHARP = np.sqrt(0.5)
 
 

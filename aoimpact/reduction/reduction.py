@@ -253,7 +253,7 @@ def antioscillators(
         If `n` is not in 0 … n_dofs - 1, or is None for a body too large to compute all oscillators.
     SingularError
         If the contact moves part of the body as a mechanism. Any other mechanism is accepted in a
-        free body only.
+        free body; in a constrained body only if K need not be factorised.
 
     Warns
     -----
@@ -312,7 +312,7 @@ def antioscillators(
     if wanted is not None:
         warn_of_rounding(tip.body.K, shapes, f"{len(m)} anti-oscillators")
     residual = static.mass - math.fsum(m)  # eq. (10)
-    if abs(residual) < ROUNDING * (1 + len(m)) * static.mass:
+    if abs(residual) < ROUNDING * (10 + len(m)) * static.mass:
         residual = 0.0  # as of a contact on a dof without mass
     numbers = AOModel(m0=residual, k0=static.k0, m=m, k=k)
     return with_shapes(numbers, tip, static.phi, shapes, linear_solver=used[0].name if used else "")

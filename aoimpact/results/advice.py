@@ -530,8 +530,8 @@ def warn_of_exchange(projectile: BodyModel, target: BodyModel) -> None:
 
 # ------------------------------------------------------------------- errors
 
-# Largest ratio, without a warning, of the total energy's relative range over the record to
-# the error of time integration.
+# Largest ratio, without a warning, of the total energy's relative range over the record to the
+# error of time integration.
 _DRIFT = 100.0
 
 # Largest relative error due to a mesh or a contact law at which no warning is given.

@@ -134,10 +134,10 @@ class _Problem:
     """Misfit of a law to a measurement as a function of the logarithms of its free parameters.
 
     For a history, there is a last variable: the correction of the contact's start, in units of
-    `time`. `shown` returns the values that a law predicts
-    for a contact that begins at a given time, s. `force`, N, `depth`, m, `velocity`, m/s, and
-    `start`, s, are estimates of the largest force, the largest indentation, the velocity and the
-    start of the contact; `sample` is the spacing of the samples, s.
+    `time`. `shown` returns the values that a law predicts for a contact that begins at a given
+    time, s. `force`, N, `depth`, m, `velocity`, m/s, and `start`, s, are estimates of the largest
+    force, the largest indentation, the velocity and the start of the contact; `sample` is the
+    spacing of the samples, s.
     """
 
     measured: FloatArray
@@ -204,7 +204,11 @@ class _Problem:
                 return refused
 
         def within(x: FloatArray, bounds: FloatArray) -> Any:
-            return scipy.optimize.least_squares(misfit, x, "3-point", bounds, gtol=None)
+            # The first step may change parameters by e^30: far from the answer, the misfit hardly
+            # depends on them, and small steps would end the fit.
+            return scipy.optimize.least_squares(
+                misfit, x, "3-point", bounds, ftol=PRINTED, gtol=None, x_scale=30.0
+            )
 
         found = within(first, self.bounds)
         if self.start is None:
