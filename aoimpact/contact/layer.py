@@ -45,7 +45,7 @@ _TURNS = 12
 _EDGES, _LENGTHS = 6.0, 8.0
 
 # Number of elements through a laminate's thickness t, the finest for the shortest wave: the local
-# compliance is exact to 2e-4 for contact radii a of 2 t to t/100, and to 5e-4 for t/1000.
+# compliance is exact to 3e-4 for contact radii a of 2 t to t/100, and to 6e-4 for t/1000.
 _GRADES = 16
 
 # For the motion of a laminate's plate: ratio of the distance r to the width over which the force is

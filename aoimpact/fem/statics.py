@@ -32,7 +32,7 @@ _NEAR_K = 1e-9
 
 # Largest ratio of successive corrections in iterative refinement. Above it, the corrections are
 # rounding errors or, unless they are small, some elastic ω² is not far above s².
-_SLOW, _EPSILON = 0.5, float(np.finfo(float).eps)
+_SLOW = 0.5
 
 
 def near_static(body: FEModel) -> float:
@@ -83,7 +83,7 @@ def displacement(
         if length == 0.0:  # the load is zero
             return x
         size = float(np.linalg.norm(change) / length)
-        if not _EPSILON < size <= _SLOW * before:  # true for nan as well
+        if not np.finfo(float).eps < size <= _SLOW * before:  # true for nan as well
             return x if size <= PRINTED else _by_grounding(body, b, near_k)
         before = size
 
