@@ -159,8 +159,7 @@ static void find_slopes(const newton *s, iterate *at, size_t i)
         /* The slopes are those of the law without its cut at zero: rounding of the damping term may make a
          * positive force negative, which the cut would set to zero, with zero slopes. */
         double low, high;
-        const int piece = aoi_law_piece(contact->law, contact->memory, at->indentation[i],
-                                        speed > 0.0, &low, &high);
+        const int piece = aoi_law_piece(contact->law, contact->memory, at->indentation[i], speed > 0.0, &low, &high);
         aoi_law_force(contact->law, contact->memory, piece, at->indentation[i], speed, &value);
         /* A negative slope, with which the matrix would need pivoting, is replaced by zero; the Newton step is
          * then approximate. */

@@ -56,7 +56,7 @@ static int find_velocities(const aoi_system *system, const parts *of, double tim
     for (size_t b = 0; b < 2; b++) {
         velocity[b] = of->record[aoi_record_body(system, b) + AOI_BODY_CENTRE_VELOCITY];
     }
-    return isinf(velocity[0]) || isinf(velocity[1]) ? AOI_ERROR_NOT_FINITE : AOI_OK;
+    return isfinite(velocity[0]) && isfinite(velocity[1]) ? AOI_OK : AOI_ERROR_NOT_FINITE;
 }
 
 int aoi_brief_run(const aoi_system *system, const aoi_start *start, double rtol, double end, size_t rows,
@@ -72,9 +72,7 @@ int aoi_brief_run(const aoi_system *system, const aoi_start *start, double rtol,
         law->note[0] = (double)NAN;
     }
     int status = aoi_adaptive_start(of.run, system, start, rtol, end);
-    if (status == AOI_OK) {
-        status = aoi_adaptive_finish(of.run, &of.track);
-    }
+    status = status == AOI_OK ? aoi_adaptive_finish(of.run, &of.track) : status;
     if (status != AOI_OK) {
         return status;
     }

@@ -48,8 +48,7 @@ static void solves(double n, double x, double stiff)
                                                guess_number(i, x, free_end)};
         double force = -1.0, indentation = -1.0;
         const int status = aoi_contact_solve(&law, NULL, &equation, &force, &indentation);
-        CHECK(status == AOI_OK, "n %g, x %g, compliance k %g, guess %d: status %d", n, x, stiff, i,
-              status);
+        CHECK(status == AOI_OK, "n %g, x %g, compliance k %g, guess %d: status %d", n, x, stiff, i, status);
         CHECK(near(indentation, x, 5.0 * DBL_EPSILON), "n %g: %.17g, not %.17g", n, indentation, x);
         CHECK(near(force, value.force, (8.0 + 5.0 * n) * DBL_EPSILON),
               "n %g, x %g, compliance k %g, guess %d: force off by %g", n, x, stiff, i,
@@ -81,8 +80,7 @@ static void no_contact_no_force(void)
     for (size_t i = 0; i < sizeof apart / sizeof apart[0]; i++) {
         const aoi_contact_equation equation = {apart[i], 1e-6, -3.0, 1.0, 1.0};
         double force = 5.0, x = 5.0;
-        CHECK(aoi_contact_solve(&law, NULL, &equation, &force, &x) == AOI_OK && force == 0.0 &&
-                  x == apart[i],
+        CHECK(aoi_contact_solve(&law, NULL, &equation, &force, &x) == AOI_OK && force == 0.0 && x == apart[i],
               "%g m apart", apart[i]);
     }
     /* The lightest touch there is, and an indentation that nothing resists. */
@@ -113,8 +111,7 @@ static void too_deep_for_the_law(void)
 }
 
 /* Laws of the caller's own. */
-static void bilinear(const aoi_law *law, const double *memory, int piece, double d, double rate,
-                aoi_law_value *value)
+static void bilinear(const aoi_law *law, const double *memory, int piece, double d, double rate, aoi_law_value *value)
 {
     (void)memory;
     (void)piece;
@@ -125,8 +122,7 @@ static void bilinear(const aoi_law *law, const double *memory, int piece, double
     value->damping = 0.0;
 }
 
-static void plateau(const aoi_law *law, const double *memory, int piece, double d, double rate,
-                aoi_law_value *value)
+static void plateau(const aoi_law *law, const double *memory, int piece, double d, double rate, aoi_law_value *value)
 {
     (void)memory;
     (void)piece;
@@ -138,8 +134,7 @@ static void plateau(const aoi_law *law, const double *memory, int piece, double 
 }
 
 /* Rises and falls again: a shell that snaps through. */
-static void snap(const aoi_law *law, const double *memory, int piece, double d, double rate,
-                aoi_law_value *value)
+static void snap(const aoi_law *law, const double *memory, int piece, double d, double rate, aoi_law_value *value)
 {
     (void)memory;
     (void)piece;
@@ -253,8 +248,7 @@ static void what_pulls_lets_go_at_rest(void)
     CHECK(aoi_contact_solve(&law, NULL, &touching, &force, &x) == AOI_OK, "touching");
     CHECK(near(x, root, 1e-12) && near(force, (-1e-6 - root) / compliance, 1e-12) && force < 0.0,
           "held back at %g by %g N", x, force);
-    CHECK(aoi_contact_solve(&law, NULL, &apart, &force, &x) == AOI_OK && force == 0.0 && x == -1e-6,
-          "apart");
+    CHECK(aoi_contact_solve(&law, NULL, &apart, &force, &x) == AOI_OK && force == 0.0 && x == -1e-6, "apart");
     const aoi_contact_equation gone = {-1e-3, compliance, -1.0, 2.0 * compliance / dt, 1e-6};
     CHECK(aoi_contact_solve(&law, NULL, &gone, &force, &x) == AOI_OK && force == 0.0 && x == -1e-3,
           "too far to be held");
@@ -268,15 +262,12 @@ static void what_is_not_finite_is_said(void)
         const aoi_contact_equation place = {bad[i], 1e-6, 0.0, 1.0, 0.0};
         const aoi_contact_equation rate = {1e-6, 1e-6, bad[i], 1.0, 0.0};
         double force, x;
-        CHECK(aoi_contact_solve(&law, NULL, &place, &force, &x) == AOI_ERROR_NOT_FINITE, "indentation %g",
-              bad[i]);
-        CHECK(aoi_contact_solve(&law, NULL, &rate, &force, &x) == AOI_ERROR_NOT_FINITE, "rate %g",
-              bad[i]);
+        CHECK(aoi_contact_solve(&law, NULL, &place, &force, &x) == AOI_ERROR_NOT_FINITE, "indentation %g", bad[i]);
+        CHECK(aoi_contact_solve(&law, NULL, &rate, &force, &x) == AOI_ERROR_NOT_FINITE, "rate %g", bad[i]);
     }
     const aoi_contact_equation compliance = {1e-6, (double)NAN, 0.0, 1.0, 0.0};
     double force, x;
-    CHECK(aoi_contact_solve(&law, NULL, &compliance, &force, &x) == AOI_ERROR_NOT_FINITE,
-          "compliance NaN");
+    CHECK(aoi_contact_solve(&law, NULL, &compliance, &force, &x) == AOI_ERROR_NOT_FINITE, "compliance NaN");
 }
 
 static double linear_law(double d, double rate) { return 2.0 * d + 0.0 * rate; }
@@ -291,8 +282,7 @@ static void an_infinite_slope_ends_no_search(void)
         const aoi_contact_equation equation = {3.0, 0.25, 0.0, 0.0, guess_number(i, 2.0, 3.0)};
         double force = -1.0, indentation = -1.0;
         CHECK(aoi_contact_solve(&law, NULL, &equation, &force, &indentation) == AOI_OK, "guess %d", i);
-        CHECK(near(indentation, 2.0, 1e-14) && force == 2.0 * indentation,
-              "guess %d: %.17g", i, indentation);
+        CHECK(near(indentation, 2.0, 1e-14) && force == 2.0 * indentation, "guess %d: %.17g", i, indentation);
     }
 }
 
@@ -329,9 +319,30 @@ static void what_is_solved_is_solved(void)
     const aoi_contact_equation rigid = {1e-3, 0.0, 1.0, 0.0, 0.0};
     aoi_law_value value;
     aoi_law_push(&damped, NULL, 1e-3, 1.0, &value);
-    CHECK(aoi_contact_solve(&damped, NULL, &rigid, &force, &x) == AOI_OK && x == 1e-3 &&
-              force == value.force,
+    CHECK(aoi_contact_solve(&damped, NULL, &rigid, &force, &x) == AOI_OK && x == 1e-3 && force == value.force,
           "bodies that do not give way");
+}
+
+/* A force that falls with the rate of parting, a d |rate|. */
+static void either_way(const aoi_law *law, const double *memory, int piece, double d, double rate, aoi_law_value *value)
+{
+    (void)memory;
+    (void)piece;
+    const double a = d > 0.0 ? law->parameter[0] : 0.0;
+    *value = (aoi_law_value){a * d * fabs(rate), a * fabs(rate), rate < 0.0 ? -a * d : a * d};
+}
+
+/* Bodies that a force presses apart are no deeper than without it, to the last bit. */
+static void no_force_leads_past_the_motion_without_it(void)
+{
+    const aoi_law law = {.force = either_way, .parameter = {50.0}, .limit = HUGE_VAL, .depends_on_rate = 1};
+    uint64_t seed = 11;
+    for (int i = 0; i < 2000; i++) {
+        const double deep = 30.0 + uniform(&seed), compliance = 1e-4 * uniform(&seed), rate = -1e-5 * uniform(&seed);
+        const aoi_contact_equation e = {deep, compliance, rate, 1e9 * compliance * uniform(&seed), 1.4 * deep};
+        double force, x;
+        CHECK(aoi_contact_solve(&law, NULL, &e, &force, &x) == AOI_OK && force >= 0.0 && x <= deep, "case %d", i);
+    }
 }
 
 /* The rate that a damper leaves has lost its first digits: the search ends where rounding does. */
@@ -365,6 +376,7 @@ int main(void)
     what_is_not_finite_is_said();
     an_infinite_slope_ends_no_search();
     what_is_solved_is_solved();
+    no_force_leads_past_the_motion_without_it();
     a_damper_that_stops_nearly_all_is_solved();
     return check_report();
 }
