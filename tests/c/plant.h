@@ -274,8 +274,7 @@ static inline double displacement_of(const plant *p, size_t b, size_t port, cons
 }
 
 /* x'' of all modes; no residual compliance. */
-static inline void accelerations(const plant *p, double time, const double *x, const double *v,
-                                 double *a)
+static inline void accelerations(const plant *p, double time, const double *x, const double *v, double *a)
 {
     double force[MOST_BODIES][MOST_PORTS];
     for (size_t b = 0; b < p->bodies; b++) {

@@ -78,14 +78,12 @@ static void subtract(const chain *c, const float *x, float *r, float *work)
     }
 }
 
-static int smooth(const chain *c, size_t steps, double low, double high, int finish, float *x, float *r,
-                  float *work)
+static int smooth(const chain *c, size_t steps, double low, double high, int finish, float *x, float *r, float *work)
 {
     int status = AOI_OK;
     for (size_t stage = 0; stage <= steps; stage++) {
         for (size_t part = 0; part < c->count && status == AOI_OK; part++) {
-            status = aoi_blocks_smooth(&c->matrix, turn(c, stage, part), stage, steps, low, high, finish,
-                                       x, r, work);
+            status = aoi_blocks_smooth(&c->matrix, turn(c, stage, part), stage, steps, low, high, finish, x, r, work);
         }
     }
     return status;
@@ -213,8 +211,7 @@ static void steps_damp_as_chebyshev_polynomials(size_t parts)
                     r[i] = 0.0f;
                 }
                 subtract(&c, x, r, work);
-                CHECK(smooth(&c, steps, low, high, 1, x, r, work) == AOI_OK,
-                      "%d steps", (int)steps);
+                CHECK(smooth(&c, steps, low, high, 1, x, r, work) == AOI_OK, "%d steps", (int)steps);
                 CHECK(farthest(n, x, left, before) < 1e-5, "blocks of %d, %d steps: mode %d, by %g",
                       (int)size, (int)steps, k, left);
                 for (size_t i = 0; i < n; i++) {

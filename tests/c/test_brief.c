@@ -90,17 +90,21 @@ static void what_cannot_be_summed_up(void)
     CHECK(brief_of(&p, 2.0, -1.0, ROWS, &brief) != AOI_OK, "an end before the start");
 }
 
-/* A light ball that bounces on a heavy one on a spring is met again. */
+/* A light ball that bounces on a heavy one on a spring is met again. What comes after the last touch does not count. */
 static void touches_are_counted(void)
 {
     pair p;
-    aoi_brief brief;
+    aoi_brief brief, early;
     make_pair(&p, 0.3, 0.5, 1e6, 0.0);
     p.omega[1] = 1000.0;
     CHECK(brief_of(&p, 2.0, 0.05, ROWS, &brief) == AOI_OK, "it runs");
     CHECK(brief.touches > 1, "%d touches", (int)brief.touches);
     CHECK(brief.start == 0.0, "the first one's start");
     CHECK(brief.end > 1e-3 && brief.end < 0.05, "the last one's end: %g", brief.end);
+    make_pair(&p, 0.3, 0.5, 1e6, 0.0);
+    p.omega[1] = 1000.0;
+    CHECK(brief_of(&p, 2.0, 1.001 * brief.end, ROWS, &early) == AOI_OK && early.touches == brief.touches, "as many");
+    CHECK(near(early.velocity[1], brief.velocity[1], 1e-9), "and then at %g m/s", early.velocity[1]);
 }
 
 int main(void)

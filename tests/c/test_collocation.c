@@ -257,15 +257,13 @@ static void steps_at_the_edges_of_a_contact_are_right(void)
             aoi_collocation_error estimate;
             aoi_collocation_estimate(&p.system, p.response, h, &p.entry[0], &estimate);
             take_step(&p);
-            error[plain] = fmax(fabs(p.v[0] - (end ? -v : inner)) / v,
-                                fabs(p.x[0] - (end ? 0.0 : depth)) / reach);
+            error[plain] = fmax(fabs(p.v[0] - (end ? -v : inner)) / v, fabs(p.x[0] - (end ? 0.0 : depth)) / reach);
             CHECK(estimate.tail < 1e-7 * reach, "the motion is followed: %g", estimate.tail);
             CHECK(fabs(estimate.impulse) < 10.0 * fmax(error[plain], 1e-14) * m * v, "impulse %g, error %g",
                   estimate.impulse, error[plain]);
             free(p.work);
         }
-        CHECK(error[0] < 1e-12 && error[1] > 1e3 * error[0], "edge %d: off by %g, else by %g", end,
-              error[0], error[1]);
+        CHECK(error[0] < 1e-12 && error[1] > 1e3 * error[0], "edge %d: off by %g, else by %g", end, error[0], error[1]);
     }
 }
 

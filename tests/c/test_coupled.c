@@ -98,8 +98,7 @@ static void set_law(size_t i, size_t which, double scale)
     double parameter[3];
     memcpy(parameter, laws[which].parameter, sizeof parameter);
     parameter[0] *= scale;
-    CHECK(aoi_law_create(&q.law[i], laws[which].name, laws[which].count, parameter) == AOI_OK,
-          "%s", laws[which].name);
+    CHECK(aoi_law_create(&q.law[i], laws[which].name, laws[which].count, parameter) == AOI_OK, "%s", laws[which].name);
 }
 
 /* Whether contact i's equations hold: its force is the law's, or lies within its jump at touch. */
@@ -131,8 +130,7 @@ static int holds(size_t i)
         return 1;
     }
     aoi_law_push(&q.law[i], q.contact[i].memory, q.indentation[i] - enough, q.rate[i], &before);
-    aoi_law_push(&q.law[i], q.contact[i].memory, q.indentation[i] + enough + DBL_MIN, q.rate[i],
-                 &after);
+    aoi_law_push(&q.law[i], q.contact[i].memory, q.indentation[i] + enough + DBL_MIN, q.rate[i], &after);
     return before.force <= q.force[i] && q.force[i] <= after.force * (1.0 + 1e-9);
 }
 
@@ -323,8 +321,7 @@ static void stiff_forces_behind_a_gap_keep_their_digits(void)
     }
 }
 
-static void spoilt(const aoi_law *law, const double *memory, int piece, double d, double rate,
-                   aoi_law_value *value)
+static void spoilt(const aoi_law *law, const double *memory, int piece, double d, double rate, aoi_law_value *value)
 {
     (void)law;
     (void)memory;
@@ -335,22 +332,26 @@ static void spoilt(const aoi_law *law, const double *memory, int piece, double d
 
 static void failures_are_named(void)
 {
-    const double mass[] = {1.0, 1.0, 1.0};
-    const int massless[] = {0, 0, 0};
-    make(2, 1);
+    enum { COUNT = 12, BAD = 10 }; /* BAD: so far from the first contact that its segment does not begin there */
+    double mass[COUNT + 1] = {[COUNT] = 1.0};
+    const int massless[COUNT + 1] = {0};
+    make(COUNT, 1);
+    for (size_t i = 0; i < COUNT; i++) {
+        mass[i] = 1.0;
+        set_law(i, 0, 1.0);
+        q.free[i] = -1.0;
+    }
     couple_row(mass, 1e-3, massless);
-    set_law(0, 0, 1.0);
-    set_law(1, 0, 1.0);
     q.free[0] = (double)NAN;
     CHECK(aoi_coupled_solve(&q.e, q.contact) == AOI_ERROR_NOT_FINITE, "an indentation of NaN");
-    q.free[0] = 1e-3;
+    q.free[0] = -1.0;
     q.rate_free[1] = (double)INFINITY;
     CHECK(aoi_coupled_solve(&q.e, q.contact) == AOI_ERROR_NOT_FINITE, "an infinite rate");
     q.rate_free[1] = 0.0;
-    q.law[1].force = spoilt;
-    q.free[1] = 1e-3;
-    CHECK(aoi_coupled_solve(&q.e, q.contact) == AOI_ERROR_LAW && q.e.failed == 1, "a law that gives NaN");
-    q.free[1] = -1.0;
+    q.law[BAD].force = spoilt;
+    q.free[BAD] = 1e-3;
+    CHECK(aoi_coupled_solve(&q.e, q.contact) == AOI_ERROR_LAW && q.e.failed == BAD, "a law that gives NaN");
+    q.free[BAD] = -1.0;
     CHECK(aoi_coupled_solve(&q.e, q.contact) == AOI_OK, "which is not asked where bodies are apart");
 }
 

@@ -53,8 +53,7 @@ static void laws_that_cannot_be(void)
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         aoi_law law;
-        CHECK(aoi_law_create(&law, bad[i].name, bad[i].count, bad[i].parameter) ==
-                  AOI_ERROR_ARGUMENT,
+        CHECK(aoi_law_create(&law, bad[i].name, bad[i].count, bad[i].parameter) == AOI_ERROR_ARGUMENT,
               "%s of %zu parameters %g, %g", bad[i].name, bad[i].count, bad[i].parameter[0],
               bad[i].parameter[1]);
     }
@@ -102,8 +101,7 @@ enum { EVERY = sizeof every / sizeof every[0] };
 static aoi_law law_at(size_t i)
 {
     aoi_law law;
-    CHECK(aoi_law_create(&law, every[i].name, every[i].count, every[i].parameter) == AOI_OK, "%s",
-          every[i].name);
+    CHECK(aoi_law_create(&law, every[i].name, every[i].count, every[i].parameter) == AOI_OK, "%s", every[i].name);
     law.compliance = every[i].compliance;
     return law;
 }
@@ -143,10 +141,8 @@ static void laws_at_a_rate_follow_their_formulas(void)
             const aoi_law law = law_among(wanted[i].law, 0.0);
             aoi_law_push(&law, NULL, d, v, &value);
             CHECK(near(value.force, wanted[i].force, 1e-14), "%s at %g m", wanted[i].law, d);
-            CHECK(near(value.stiffness, wanted[i].stiffness, 1e-14), "%s: stiffness at %g m",
-                  wanted[i].law, d);
-            CHECK(near(value.damping, wanted[i].damping, 1e-14), "%s: damping at %g m",
-                  wanted[i].law, d);
+            CHECK(near(value.stiffness, wanted[i].stiffness, 1e-14), "%s: stiffness at %g m", wanted[i].law, d);
+            CHECK(near(value.damping, wanted[i].damping, 1e-14), "%s: damping at %g m", wanted[i].law, d);
             CHECK((law.depends_on_rate != 0) == (wanted[i].damping != 0.0), "%s depends on the rate: %d",
                   wanted[i].law, law.depends_on_rate);
         }
@@ -228,8 +224,7 @@ static void a_damped_law_stands_less_deep(void)
             count++;
         }
     }
-    CHECK(standing > count / 10 && standing < count * 9 / 10, "some of either: %zu of %zu", standing,
-          count);
+    CHECK(standing > count / 10 && standing < count * 9 / 10, "some of either: %zu of %zu", standing, count);
     law.limit = 1e-6;
     CHECK(!aoi_law_stands(&law, NULL, 2e-6, 0.0) && aoi_law_stands(&law, NULL, 5e-7, 0.0), "its limit");
 }
@@ -259,8 +254,7 @@ static void plastic_contact_remembers(void)
             CHECK(near(high, top, 1e-12) || at_top.force < 100.0, "it ends where it was deepest");
             CHECK((unloading == loading) == (at_top.force < 100.0), "another branch past yield");
             aoi_law_force(&law, memory, unloading, top, -1.0, &back);
-            CHECK(near(back.force, at_top.force, 1e-12), "both branches meet: %g, %g", back.force,
-                  at_top.force);
+            CHECK(near(back.force, at_top.force, 1e-12), "both branches meet: %g, %g", back.force, at_top.force);
             const double stored = aoi_law_potential(&law, memory, top), left = aoi_law_rest(&law, memory);
             double returned = 0.0;
             for (int j = 0; j < PARTS; j++) {
@@ -537,8 +531,7 @@ static void a_law_that_falls_has_no_force_within_a_patch(void)
     for (double d = 0.52; d < 0.9; d += 0.05) {
         CHECK(isnan(force_of(&law, d)) && note[0] == d && note[2] == AOI_ERROR_LAW_JUMPS, "at %g", d);
         note[2] = 0.0;
-        CHECK(isnan(aoi_law_potential(&law, NULL, d)) && note[2] == AOI_ERROR_LAW_JUMPS,
-              "nor an energy at %g", d);
+        CHECK(isnan(aoi_law_potential(&law, NULL, d)) && note[2] == AOI_ERROR_LAW_JUMPS, "nor an energy at %g", d);
     }
 }
 
@@ -600,8 +593,7 @@ static void what_no_law_is_made_of(void)
     double table[] = {0.0, 1.0, 2.0, 0.0, 1e3, 2e3, 1e3, 1e3, 1e3, 0.0, 500.0, 2000.0};
     CHECK(aoi_law_create_table(&law, 3, table) == AOI_OK && aoi_law_check(&law) == AOI_OK, "a line");
     table[10] = 400.0;
-    CHECK(aoi_law_create_table(&law, 3, table) == AOI_ERROR_ARGUMENT,
-          "energies that are not the force's integral");
+    CHECK(aoi_law_create_table(&law, 3, table) == AOI_ERROR_ARGUMENT, "energies that are not the force's integral");
     table[10] = 500.0;
     /* The energies of these are right. */
     const double falls[] = {0.0, 1.0, 2.0, 0.0, 1e3, 500.0, 0.0, 0.0, 0.0, 0.0, 500.0, 1250.0};
@@ -631,8 +623,7 @@ static void spring_of_one(const aoi_law *law, const double *memory, int piece, d
     *value = (aoi_law_value){d, 1.0, 0.0};
 }
 
-static int stuck_piece(const aoi_law *law, const double *memory, double d, int rising, double *low,
-                       double *high)
+static int stuck_piece(const aoi_law *law, const double *memory, double d, int rising, double *low, double *high)
 {
     (void)law;
     (void)memory;
@@ -706,6 +697,23 @@ static void the_force_alone_is_the_force(void)
           "NaN is noted");
 }
 
+/* However far the yield is beyond an indentation, the patch's compliance leaves the elastic piece as it is. */
+static void a_far_yield_leaves_the_elastic_piece_alone(void)
+{
+    const double k = 1e10, d = 6e-5, memory[AOI_LAW_MEMORY] = {0.0};
+    for (double yield = 1e-4; yield < 1.0; yield *= 1.3) {
+        const double parameter[] = {k, k * yield * sqrt(yield)};
+        aoi_law elastic, plastic;
+        aoi_law_value wanted, value;
+        CHECK(aoi_law_create(&elastic, "hertz", 1, &k) == AOI_OK, "Hertz's law");
+        CHECK(aoi_law_create(&plastic, "thornton", 2, parameter) == AOI_OK, "Thornton's");
+        elastic.compliance = plastic.compliance = 3e-9; /* dF/dd of some 1e8 N/m */
+        aoi_law_push(&elastic, NULL, d, 1.0, &wanted);
+        aoi_law_push(&plastic, memory, d, 1.0, &value);
+        CHECK(value.force == wanted.force, "yield at %g: %g N, not %g", yield, value.force, wanted.force);
+    }
+}
+
 int main(void)
 {
     laws_that_cannot_be();
@@ -728,5 +736,6 @@ int main(void)
     pieces_that_go_no_further_are_an_error();
     the_force_alone_is_the_force();
     energy_grows_past_the_limit();
+    a_far_yield_leaves_the_elastic_piece_alone();
     return check_report();
 }

@@ -271,8 +271,7 @@ static void a_faster_one_takes_all_the_force(void)
         CHECK(open_sampler(&p) == AOI_OK, "sampled");
         for (int i = 1; i <= 20; i++) {
             const double t = touch + 1e-7 * i;
-            const double there =
-                line + speed * t + (u - line - speed * touch) * exp(-stiff / of.c[1] * (t - touch));
+            const double there = line + speed * t + (u - line - speed * touch) * exp(-stiff / of.c[1] * (t - touch));
             const double left = force_at(&p, 0, t), found = force_at(&p, 1, t);
             CHECK(left == 0.0, "rtol %g: the first has let go: %g N", rtol, left);
             CHECK(near(found, there / of.soft, 10.0 * rtol), "rtol %g: %.12g N, not %.12g", rtol, found,
@@ -320,8 +319,7 @@ static void a_spring_takes_a_load_from_a_dashpot(void)
 }
 
 /* A law made so that a massless place between it and Hunt and Crossley's moves on evenly. */
-static void even_push(const aoi_law *law, const double *memory, int piece, double d, double rate,
-                      aoi_law_value *value)
+static void even_push(const aoi_law *law, const double *memory, int piece, double d, double rate, aoi_law_value *value)
 {
     const double root = d > 0.0 ? sqrt(d) : 0.0;
     (void)memory;
@@ -467,6 +465,28 @@ static void a_place_that_is_struck_catches_up_with_what_flies_on(void)
     }
 }
 
+/* A ball that leaves a place has had its peak: what strikes the place shortly before, or as it leaves, does not change
+ * it. */
+static void what_strikes_late_leaves_the_peak_before(void)
+{
+    const aoi_law law = law_named("kuwabara_kono", 2, 17130.0, 7.7e-4, 0.0), late = hertz(75420.0);
+    double peak = 0.0, left = 0.06;
+    for (int i = 0; i <= 40; i++) { /* at first alone */
+        plant p = {.bodies = 0};
+        add_place(&p, 1e12, 1, 2e-8);
+        add_rigid(&p, 2.0, 10.0);
+        add_rigid(&p, 13.0, 10.0);
+        join(&p, 1, 0, 0, 0, 0.0, &law);
+        join(&p, 2, 0, 0, 0, i == 0 ? 1.0 : 10.0 * left * (0.8 + 0.005 * i), &late);
+        must_go(&p, 1e-8, 1.5 * left);
+        const double found = aoi_adaptive_peak(p.run, 0).force;
+        CHECK(i == 0 || near(found, peak, 1e-8), "%d: peak %.12g N, not %.12g", i, found, peak);
+        peak = i == 0 ? found : peak;
+        left = i == 0 ? moment_of(&p, 0, AOI_TRACK_ENDS) : left;
+        release(&p);
+    }
+}
+
 int main(void)
 {
     a_preloaded_contact_rings_as_its_load_falls();
@@ -483,5 +503,6 @@ int main(void)
     what_presses_on_a_massless_place_is_shared_from_the_start();
     what_strikes_a_place_only_shares_out_its_force();
     a_place_that_is_struck_catches_up_with_what_flies_on();
+    what_strikes_late_leaves_the_peak_before();
     return check_report();
 }

@@ -42,8 +42,7 @@ static void oscillator_turns_by_a_fixed_angle(double beta, double step_angle)
     start(&s, &star, (aoi_rule){h, beta, 0.5}, velocity, 2000);
     for (int j = 1; j <= 2000; j++) {
         const observation seen = step(&s, 0.0);
-        worst = fmax(worst, fabs(seen.displacement - first * sin(j * angle) / sin(angle)) *
-                                sin(angle) / first);
+        worst = fmax(worst, fabs(seen.displacement - first * sin(j * angle) / sin(angle)) * sin(angle) / first);
     }
     CHECK(worst < 2000.0 * 8.0 * DBL_EPSILON * (step_angle + 1.0 / step_angle),
           "beta %g, w h = %g: off by %g", beta, step_angle, worst);
@@ -187,14 +186,12 @@ static void star_moves_as_its_matrices(size_t n, double k0, aoi_rule rule, const
         dense_step(&d, rule, force);
         const double centre = weighted(n + 1, weights, d.u);
         size = fmax(size, fabs(d.u[0]));
-        worst = fmax(worst, fmax(fabs(seen.displacement - d.u[0]),
-                                 fabs(seen.centre_displacement - centre)));
+        worst = fmax(worst, fmax(fabs(seen.displacement - d.u[0]), fabs(seen.centre_displacement - centre)));
         work += 0.5 * (force + before) * (seen.displacement - u);
         before = force;
         u = seen.displacement;
         lost = seen.dissipated;
-        drift = fmax(drift, fabs(seen.kinetic + seen.elastic + lost - seen.work -
-                                 (first.kinetic + first.elastic)) /
+        drift = fmax(drift, fabs(seen.kinetic + seen.elastic + lost - seen.work - (first.kinetic + first.elastic)) /
                                 (fabs(work) + first.kinetic));
     }
     const aoi_progress end = aoi_newmark_progress(s.run);
@@ -245,14 +242,12 @@ static void massless_contact_is_statics(void)
         const observation seen = step(&s, force);
         const double mass_at = 0.5 * force / m * h * h * (j * (j - 1.0) + 0.5);
         CHECK(near(seen.centre_displacement, mass_at, 1e-12), "the mass falls freely, step %d", j);
-        CHECK(near(seen.displacement, mass_at + force / k, 1e-12),
-              "the contact leads by f/k, step %d", j);
+        CHECK(near(seen.displacement, mass_at + force / k, 1e-12), "the contact leads by f/k, step %d", j);
     }
     /* k0 alone beside it: the force is shared, at rest f/k0. */
     start(&s, &star, (aoi_rule){h, 0.25, 0.5}, 1.0, 1);
     const observation seen = step(&s, 0.0);
-    CHECK(near(seen.displacement, h, 1e-14) && near(seen.velocity, 1.0, 1e-14),
-          "free motion at 1 m/s");
+    CHECK(near(seen.displacement, h, 1e-14) && near(seen.velocity, 1.0, 1e-14), "free motion at 1 m/s");
 }
 
 /* The state is what goes in, and what a run from there would have gone on with; with and without energies. */

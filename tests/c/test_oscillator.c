@@ -1,7 +1,6 @@
 /* One mode in closed form, from free to overdamped: against the exponential of its equation's matrix,
  * and its integrals against quadrature. */
 #include "numeric.h"
-#include "law/law.h"
 #include "motion/oscillator.h"
 
 #include <string.h>
@@ -114,32 +113,6 @@ static void a_free_mass_falls(void)
     CHECK(ours.impulse == 0.0 && ours.rate == 1.0 && ours.step == 0.0 && ours.ramp == 0.0, "no time");
 }
 
-/* Two free motions one after the other are one: the motion of x0, v0 and a rising load. */
-static void motions_follow_each_other(void)
-{
-    uint64_t seed = 5;
-    for (int i = 0; i < 300; i++) {
-        const double omega = decades(&seed, -2.0, 2.0), decay = decades(&seed, -3.0, 2.0);
-        const double parts[2] = {uniform(&seed), uniform(&seed)}, slope = 0.7;
-        double x = 0.3, v = -1.1, load = 0.4;
-        for (int k = 0; k < 2; k++) {
-            aoi_motion m;
-            aoi_oscillator_motion(omega, decay, parts[k], &m);
-            const double pull = load - omega * omega * x, x0 = x;
-            x = x0 + v * m.impulse + pull * m.step + slope * m.ramp;
-            v = v * m.rate + pull * m.impulse + slope * m.step;
-            load += slope * parts[k];
-        }
-        aoi_motion whole;
-        aoi_oscillator_motion(omega, decay, parts[0] + parts[1], &whole);
-        const double pull = 0.4 - omega * omega * 0.3;
-        const double wanted = 0.3 - 1.1 * whole.impulse + pull * whole.step + slope * whole.ramp;
-        const double speed = -1.1 * whole.rate + pull * whole.impulse + slope * whole.step;
-        CHECK(fabs(x - wanted) < 1e-12 * (1.0 + fabs(wanted)), "w %g, s %g: place", omega, decay);
-        CHECK(fabs(v - speed) < 1e-12 * (1.0 + omega), "w %g, s %g: velocity", omega, decay);
-    }
-}
-
 /* ---------------------------------------------------------------------------------- integrals */
 
 typedef struct weighted {
@@ -216,7 +189,6 @@ int main(void)
     every_regime_follows_its_equation();
     nearly_critical_damping_is_no_cliff();
     a_free_mass_falls();
-    motions_follow_each_other();
     integrals_are_those_of_the_motion();
     integrals_of_nearly_critical_damping();
     slow_creep_keeps_its_digits();

@@ -61,8 +61,7 @@ static void damping_takes_its_power_along_the_motion(void)
         const int most = turns[i % 8] < 1e4 ? 2 : i / 8 == 1; /* quadrature takes long */
         for (int part_of = 0; part_of < most; part_of++) {
             const double place = places[part_of], x0 = p.x[0], v0 = p.v[0];
-            const double wanted =
-                2.0 * decay * of->inertia[0] * squared_speed(p.body, h, place, force, x0, v0);
+            const double wanted = 2.0 * decay * of->inertia[0] * squared_speed(p.body, h, place, force, x0, v0);
             double x1 = x0, v1 = v0, work, lost;
             aoi_response_carry(p.body, 0.0, h, force, place, &x1, &v1);
             aoi_modes_step_work(p.body, 0.0, h, place, force, &x0, &v0, &x1, &work, &lost);

@@ -17,8 +17,7 @@ static void nodes_are_those_of_radau(void)
 {
     for (size_t i = 0; i < AOI_NODES; i++) {
         const double x = aoi_radau_node[i];
-        CHECK(fabs(legendre(AOI_NODES, x) - legendre(AOI_NODES - 1, x)) < 1e-14,
-              "node %zu is a zero of P_8 - P_7", i);
+        CHECK(fabs(legendre(AOI_NODES, x) - legendre(AOI_NODES - 1, x)) < 1e-14, "node %zu is a zero of P_8 - P_7", i);
         CHECK(i == 0 || x > aoi_radau_node[i - 1], "they ascend");
     }
     CHECK(aoi_radau_node[AOI_NODES - 1] == 1.0, "the last is the end");
@@ -90,14 +89,11 @@ static void falls_and_tops_of_a_parabola(void)
 {
     double values[COUNT], c[COUNT], place = -1.0, value = -1.0;
     fit(parabola, values, c);
-    CHECK(aoi_legendre_falls(values, c, 0.0, &place) == 1 && near(place, 0.7, 1e-14), "zero at %.17g",
-          place);
-    CHECK(aoi_legendre_falls(values, c, 0.04, &place) == 1 && near(parabola(place), 0.04, 1e-13) &&
-              place > 0.3,
+    CHECK(aoi_legendre_falls(values, c, 0.0, &place) == 1 && near(place, 0.7, 1e-14), "zero at %.17g", place);
+    CHECK(aoi_legendre_falls(values, c, 0.04, &place) == 1 && near(parabola(place), 0.04, 1e-13) && place > 0.3,
           "a level that is passed");
     CHECK(aoi_legendre_falls(values, c, -0.5, &place) == 0, "a level that is not reached");
-    CHECK(aoi_legendre_top(COUNT, c, &place, &value) == 1 && near(place, 0.3, 1e-12) &&
-              near(value, 0.16, 1e-14),
+    CHECK(aoi_legendre_top(COUNT, c, &place, &value) == 1 && near(place, 0.3, 1e-12) && near(value, 0.16, 1e-14),
           "top at %.17g: %.17g", place, value);
     CHECK(aoi_legendre_top(3, c, &place, &value) == 1 && near(place, 0.3, 1e-12), "three terms are all");
 }
@@ -132,8 +128,7 @@ static void the_first_fall_and_the_highest_top_count(void)
     const double h = 1e-4;
     CHECK(value >= waves(place - h) && value >= waves(place + h), "no neighbour is higher");
     fit(two_tops, values, c);
-    CHECK(aoi_legendre_top(COUNT, c, &place, &value) == 1 && fabs(place - 0.8) < 0.02, "the higher top: %g",
-          place);
+    CHECK(aoi_legendre_top(COUNT, c, &place, &value) == 1 && fabs(place - 0.8) < 0.02, "the higher top: %g", place);
     fit(starting_at_zero, values, c);
     c[0] -= 1e-15; /* to rounding, that is */
     CHECK(aoi_legendre_falls(values, c, 0.0, &place) == 1 && near(place, 0.6, 1e-13),

@@ -23,8 +23,7 @@ static void chain_becomes_its_star(int n, int constrained)
         const double angle = chain_antiresonance_angle(n, constrained, j), norm = j % 2 ? 3.0 : -1e-3;
         double *mode = phi + (size_t)(j - 1) * dofs;
         for (int i = 0; i < n; i++) {
-            mode[i] =
-                i == n - 1 ? 0.0 : norm * (constrained ? sin(angle * (i + 1)) : cos(angle * (i + 0.5)));
+            mode[i] = i == n - 1 ? 0.0 : norm * (constrained ? sin(angle * (i + 1)) : cos(angle * (i + 0.5)));
         }
         omega2[j - 1] = square(2.0 * sin(0.5 * angle));
         modal_mass[j - 1] = aoi_vector_dot(dofs, mode, mode);
@@ -36,10 +35,8 @@ static void chain_becomes_its_star(int n, int constrained)
     for (size_t j = 0; j < count; j++) {
         const double allowed =
             1e-14 * n * n; /* the mode's sum with phi_st loses up to its own size */
-        CHECK(near(m[j], exact.m[j], allowed), "m_%zu of %d is %g, not %g", j + 1, n, exact.m[j],
-              m[j]);
-        CHECK(near(k[j], exact.k[j], allowed), "k_%zu of %d is %g, not %g", j + 1, n, exact.k[j],
-              k[j]);
+        CHECK(near(m[j], exact.m[j], allowed), "m_%zu of %d is %g, not %g", j + 1, n, exact.m[j], m[j]);
+        CHECK(near(k[j], exact.k[j], allowed), "k_%zu of %d is %g, not %g", j + 1, n, exact.k[j], k[j]);
         CHECK(near(c[j] * c[j] * modal_mass[j], m[j], 1e-14), "m = c^2 phi M phi, eq. (9)");
         CHECK(of[j] == (int32_t)j, "mode %zu is an oscillator of its own", j);
         stiffness += k[j];
@@ -88,8 +85,7 @@ static void oscillators_that_cannot_be(void)
         {&k0, -1.0, AOI_ERROR_NOT_POSITIVE},
     };
     CHECK(aoi_star_from_constraint_modes(2, 0, ones, ones, 0.0, NULL, NULL, NULL, &star, NULL, NULL, NULL, NULL) ==
-                  AOI_OK &&
-              star.n == 0 && star.m0 == 2.0,
+                  AOI_OK && star.n == 0 && star.m0 == 2.0,
           "a rigid mass");
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         const double was = *bad[i].where;

@@ -86,8 +86,7 @@ static void a_step_ends_where_duhamel_says(void)
         aoi_response_propagate(&response, p.body, 0.0, force, p.x, p.v);
         for (size_t j = 0; j < p.part[0].n; j++) {
             CHECK(fabs(p.x[j] - x[j]) < 1e-14, "kind %d, mode %zu: %.14g, not %.14g", kind, j, p.x[j], x[j]);
-            CHECK(fabs(p.v[j] - v[j]) < 1e-13, "kind %d, mode %zu: velocity %.14g, not %.14g", kind, j,
-                  p.v[j], v[j]);
+            CHECK(fabs(p.v[j] - v[j]) < 1e-13, "kind %d, mode %zu: velocity %.14g, not %.14g", kind, j, p.v[j], v[j]);
         }
         free(block);
     }

@@ -58,8 +58,7 @@ static double *row_of(run *r, int body, int which)
 /* A spring k between undeformed bodies: F = K V/w sin(w t) with K the stiffness of all springs in
  * series. Newmark's amplitude is exact and its period longer by (w dt)^2/12, so that at the end of
  * the half sine the force is off by pi times that. */
-static double half_sine_error(const aoi_star *projectile, const aoi_star *target, double w,
-                              double series, int steps)
+static double half_sine_error(const aoi_star *projectile, const aoi_star *target, double w, double series, int steps)
 {
     const double dt = PI / w / steps, velocity = 2.0, peak = series * velocity / w;
     double worst = 0.0;
@@ -94,8 +93,7 @@ static void half_sines_are_met_to_second_order(void)
             error[level] = half_sine_error(cases[i].projectile, cases[i].target, cases[i].w,
                                            cases[i].series, 100 << level);
         }
-        CHECK(near(error[0], PI * PI * PI / 12e4, 0.05), "%s: the force is off by %g",
-              cases[i].what, error[0]);
+        CHECK(near(error[0], PI * PI * PI / 12e4, 0.05), "%s: the force is off by %g", cases[i].what, error[0]);
         CHECK(fabs(error[0] / error[1] - 4.0) < 0.2 && fabs(error[1] / error[2] - 4.0) < 0.1,
               "%s: halving dt quarters the error: %g, %g, %g", cases[i].what, error[0], error[1],
               error[2]);
@@ -127,14 +125,12 @@ static void momentum_is_kept_and_impulse_is_its_change(void)
         for (int j = 0; j <= STEPS; j++) {
             const double p_a = mass_a * row_of(&one, 0, AOI_BODY_CENTRE_VELOCITY)[j], p_b = mass_b * row_of(&one, 1, AOI_BODY_CENTRE_VELOCITY)[j];
             worst = fmax(worst, fabs((p_a + p_b) / mass_a - 1.0));
-            impulse +=
-                j == 0
+            impulse += j == 0
                     ? 0.0
                     : 0.5 * dt * (one.record[FORCE][j] + one.record[FORCE][j - 1]);
             off = fmax(off, fabs(p_b - impulse) / mass_a);
         }
-        CHECK(largest(one.record[FORCE], STEPS) > 0.0 && impulse > 0.1 * mass_a,
-              "they hit");
+        CHECK(largest(one.record[FORCE], STEPS) > 0.0 && impulse > 0.1 * mass_a, "they hit");
         CHECK(worst < 1e-12, "dt %g: momentum changes by %g", dt, worst);
         CHECK(off < 1e-12, "dt %g: impulse and momentum differ by %g", dt, off);
     }
@@ -161,8 +157,7 @@ static void record_is_what_was_asked_for(void)
     for (int i = 0; i < ROWS; i++) {
         const double *wanted = one.record[i], *got = two.record[i];
         const int of_body = i < BODIES ? 0 : (i - BODIES) % OF_BODY;
-        const int energy =
-            i == STORED || i == LOST || (of_body >= AOI_BODY_KINETIC && of_body < AOI_BODY_ROWS);
+        const int energy = i == STORED || i == LOST || (of_body >= AOI_BODY_KINETIC && of_body < AOI_BODY_ROWS);
         CHECK(energy || memcmp(wanted, got, (steps + 1) * sizeof *got) == 0, "row %d", i);
         CHECK(!energy || (got[0] == 77.0 && got[steps] == 77.0), "row %d is left alone", i);
         CHECK(got[steps + 1] == 77.0, "nothing is written to row %d beyond the last step", i);
@@ -172,12 +167,10 @@ static void record_is_what_was_asked_for(void)
     CHECK(run_start(&two) == AOI_OK, "in pieces");
     for (size_t piece = 1; done < steps; piece = 3 * piece + 1) {
         const size_t last = done + piece < steps ? done + piece : steps;
-        CHECK(aoi_newmark_run(two.world.run, last, &done) == AOI_OK && done == last,
-              "piece");
+        CHECK(aoi_newmark_run(two.world.run, last, &done) == AOI_OK && done == last, "piece");
     }
     for (int i = 0; i < ROWS; i++) {
-        CHECK(memcmp(one.record[i], two.record[i], (steps + 1) * sizeof(double)) == 0,
-              "row %d in pieces", i);
+        CHECK(memcmp(one.record[i], two.record[i], (steps + 1) * sizeof(double)) == 0, "row %d in pieces", i);
     }
 }
 
@@ -195,8 +188,7 @@ static void no_step_fails(void)
         const double m0 = trial % 5 ? decades(&seed, -9.0, 2.0) : 0.0;
         random_star_make(&target, 1 + (size_t)trial % 28, &(uint64_t){seed}, -1.0, m0,
                          trial % 2 ? decades(&seed, 2.0, 9.0) : 0.0);
-        run_make(&one, &mass, trial % 7 ? &target.star : &WALL, rule, decades(&seed, -6.0, 3.0),
-                 0.0);
+        run_make(&one, &mass, trial % 7 ? &target.star : &WALL, rule, decades(&seed, -6.0, 3.0), 0.0);
         run_law(&one, trial % 4 ? "hertz" : "linear", decades(&seed, 4.0, 15.0));
         one.world.contact[0].gap = trial % 11 ? 0.0 : decades(&seed, -9.0, 0.0);
         failures += run_all(&one, 300) != AOI_OK;
@@ -305,8 +297,7 @@ static void gravity_is_a_constant_force(void)
         const double fallen = 0.5 * g * t * t, rounding = 1e-16; /* of places some 1e-4 m off */
         CHECK(t > dt * (double)fall || fabs(x - fallen) < 1e-9 * fallen + rounding, "free fall at %g s", t);
         const double energy = one.record[STORED][j] + one.record[LOST][j] + row_of(&one, 0, AOI_BODY_KINETIC)[j];
-        CHECK(fabs(work[j] - force * x) < force * (1e-12 * x + rounding) &&
-                  fabs(energy - work[j]) < 1e-4 * force * gap,
+        CHECK(fabs(work[j] - force * x) < force * (1e-12 * x + rounding) && fabs(energy - work[j]) < 1e-4 * force * gap,
               "the ledger at %g s", t);
     }
 }

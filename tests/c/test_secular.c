@@ -18,8 +18,7 @@ static void chain_interlaces(int n, int held)
         CHECK(nearest == (size_t)j || nearest == (size_t)(j - 1), "of its own gap");
         const double wanted = square(2.0 * sin(0.5 * chain_antiresonance_angle(n, held, j)));
         const double root = c.omega2[nearest] + offset;
-        CHECK(fabs(root - wanted) < 4e-15 * n, "antiresonance %d of %d: %.17g, not %.17g", j, n,
-              root, wanted);
+        CHECK(fabs(root - wanted) < 4e-15 * n, "antiresonance %d of %d: %.17g, not %.17g", j, n, root, wanted);
     }
 }
 
@@ -29,8 +28,7 @@ static double backward_error(const aoi_secular *s, size_t nearest, double offset
     const long double origin = nearest < s->n ? (long double)s->pole[nearest] : 0.0L;
     long double sum = (long double)s->linear, size = fabsl((long double)s->linear);
     for (size_t j = 0; j < s->n; j++) {
-        const long double term =
-            (long double)s->weight[j] / (((long double)s->pole[j] - origin) - (long double)offset);
+        const long double term = (long double)s->weight[j] / (((long double)s->pole[j] - origin) - (long double)offset);
         sum += term;
         size += fabsl(term);
     }

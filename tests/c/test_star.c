@@ -51,8 +51,7 @@ static void receptance_of_one_oscillator(void)
     CHECK(near(u[0], 1.0 / 3.0, 1e-16), "static compliance 1/k0, not %g", u[0]);
     CHECK(near(u[1], 1.0 / (3.0 - 1.0 - 8.0 / 3.0), 1e-15), "at w = 1, not %g", u[1]);
     CHECK(u[2] == 0.0, "an antiresonance at w^2 = k/m, not %g", u[2]);
-    CHECK(near(u[3], 1.0 / (3.0 - 16.0 + 2.0 * 16.0 * 4.0 / 12.0), 1e-15), "at w = 4, not %g",
-          u[3]);
+    CHECK(near(u[3], 1.0 / (3.0 - 16.0 + 2.0 * 16.0 * 4.0 / 12.0), 1e-15), "at w = 4, not %g", u[3]);
     aoi_star_receptance(&free_star, 1, omega, u);
     CHECK(isinf(u[0]), "a free body gives way without end, not %g", u[0]);
     const aoi_star rigid = {0, 2.0, 0.0, NULL, NULL}, wall = {0, (double)INFINITY, 0.0, NULL, NULL};
@@ -67,8 +66,7 @@ static void star_of_a_chain_responds_like_the_chain(int n, int constrained)
     static chain c;
     chain_make(&c, n, constrained);
     double total = constrained ? (n + 1.0) * (2.0 * n + 1.0) / (6.0 * n) : n;
-    CHECK(near(aoi_star_static_mass(&c.star), total, 1e-14 * n), "static mass of %d is %g", n,
-          total);
+    CHECK(near(aoi_star_static_mass(&c.star), total, 1e-14 * n), "static mass of %d is %g", n, total);
     for (double omega = 0.013; omega < 3.0; omega += 0.0717) {
         double u;
         const double wanted = chain_receptance(n, constrained, omega);
@@ -142,8 +140,7 @@ static void there_and_back(size_t n, uint64_t *seed, int constrained)
     }
     CHECK(positive && interlaced, "resonance, antiresonance, resonance ... of %zu", n);
     CHECK(near(inverse_mass, 1.0 / s.star.m0, 1e-13), "sum r^2 = 1/m0, not %.17g", inverse_mass);
-    CHECK(!constrained || near(compliance, 1.0 / s.star.k0, 1e-13), "sum r^2/omega2 = 1/k0, not %.17g",
-          compliance);
+    CHECK(!constrained || near(compliance, 1.0 / s.star.k0, 1e-13), "sum r^2/omega2 = 1/k0, not %.17g", compliance);
     CHECK(aoi_star_from_modal(n + 1, omega2, weight, &m0, &k0, m, k, NULL) == AOI_OK, "back");
     CHECK(near(m0, s.star.m0, 1e-12) && near(k0, s.star.k0, 1e-12), "m0, k0 come back");
     for (size_t i = 0; i < n; i++) {
@@ -159,21 +156,17 @@ static void lone_masses_and_their_modes(void)
     const aoi_star wall = {0, (double)INFINITY, 0.0, NULL, NULL};
     double found[2], r[2], m0, k0, m, k;
     size_t modes;
-    CHECK(aoi_star_to_modal(&rigid, found, r, &modes, NULL, NULL) == AOI_OK && modes == 1,
-          "a rigid mass");
+    CHECK(aoi_star_to_modal(&rigid, found, r, &modes, NULL, NULL) == AOI_OK && modes == 1, "a rigid mass");
     CHECK(found[0] == 0.0 && r[0] == 0.5, "moves as one: 0 and 1/sqrt(m)");
-    CHECK(aoi_star_to_modal(&sprung, found, r, &modes, NULL, NULL) == AOI_OK && modes == 1,
-          "on a spring");
+    CHECK(aoi_star_to_modal(&sprung, found, r, &modes, NULL, NULL) == AOI_OK && modes == 1, "on a spring");
     CHECK(found[0] == 9.0 && r[0] == 0.5, "k/m and 1/sqrt(m)");
-    CHECK(aoi_star_to_modal(&wall, found, r, &modes, NULL, NULL) == AOI_ERROR_ARGUMENT,
-          "a wall has no modes");
+    CHECK(aoi_star_to_modal(&wall, found, r, &modes, NULL, NULL) == AOI_ERROR_ARGUMENT, "a wall has no modes");
     CHECK(aoi_star_from_modal(1, omega2, weight, &m0, &k0, NULL, NULL, NULL) == AOI_OK, "one mode");
     CHECK(m0 == 4.0 && near(k0, 36.0, 1e-15), "is a mass on a spring");
     CHECK(aoi_star_from_modal(2, omega2, weight, &m0, &k0, &m, &k, NULL) == AOI_OK, "two modes of 4 kg");
     /* The antiresonance lies midway, k/m = 12.5; m0 = 2; m k from the slope there. */
     CHECK(m0 == 2.0 && near(k0, 1.0 / (0.25 / 9.0 + 0.25 / 16.0), 1e-15), "m0 and k0 of two modes");
-    CHECK(near(k, 3.5 * 3.5 / (0.5 * 12.5), 1e-14) && near(k / m, 12.5, 1e-14),
-          "its oscillator: %g", k);
+    CHECK(near(k, 3.5 * 3.5 / (0.5 * 12.5), 1e-14) && near(k / m, 12.5, 1e-14), "its oscillator: %g", k);
 }
 
 static void modes_that_cannot_be(void)
@@ -220,8 +213,7 @@ static void energies_of_a_star(void)
     const aoi_star star = {2, 4.0, 11.0, m, k}, wall = {0, (double)INFINITY, 0.0, NULL, NULL};
     double kinetic, elastic;
     aoi_star_energy(&star, u, v, &kinetic, &elastic);
-    CHECK(near(kinetic, 0.5 * (4.0 + 2.0 * 4.0 + 3.0 * 0.25), 1e-15), "1/2 sum m v^2, not %g",
-          kinetic);
+    CHECK(near(kinetic, 0.5 * (4.0 + 2.0 * 4.0 + 3.0 * 0.25), 1e-15), "1/2 sum m v^2, not %g", kinetic);
     CHECK(near(elastic, 0.5 * (11.0 * 0.01 + 5.0 * 0.04 + 7.0 * 0.09), 1e-14),
           "1/2 k0 u0^2 + 1/2 sum k (u0 - u_i)^2, not %g", elastic);
     aoi_star_energy(&wall, u, v, &kinetic, &elastic);
@@ -240,10 +232,8 @@ static void out_of_range_or_stopped(void)
     size_t modes;
     const double heavy[] = {1e74}, soft[] = {1e-300}, light[] = {1e-300}, stiff[] = {1e300};
     const aoi_star slow = {1, 0.0, 0.0, heavy, soft}, fast = {1, 1.0, 1.0, light, stiff};
-    CHECK(aoi_star_to_modal(&slow, omega2, r, &modes, work, NULL) == AOI_ERROR_NOT_FINITE,
-          "k/m is nothing but zero");
-    CHECK(aoi_star_to_modal(&fast, omega2, r, &modes, work, NULL) == AOI_ERROR_NOT_FINITE,
-          "k/m is infinite");
+    CHECK(aoi_star_to_modal(&slow, omega2, r, &modes, work, NULL) == AOI_ERROR_NOT_FINITE, "k/m is nothing but zero");
+    CHECK(aoi_star_to_modal(&fast, omega2, r, &modes, work, NULL) == AOI_ERROR_NOT_FINITE, "k/m is infinite");
     const double poles[] = {0.0, 1.0}, tiny[] = {SMALLEST, SMALLEST};
     CHECK(aoi_star_from_modal(2, poles, tiny, &m0, &k0, m_out, k_out, NULL) == AOI_ERROR_NOT_FINITE,
           "a mass of 1/5e-324");
@@ -260,8 +250,7 @@ static void out_of_range_or_stopped(void)
     CHECK(aoi_star_to_modal(&star, omega2, r, &modes, work, &pause) == AOI_ERROR_STOPPED && asked == 3,
           "the third mode is not looked for");
     asked = 0;
-    CHECK(aoi_star_from_modal(4, squares, weight, &m0, &k0, m3, k3, &pause) == AOI_ERROR_STOPPED &&
-              asked == 3,
+    CHECK(aoi_star_from_modal(4, squares, weight, &m0, &k0, m3, k3, &pause) == AOI_ERROR_STOPPED && asked == 3,
           "nor the third oscillator");
 }
 

@@ -29,8 +29,7 @@ static void what_a_wave_has_passed_dozes_off(void)
             energy += p.v[b] * p.v[b];
         }
         CHECK(near(momentum, 1.0, 1e-12), "rtol 1e-%d: momentum", tolerance);
-        CHECK(near(energy, 1.0, pow(10.0, 1 - tolerance)), "rtol 1e-%d: energy %g", tolerance,
-              energy - 1.0);
+        CHECK(near(energy, 1.0, pow(10.0, 1 - tolerance)), "rtol 1e-%d: energy %g", tolerance, energy - 1.0);
         release(&p);
     }
 }

@@ -46,8 +46,7 @@ static void every_body_knows_its_contacts(void)
               "places of body %zu", b);
         for (size_t c = 0; c < CONTACTS; c++) {
             if (contact[c].body[0] == b || contact[c].body[1] == b) {
-                CHECK(at < system.first_contact[b + 1] && system.contact_of[at] == c, "body %zu, contact %zu",
-                      b, c);
+                CHECK(at < system.first_contact[b + 1] && system.contact_of[at] == c, "body %zu, contact %zu", b, c);
                 at++;
             }
         }
@@ -161,12 +160,13 @@ static void friction_is_of_the_contacts_law(void)
     static const double ones[3] = {1.0, 1.0, 1.0}, k = 2e6;
     const aoi_modes body = {.n = 1, .ports = 3, .omega = ZERO, .shape = ones, .push = ones, .centre = ones};
     const aoi_modes bodies[2] = {body, body};
-    aoi_law law[3] = {linear_law(), linear_law(), linear_law()}; /* its own, softer by its compliance, and another */
+    aoi_law law[4] = {linear_law(), linear_law()}; /* its own, softer by its compliance, and two others */
     aoi_friction made[2] = {{.mu = 0.2}, {.mu = 0.2, .ratio = 0.8, .precision = 1e-4}};
     law[1].compliance = 1e-9;
     CHECK(aoi_law_create(&law[2], "linear", 1, &k) == AOI_OK, "twice as stiff");
+    CHECK(aoi_law_create(&law[3], "hertz", 1, law->parameter) == AOI_OK, "of the same number");
     CHECK(aoi_friction_create(&made[0], law, 0.2, 0.8, 1e-4) == AOI_OK, "friction");
-    for (size_t i = 0; i < 6; i++) {
+    for (size_t i = 0; i < 8; i++) {
         const aoi_contact contact = {.body = {0, 1}, .law = &law[i / 2], .friction = &made[i % 2]};
         aoi_system system = {.body_count = 2, .contact_count = 1, .body = bodies, .contact = &contact};
         size_t links[40];

@@ -64,8 +64,7 @@ static inline int chain_solve(void *data, double *x)
         }
     }
     for (size_t i = n; i-- > 0;) {
-        const double off =
-            i + 1 < n ? s->of_k * entry(s->K, i, i + 1) + s->of_m * entry(s->M, i, i + 1) : 0.0;
+        const double off = i + 1 < n ? s->of_k * entry(s->K, i, i + 1) + s->of_m * entry(s->M, i, i + 1) : 0.0;
         x[i] = (x[i] - (i + 1 < n ? off * x[i + 1] : 0.0)) / s->diagonal[i];
     }
     if (s->calls == s->lies_at && n > 0) {
@@ -74,8 +73,7 @@ static inline int chain_solve(void *data, double *x)
     return 0;
 }
 
-static inline chain_solver take_solver(input *in, const aoi_sparse *K, const aoi_sparse *M, double of_k,
-                                       double of_m)
+static inline chain_solver take_solver(input *in, const aoi_sparse *K, const aoi_sparse *M, double of_k, double of_m)
 {
     chain_solver s = {.K = K, .M = M, .of_k = of_k, .of_m = of_m, .diagonal = take_room(in, K->n)};
     if (take_byte(in) > 230) {

@@ -219,8 +219,7 @@ static inline aoi_law take_law(input *in, int *status)
         for (size_t i = 1; i < count; i++) { /* slopes between which the cubics do not fall */
             const double length = table[i] - table[i - 1], *force = table + count, *slope = force + count;
             const double rise = (force[i] - force[i - 1]) / length;
-            table[2 * count + i] = fmin(rise, i + 1 < count ? (force[i + 1] - force[i]) /
-                                                                  (table[i + 1] - table[i])
+            table[2 * count + i] = fmin(rise, i + 1 < count ? (force[i + 1] - force[i]) / (table[i + 1] - table[i])
                                                             : rise);
             table[3 * count + i] = table[3 * count + i - 1] +
                                    0.5 * length * ((force[i - 1] + force[i]) +
