@@ -29,7 +29,7 @@ static const double TAIL_SHARE = 0.3, STEP_SHARE = 0.1;
 /* Factor on STEP_SHARE, and at a residual compliance also on TAIL_SHARE, in the first and last step of a contact.
  * There the force is not a smooth function of time, and the quadrature of its difference from the polynomial
  * misses part of the error. */
-static const double END_SHARE = 0.03;
+static const double END_SHARE = 0.05;
 
 /* Largest length of a trial step, as a share of the length that the error allows: see ../README.md. */
 static const double CAUTION = 0.9;
