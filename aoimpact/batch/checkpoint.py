@@ -183,7 +183,7 @@ class _Content(pickle.Pickler):
         if sp.issparse(value):
             csr = value.tocsr()
             parts = csr.shape, csr.indptr, csr.indices, csr.data
-        elif isinstance(value, np.ndarray):
+        elif isinstance(value, np.ndarray | np.generic):
             content = value.tolist() if value.dtype.hasobject else value.tobytes()
             parts = value.dtype.str, value.shape, content
         elif dataclasses.is_dataclass(kind) or (hasattr(value, "__dict__") and not callable(value)):

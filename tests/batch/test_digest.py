@@ -37,7 +37,7 @@ def case(**changes: Any) -> dict[str, Any]:
     "change",
     [
         {"velocity": math.nextafter(1.0, 2.0)},
-        {"velocity": -1.0},
+        {"velocity": np.float64(-1.0)},
         {"law": ao.PowerLaw(k=1e9, n=1.5)},
         {"law": ao.Hertz(k=1.0000000001e9)},
         {"target": ao.AOModel(**STAR | {"m": [0.3, 0.2]})},
