@@ -135,11 +135,11 @@ static int find_root(const search *s, double low, double high, double *force, do
         }
         const int there = fabs(newton) <= enough || fabs(next - x) <= enough || excess == 0.0 ||
                           (i >= FEW_ITERATIONS && fabs(excess) <= rounding_at(s, &value));
-        /* A force that falls with the rate may lead past the motion without force, by a rounding error. */
-        x = next > e->indentation_free && !s->law->pulls ? e->indentation_free : next;
+        x = next;
         if (there) {
-            *force = force_found(s, x);
-            *indentation = x;
+            /* A force that falls with the rate may lead past the motion without force, by a rounding error. */
+            *indentation = next > e->indentation_free && !s->law->pulls ? e->indentation_free : next;
+            *force = force_found(s, *indentation);
             return AOI_OK;
         }
     }
